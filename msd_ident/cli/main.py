@@ -1,0 +1,54 @@
+"""The ``msd`` command: one file a subcommand, errors in one line, exit code 0 or 2."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import typer
+
+from msd_ident.errors import MsdError, UsageError
+
+#: Subcommands, each a module of this package with a function of the same name.
+COMMANDS = ("identify", "diagnose", "record", "replay", "simulate", "demo", "paper", "info")
+
+app = typer.Typer(
+    name="msd",
+    help="Identify a mass-spring-damper from force and encoder data, and see what the model gets wrong.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def _register() -> None:
+    for name in COMMANDS:
+        try:
+            module = importlib.import_module(f"msd_ident.cli.{name}")
+        except ModuleNotFoundError as missing:
+            if missing.name != f"msd_ident.cli.{name}":
+                raise
+            continue
+        app.command(name=name)(getattr(module, name))
+
+
+def fail(error: MsdError) -> int:
+    """Print the error's one line to stderr; return the exit code."""
+    print(f"msd: {error}", file=sys.stderr)
+    return 2
+
+
+def main() -> int:
+    """Run the command line; never ends in a traceback for anything that a user can mend."""
+    _register()
+    try:
+        outcome = app(standalone_mode=False)
+    except MsdError as error:
+        return fail(error)
+    except typer.Abort:
+        return fail(UsageError("interrupted"))
+    return int(outcome or 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

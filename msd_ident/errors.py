@@ -1,0 +1,24 @@
+"""The few errors that a user can meet, named by what must be changed.
+
+Every message is one line that says what is wrong, what was found, what was expected
+and what to do next. Command line and nodes print it as it is; anything else that
+escapes is a defect of this project.
+"""
+
+from __future__ import annotations
+
+
+class MsdError(Exception):
+    """Base of all errors that a user can mend."""
+
+
+class DataError(MsdError):
+    """Change the data: a file, bag, topic or signal cannot be used as it is."""
+
+
+class UsageError(MsdError):
+    """Change the call: an option, parameter or combination makes no sense."""
+
+
+class SetupError(MsdError):
+    """Change the installation: something that this needs is not there."""

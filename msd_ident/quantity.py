@@ -1,0 +1,37 @@
+"""A number with its unit and its interval: what every result is made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+#: Two-sided 95 % quantile of the normal distribution.
+Z95 = 1.959963984540054
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """An estimated value, its standard deviation and its unit.
+
+    ``std`` is NaN where the data leaves the value open; then ``low`` and ``high`` are NaN
+    too, and whoever prints it prints no interval.
+    """
+
+    value: float
+    std: float
+    unit: str
+
+    @property
+    def low(self) -> float:
+        """Lower end of the 95 % interval."""
+        return self.value - Z95 * self.std
+
+    @property
+    def high(self) -> float:
+        """Upper end of the 95 % interval."""
+        return self.value + Z95 * self.std
+
+    @property
+    def known(self) -> bool:
+        """Whether the data decides the value, i.e. there is an interval to print."""
+        return math.isfinite(self.value) and math.isfinite(self.std)

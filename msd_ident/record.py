@@ -1,0 +1,242 @@
+"""Record: one measurement of force and position, checked at birth and frozen.
+
+Force and position may have stamps of their own: a robot graph sends a force when it
+changes and an encoder value every millisecond. ``time`` belongs to ``position``,
+``force_time`` to ``force``; where both share one clock the two are equal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.errors import DataError
+
+FloatArray = npt.NDArray[np.float64]
+Hold = Literal["zero", "linear"]
+
+#: Fewest position samples that any estimate may be made from.
+MINIMUM_SAMPLES = 20
+
+
+def _frozen(values: npt.ArrayLike, what: str) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    if array.ndim != 1:
+        raise DataError(f"{what} has {array.ndim} dimensions; expected one value per sample")
+    array.setflags(write=False)
+    return array
+
+
+def _check_finite(array: FloatArray, what: str) -> None:
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise DataError(
+            f"{what} holds {bad.size} values that are not finite (first: {array[bad[0]]} at sample "
+            f"{bad[0]}); expected numbers only: remove or repair those samples"
+        )
+
+
+def _check_increasing(array: FloatArray, what: str) -> None:
+    step = np.diff(array)
+    back = np.flatnonzero(step < 0)
+    if back.size:
+        i = int(back[0])
+        raise DataError(
+            f"{what} runs backwards {back.size} times (first: {array[i]:.6f} s then {array[i + 1]:.6f} s at "
+            f"sample {i + 1}); expected rising stamps: cut the record there or use one recording at a time"
+        )
+    same = np.flatnonzero(step == 0)
+    if same.size:
+        i = int(same[0])
+        raise DataError(
+            f"{what} holds {same.size} duplicate stamps (first: {array[i]:.6f} s at sample {i + 1}); "
+            "expected one sample an instant: drop the duplicates"
+        )
+
+
+@dataclass(frozen=True)
+class Record:
+    """Force in, position out.
+
+    Attributes:
+        time: (n,) stamps of the position samples [s], rising; usually from 0.
+        position: (n,) measured position, in ``position_unit``.
+        force_time: (p,) stamps of the force values [s], rising, on the same clock as ``time``.
+        force: (p,) commanded or measured force, in ``force_unit``.
+        hold: how the force goes on between its stamps: ``zero`` (held until the next value)
+            or ``linear``. Before the first stamp it is 0, after the last one it is held.
+        force_unit: ``N``, ``N·m``, or whatever the source has when the gain is unknown (``V``).
+        position_unit: ``m`` or ``rad``, or ``count`` when the scale is unknown.
+        name: short name for tables (a file name, a topic).
+        start_ns: absolute stamp of ``time == 0`` [ns], 0 when there is none.
+        notes: what the reader had to do to get here, one sentence each; shown with every result.
+
+    Raises:
+        DataError: fewer than ``MINIMUM_SAMPLES`` samples, lengths that differ, values that are not
+            finite, stamps that do not rise, or force and position that do not overlap in time.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    force_time: FloatArray
+    force: FloatArray
+    hold: Hold = "zero"
+    force_unit: str = "N"
+    position_unit: str = "m"
+    name: str = "record"
+    start_ns: int = 0
+    notes: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        for key in ("time", "position", "force_time", "force"):
+            object.__setattr__(self, key, _frozen(getattr(self, key), key.replace("_", " ")))
+        if self.hold not in ("zero", "linear"):
+            raise DataError(f"hold is {self.hold!r}; expected 'zero' or 'linear'")
+        if self.time.size != self.position.size:
+            raise DataError(
+                f"{self.time.size} stamps for {self.position.size} positions; expected as many of each"
+            )
+        if self.force_time.size != self.force.size:
+            raise DataError(
+                f"{self.force_time.size} stamps for {self.force.size} forces; expected as many of each"
+            )
+        if self.time.size < MINIMUM_SAMPLES:
+            raise DataError(
+                f"{self.time.size} position samples; expected at least {MINIMUM_SAMPLES}: record longer or faster"
+            )
+        if self.force.size < 1:
+            raise DataError("no force samples; expected at least one: record the force, or say that it is zero")
+        _check_finite(self.time, "time")
+        _check_finite(self.force_time, "force time")
+        _check_finite(self.position, "position")
+        _check_finite(self.force, "force")
+        _check_increasing(self.time, "time")
+        _check_increasing(self.force_time, "force time")
+        if self.force_time[0] > self.time[-1]:
+            raise DataError(
+                f"force starts at {self.force_time[0]:.3f} s, after the last position at {self.time[-1]:.3f} s; "
+                "expected signals that overlap in time: check the clocks of the two publishers"
+            )
+        dense = self.force.size > 10
+        if dense and self.force_time[-1] < self.time[0]:
+            raise DataError(
+                f"force ends at {self.force_time[-1]:.3f} s, before the first position at {self.time[0]:.3f} s; "
+                "expected signals that overlap in time: check the clocks of the two publishers"
+            )
+
+    @property
+    def samples(self) -> int:
+        """Number of position samples."""
+        return int(self.time.size)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last position sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def period(self) -> float:
+        """Median time between position samples [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def shared_clock(self) -> bool:
+        """Whether force and position have the very same stamps."""
+        return self.time.size == self.force_time.size and bool(np.array_equal(self.time, self.force_time))
+
+    def force_at(self, time: npt.ArrayLike) -> FloatArray:
+        """Force at any instants [s], as ``hold`` says; 0 before the first stamp."""
+        at = np.asarray(time, dtype=np.float64)
+        if self.hold == "linear":
+            return np.asarray(np.interp(at, self.force_time, self.force, left=0.0), dtype=np.float64)
+        index = np.searchsorted(self.force_time, at, side="right") - 1
+        return np.where(index < 0, 0.0, self.force[np.maximum(index, 0)])
+
+    def window(self, start: float, end: float) -> Record:
+        """The part with start <= time <= end [s], the force that acts at its start kept.
+
+        Raises:
+            DataError: when fewer than ``MINIMUM_SAMPLES`` samples lie inside.
+        """
+        keep = (self.time >= start) & (self.time <= end)
+        if np.count_nonzero(keep) < MINIMUM_SAMPLES:
+            raise DataError(
+                f"{np.count_nonzero(keep)} position samples between {start:.3f} s and {end:.3f} s; expected at "
+                f"least {MINIMUM_SAMPLES} of the record's {self.time[0]:.3f} s to {self.time[-1]:.3f} s"
+            )
+        first = max(int(np.searchsorted(self.force_time, start, side="right")) - 1, 0)
+        last = int(np.searchsorted(self.force_time, end, side="right"))
+        last = min(last + (self.hold == "linear"), self.force.size)
+        return replace(
+            self,
+            time=self.time[keep],
+            position=self.position[keep],
+            force_time=self.force_time[first : max(last, first + 1)],
+            force=self.force[first : max(last, first + 1)],
+        )
+
+
+def from_samples(
+    time: npt.ArrayLike, force: npt.ArrayLike, position: npt.ArrayLike, *, hold: Hold = "zero", name: str = "record"
+) -> Record:
+    """Record whose force and position share their stamps: time [s], force [N], position [m], each (n,)."""
+    return Record(
+        time=np.asarray(time),
+        position=np.asarray(position),
+        force_time=np.asarray(time),
+        force=np.asarray(force),
+        hold=hold,
+        name=name,
+    )
+
+
+def from_stamps(
+    position_ns: npt.ArrayLike,
+    position: npt.ArrayLike,
+    force_ns: npt.ArrayLike,
+    force: npt.ArrayLike,
+    *,
+    hold: Hold = "zero",
+    force_unit: str = "N",
+    position_unit: str = "m",
+    name: str = "record",
+    notes: tuple[str, ...] = (),
+) -> Record:
+    """Record from two streams with absolute stamps [ns]: the one way from messages, live or in a bag.
+
+    Time 0 is the first position stamp. Streams are put in stamp order; of samples with one stamp the first is
+    kept, with a note that counts the others.
+    """
+    notes = tuple(notes)
+    streams = []
+    for what, stamps, values in (("position", position_ns, position), ("force", force_ns, force)):
+        ns = np.asarray(stamps, dtype=np.int64)
+        data = np.asarray(values, dtype=np.float64)
+        if ns.size != data.size:
+            raise DataError(f"{ns.size} stamps for {data.size} {what} values; expected as many of each")
+        if ns.size == 0:
+            raise DataError(f"no {what} samples; expected at least one: check that the {what} topic was published")
+        backwards = int(np.count_nonzero(np.diff(ns) < 0))
+        unique, first = np.unique(ns, return_index=True)
+        if backwards:
+            notes += (f"{what}: {backwards} samples arrived out of order and were sorted by their stamps.",)
+        if unique.size < ns.size:
+            notes += (f"{what}: {ns.size - unique.size} samples with a stamp already seen were dropped.",)
+        streams.append((unique, data[first]))
+    (ns_x, x), (ns_f, f) = streams
+    start = int(ns_x[0])
+    return Record(
+        time=(ns_x - start) * 1e-9,
+        position=x,
+        force_time=(ns_f - start) * 1e-9,
+        force=f,
+        hold=hold,
+        force_unit=force_unit,
+        position_unit=position_unit,
+        name=name,
+        start_ns=start,
+        notes=notes,
+    )
