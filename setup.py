@@ -1,0 +1,80 @@
+"""Package description, in the form that ament_python, colcon and pip all read.
+
+The version, description, licence and maintainer are those of package.xml.
+"""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+NAME = "msd_ident"
+ROOT = Path(__file__).resolve().parent
+MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
+MAINTAINER = MANIFEST.find("maintainer")
+
+
+def shared(folder: str, *patterns: str) -> tuple[str, list[str]]:
+    """Files of a folder here that go to the same folder under share/msd_ident."""
+    found = sorted(path for pattern in patterns for path in (ROOT / folder).glob(pattern))
+    return f"share/{NAME}/{folder}", [str(path.relative_to(ROOT)) for path in found]
+
+
+setup(
+    name=NAME,
+    version=MANIFEST.findtext("version"),
+    description=MANIFEST.findtext("description"),
+    license=MANIFEST.findtext("license"),
+    maintainer=MAINTAINER.text,
+    maintainer_email=MAINTAINER.get("email"),
+    long_description=(ROOT / "README.md").read_text(encoding="utf-8") if (ROOT / "README.md").exists() else "",
+    long_description_content_type="text/markdown",
+    packages=find_packages(include=["msd_ident", "msd_ident.*", "msd_sim", "msd_sim.*"]),
+    package_data={"": ["py.typed", "*.html", "*.css", "*.js", "*.svg", "*.j2", "*.yaml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        shared("launch", "*.launch.py"),
+        shared("config", "*.yaml"),
+    ],
+    zip_safe=False,
+    python_requires=">=3.10",
+    install_requires=[
+        "control>=0.10.1",
+        "jinja2>=3.1",
+        "matplotlib>=3.8",
+        "mcap>=1.2",
+        "numba>=0.60",
+        "numpy>=1.26",
+        "plotly>=5.22",
+        "pyyaml>=6.0",
+        "rich>=13.7",
+        "rosbags>=0.11",
+        "scipy>=1.13",
+        "typer>=0.12.4",
+    ],
+    extras_require={
+        "test": [
+            "hypothesis>=6.100",
+            "mypy>=1.11",
+            "pytest>=8.2",
+            "pytest-timeout>=2.3",
+            "pytest-xdist>=3.6",
+            "ruff>=0.6",
+            "scipy-stubs>=1.14",
+            "types-PyYAML>=6.0",
+        ],
+    },
+    entry_points={
+        "console_scripts": [
+            "msd = msd_ident.cli.main:main",
+            # Nodes, for `ros2 run msd_ident NAME` and the launch files.
+            "rig = msd_sim.node:main",
+            "identifier = msd_ident.ros.identifier:main",
+            "recorder = msd_ident.ros.recorder:main",
+            "replayer = msd_ident.ros.replayer:main",
+        ],
+        # How `msd simulate` finds a rig without importing one: the first is used by default.
+        "msd.rigs": ["default = msd_sim.api:simulate"],
+    },
+)
