@@ -1,0 +1,216 @@
+"""Bag: a rosbag2 folder, a single ``.mcap`` or a ``.db3`` file, opened for reading raw messages."""
+
+from __future__ import annotations
+
+import heapq
+import mmap
+import os
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from msd_ident.bag.compression import PACKED, DecodeError, decompress, plain_name, unpack_file
+from msd_ident.bag.database import DatabaseFile
+from msd_ident.bag.mcap_file import MAGIC, McapFile
+from msd_ident.bag.qos import qos_from_yaml
+from msd_ident.bag.topic import RawMessage, StorageFile, Topic
+from msd_ident.errors import DataError
+
+_STORAGE = (".mcap", ".db3")
+
+
+class _McapStorage:
+    """An MCAP file as a bag sees it."""
+
+    def __init__(self, data: bytes | mmap.mmap, name: str) -> None:
+        self._file = McapFile(data, name)
+        self._lost_channels: set[int] = set()
+
+    @property
+    def losses(self) -> tuple[str, ...]:
+        return self._file.losses
+
+    def topics(self) -> tuple[Topic, ...]:
+        return tuple(self._topic(channel) for channel in self._file.channels)
+
+    def _topic(self, channel_id: int) -> Topic:
+        channel = self._file.channels[channel_id]
+        schema = self._file.schemas.get(channel.schema_id)
+        return Topic(
+            name=channel.topic,
+            type=schema.name if schema else "",
+            encoding=channel.message_encoding,
+            definition=schema.data.decode(errors="replace") if schema else "",
+            definition_format=schema.encoding if schema else "",
+            offered_qos=qos_from_yaml(channel.metadata.get("offered_qos_profiles")),
+        )
+
+    def raw_messages(self, by_log_time: bool) -> Iterator[RawMessage]:
+        names = {key: (topic.name, topic.type) for key in self._file.channels for topic in [self._topic(key)]}
+        for message in self._file.messages(by_log_time=by_log_time):
+            if message.channel in names:
+                name, type_name = names[message.channel]
+                yield RawMessage(name, type_name, message.data, message.log_time_ns, message.publish_time_ns)
+
+
+class Bag:
+    """A bag that is open for reading.
+
+    Attributes:
+        path: as given.
+        kind: ``rosbag2 folder``, ``MCAP file`` or ``SQLite file``, for people.
+        topics: by name.
+    """
+
+    def __init__(self, path: Path, kind: str, files: list[StorageFile], packed: bool, notes: list[str]) -> None:
+        self.path = path
+        self.kind = kind
+        self._files = files
+        self._packed = packed
+        self._notes = tuple(notes)
+        self.topics: dict[str, Topic] = {}
+        for file in files:
+            for topic in file.topics():
+                self.topics.setdefault(topic.name, topic)
+        _check_encodings(path, self.topics)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What had to be done or was lost; complete after all messages were read."""
+        return self._notes + tuple(loss for file in self._files for loss in file.losses)
+
+    def messages(self, topics: Collection[str] | None = None, *, by_log_time: bool = True) -> Iterator[RawMessage]:
+        """Messages of the topics (all for ``None``), by log time or in the order in which they were stored."""
+        streams = [file.raw_messages(by_log_time) for file in self._files]
+        merged: Iterator[RawMessage]
+        if by_log_time and len(streams) > 1:
+            merged = heapq.merge(*streams, key=lambda message: message.log_time_ns)
+        else:
+            merged = (message for stream in streams for message in stream)
+        for message in merged:
+            if topics is None or message.topic in topics:
+                yield message._replace(data=_unpack(message.data)) if self._packed else message
+
+
+def open_bag(path: str | os.PathLike[str]) -> Bag:
+    """Open a bag.
+
+    Raises:
+        DataError: nothing there, not a bag, or no topic in an encoding that can be read.
+    """
+    where = Path(path)
+    if not where.exists():
+        raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
+    if where.is_dir():
+        return _open_folder(where)
+    name = plain_name(where)
+    if name.endswith(_STORAGE) or _begins_like_mcap(where):
+        kind = "SQLite file" if name.endswith(".db3") else "MCAP file"
+        return Bag(where, kind, [_open_storage(where)], False, [])
+    if name == "metadata.yaml":
+        return _open_folder(where.parent)
+    raise DataError(f"{where} is not a bag; expected a rosbag2 folder, an .mcap, a .db3 or a .csv file")
+
+
+def iterate_messages(
+    path: str | os.PathLike[str], topics: Collection[str] | None = None
+) -> Iterator[RawMessage]:
+    """Messages of a bag by log time; see ``open_bag`` for topics with their QoS and definitions.
+
+    Raises:
+        DataError: not a bag, or one of the topics is not in it.
+    """
+    bag = open_bag(path)
+    missing = sorted(set(topics or ()) - set(bag.topics))
+    if missing:
+        raise DataError(
+            f"{bag.path} has no topic {', '.join(missing)}; there are: {', '.join(sorted(bag.topics)) or 'none'}"
+        )
+    return bag.messages(topics)
+
+
+def _open_folder(folder: Path) -> Bag:
+    notes: list[str] = []
+    information = _read_metadata(folder / "metadata.yaml", notes)
+    paths = _storage_paths(folder, information, notes)
+    packed = str(information.get("compression_mode") or "").lower() == "message"
+    return Bag(folder, "rosbag2 folder", [_open_storage(path) for path in paths], packed, notes)
+
+
+def _read_metadata(path: Path, notes: list[str]) -> Mapping[str, Any]:
+    """Content of metadata.yaml; a missing or damaged one costs no data, the files describe themselves."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        information = content["rosbag2_bagfile_information"]
+        if isinstance(information, Mapping):
+            return information
+    except FileNotFoundError:
+        notes.append("metadata.yaml is missing; the files of the folder were read in the order of their names.")
+        return {}
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
+        pass
+    notes.append("metadata.yaml cannot be read; the files of the folder were read in the order of their names.")
+    return {}
+
+
+def _storage_paths(folder: Path, information: Mapping[str, Any], notes: list[str]) -> list[Path]:
+    present = sorted((path for path in folder.iterdir() if plain_name(path).endswith(_STORAGE)), key=_natural)
+    listed = information.get("relative_file_paths")
+    named = [folder / Path(str(entry)).name for entry in listed] if isinstance(listed, list) else []
+    missing = [path.name for path in named if path not in present]
+    if missing:
+        notes.append(f"{len(missing)} of {len(named)} files of the bag are missing: {', '.join(missing)}.")
+    extra = [path for path in present if path not in named]
+    if named and extra:
+        notes.append(f"files that metadata.yaml does not name were left out: {', '.join(p.name for p in extra)}.")
+    paths = [path for path in named if path in present] if named else present
+    if not paths:
+        raise DataError(f"{folder} holds no .mcap or .db3 file; expected a rosbag2 folder: check the path")
+    return paths
+
+
+def _natural(path: Path) -> tuple[int, str]:
+    """Sort key that puts ``bag_10`` behind ``bag_9``."""
+    return len(path.name), path.name
+
+
+def _open_storage(path: Path) -> StorageFile:
+    packed = path.name.endswith(PACKED)
+    try:
+        if plain_name(path).endswith(".db3"):
+            return DatabaseFile(path, packed)
+        if packed:
+            return _McapStorage(unpack_file(path), path.name)
+        with path.open("rb") as file:
+            empty = os.fstat(file.fileno()).st_size == 0
+            data = b"" if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+            return _McapStorage(data, path.name)
+    except OSError as error:
+        raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
+
+
+def _unpack(data: bytes) -> bytes:
+    """Message of a bag that was compressed message by message; empty, and so counted as unreadable, when damaged."""
+    try:
+        return decompress(data, "zstd")
+    except DecodeError:
+        return b""
+
+
+def _begins_like_mcap(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError as error:
+        raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
+
+
+def _check_encodings(path: Path, topics: Mapping[str, Topic]) -> None:
+    strange = sorted({topic.encoding for topic in topics.values()} - {"cdr"})
+    if strange and all(topic.encoding != "cdr" for topic in topics.values()):
+        raise DataError(
+            f"{path}: messages are encoded as {', '.join(repr(name) for name in strange)}; expected 'cdr', "
+            "the encoding of ROS 2: record or convert the bag with ROS 2"
+        )

@@ -1,0 +1,52 @@
+"""Compressed files and messages of rosbag2, and chunks of MCAP: zstd, lz4 or none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import lz4.frame  # type: ignore[import-untyped]
+import zstandard
+
+from msd_ident.errors import DataError
+
+#: Endings of a storage file that was compressed as a whole.
+PACKED = (".zstd", ".zst")
+
+
+class DecodeError(Exception):
+    """The bytes are not what they say."""
+
+
+def plain_name(path: Path) -> str:
+    """Name without the ending that says that it is compressed."""
+    return path.name.removesuffix(PACKED[0]).removesuffix(PACKED[1])
+
+
+def decompress(packed: bytes, compression: str) -> bytes:
+    """As much as the bytes give: a stream that is cut off yields what comes before the cut.
+
+    Raises:
+        DecodeError: the bytes are damaged, or the compression is not known.
+    """
+    try:
+        if compression == "zstd":
+            return zstandard.ZstdDecompressor().decompressobj().decompress(packed)
+        if compression == "lz4":
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed))
+    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError) as error:
+        raise DecodeError(str(error)) from None
+    if compression:
+        raise DecodeError(f"compression {compression!r} is not known")
+    return packed
+
+
+def unpack_file(path: Path) -> bytes:
+    """Content of a file that was compressed with zstd as a whole.
+
+    Raises:
+        DataError: it is not, or it is damaged.
+    """
+    try:
+        return decompress(path.read_bytes(), "zstd")
+    except DecodeError:
+        raise DataError(f"{path} is damaged or not compressed with zstd; expected a whole bag file") from None
