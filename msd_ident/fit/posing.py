@@ -1,0 +1,109 @@
+"""Posing the problem: what is free, what each record adds, and the vectors that a search starts from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+
+from msd_ident import quality
+from msd_ident.errors import UsageError
+from msd_ident.fit.objective import SquaredError
+from msd_ident.fit.problem import Initial, Nuisance, Problem, build
+from msd_ident.fit.start import LINEAR, Start, candidates
+from msd_ident.model import Model
+from msd_ident.record import FloatArray, Record
+
+Zero = Literal["free", "known"]
+
+#: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
+_PLACED = (
+    "cubic_stiffness",
+    "quadratic_stiffness",
+    "stop_position",
+    "cogging_amplitude",
+    "position_friction_slope",
+)
+
+
+def pose(
+    model: Model, records: tuple[Record, ...], fixed: Mapping[str, float] | Collection[str] = (), zero: Zero = "free"
+) -> Problem:
+    """The problem that ``fit`` solves: what is free, and each record's own entries."""
+    if not records:
+        raise UsageError("no records to fit; expected at least one")
+    if isinstance(fixed, Mapping):
+        model = model.with_values(fixed)
+    kept = frozenset(fixed)
+    if zero not in ("free", "known"):
+        raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
+    springless = "stiffness" in kept and model["stiffness"] == 0.0 and not set(_PLACED) & set(model.names)
+    nuisances = []
+    for i, record in enumerate(records):
+        nuisances.append(Nuisance(i, "initial position"))
+        if not starts_at_rest(record):
+            nuisances.append(Nuisance(i, "initial velocity"))
+        if zero == "free" and not springless:
+            nuisances.append(Nuisance(i, "zero"))
+    if kept >= set(model.names):
+        raise UsageError("every parameter is fixed; expected at least one to fit")
+    return build(model, records, kept, tuple(nuisances), (Initial(),) * len(records))
+
+
+def starts_at_rest(record: Record) -> bool:
+    """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
+
+    At least ten samples and a hundredth of the record must stay within one encoder step or three times their noise.
+    """
+    count = max(10, record.samples // 100)
+    head = record.position[:count]
+    steady = max(1.01 * quality.encoder_step(record), 1e-4 * float(np.ptp(record.position)))
+    if float(np.ptp(head)) <= steady:
+        return True
+    time = record.time[:count] - record.time[:count].mean()
+    slope = float(time @ head) / float(time @ time)
+    scatter = float(np.std(np.diff(head))) / math.sqrt(2.0)
+    bend = float(np.mean(head[: count // 2]) - np.mean(head[count // 2 :]))
+    return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)
+
+
+def start_vectors(problem: Problem, models: Sequence[Model]) -> list[FloatArray]:
+    """Vectors to start from: the given values and, mixed into each model, the regression's."""
+    given = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
+    free = {problem.model.names[i] for i in problem.free}
+    zero_free = any(n.kind == "zero" for n in problem.nuisances)
+    regressed = candidates(problem.records, given, free, zero_free)
+    vectors = []
+    for model in (problem.model, *models):
+        own = dict(zip(model.names, model.values.tolist(), strict=True))
+        for start in regressed:
+            vectors.append(_vector(problem, Start({**own, **_linear(start, free)}, start.initial)))
+        initial = (
+            regressed[0].initial if regressed else tuple((float(r.position[0]), 0.0, 0.0) for r in problem.records)
+        )
+        vectors.append(_vector(problem, Start(own, initial)))
+    return vectors
+
+
+def _linear(start: Start, free: set[str]) -> dict[str, float]:
+    return {name: start.values[name] for name in LINEAR if name in free and name in start.values}
+
+
+def _vector(problem: Problem, start: Start) -> FloatArray:
+    return problem.vector(start.values, [Initial(*state) for state in start.initial])
+
+
+def regression_start(records: Record | Sequence[Record], model: Model, *, fixed: Collection[str] = ()) -> Model:
+    """The model with starting values by linear regression on smoothed derivatives with sign(v).
+
+    Several smoothing widths are tried and the one whose simulation fits best is kept. Parameters that do not enter
+    linearly, or stand in ``fixed``, keep the model's values; so do all when the regression makes no sense.
+    """
+    group = (records,) if isinstance(records, Record) else tuple(records)
+    problem = pose(model, group, fixed)
+    objective = SquaredError(problem)
+    vectors = start_vectors(problem, ())
+    best = min(vectors[:-1] or vectors, key=objective.cost)
+    return model.with_values(problem.values(best))

@@ -1,0 +1,202 @@
+"""The fitting problem: which parameters are free, what each record adds, residuals and their Jacobian.
+
+The vector that the solver moves holds the free parameters of the model, shared by all records, and then, for each
+record, its own initial position, initial velocity and zero where these are free. Residual = model − data (eq. 14).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from msd_ident.errors import UsageError
+from msd_ident.fit.units import Magnitudes, magnitudes
+from msd_ident.model import Model, Simulator
+from msd_ident.record import FloatArray, Record
+
+NuisanceKind = Literal["initial position", "initial velocity", "zero"]
+
+#: Effects of a finite-difference step on the position, as a part of the motion: far above rounding, far below bends.
+_RELATIVE_STEP = 1e-6
+#: A simulation that blows up counts as an error of this many amplitudes.
+_BLOWN_UP = 1e6
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One free entry that belongs to one record."""
+
+    record: int
+    kind: NuisanceKind
+
+
+@dataclass(frozen=True)
+class Initial:
+    """State of a record at its first sample, and the reading at which the spring is relaxed."""
+
+    position: float = 0.0
+    velocity: float = 0.0
+    zero: float = 0.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A model, records, and what may move.
+
+    Attributes:
+        model: structure, and the values of the parameters that are fixed.
+        free: indices of the free parameters in ``model.names``.
+        nuisances: the free entries of single records, after the free parameters in the vector.
+        initial: per record, the values of the entries that are not free.
+        typical: yardsticks of force, length and time.
+    """
+
+    model: Model
+    records: tuple[Record, ...]
+    simulators: tuple[Simulator, ...]
+    free: tuple[int, ...]
+    nuisances: tuple[Nuisance, ...]
+    initial: tuple[Initial, ...]
+    typical: Magnitudes
+
+    @property
+    def size(self) -> int:
+        """Entries of the vector."""
+        return len(self.free) + len(self.nuisances)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each entry of the vector."""
+        own = tuple(f"{n.kind} of {self.records[n.record].name}" for n in self.nuisances)
+        return tuple(self.model.names[i] for i in self.free) + own
+
+    @property
+    def scale(self) -> FloatArray:
+        """Natural size of each entry."""
+        typical = self.typical
+        sizes = [typical.of(self.model.parameters[i].unit) for i in self.free]
+        own = {"initial velocity": typical.length / typical.time}
+        return np.array(sizes + [own.get(n.kind, typical.length) for n in self.nuisances])
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper bound of each entry; a lower bound of 0 on mass is kept off zero."""
+        parameters = [self.model.parameters[i] for i in self.free]
+        rest = len(self.nuisances)
+        least = {"mass": 1e-6 * self.typical.of("kg")}
+        lower = np.array([max(p.lower, least.get(p.name, p.lower)) for p in parameters] + [-np.inf] * rest)
+        upper = np.array([p.upper for p in parameters] + [np.inf] * rest)
+        return lower, upper
+
+    def vector(self, values: Mapping[str, float], initial: Sequence[Initial]) -> FloatArray:
+        """The vector for these parameter values and initial states."""
+        shared = [values[self.model.names[i]] for i in self.free]
+        return np.array(shared + [_get(initial[n.record], n.kind) for n in self.nuisances])
+
+    def values(self, vector: FloatArray) -> FloatArray:
+        """Values of all the model's parameters (in the order of ``model.names``)."""
+        values = np.array(self.model.values, dtype=np.float64)
+        values[list(self.free)] = vector[: len(self.free)]
+        return values
+
+    def initials(self, vector: FloatArray) -> tuple[Initial, ...]:
+        """Initial state and zero of each record."""
+        states = [[start.position, start.velocity, start.zero] for start in self.initial]
+        for nuisance, value in zip(self.nuisances, vector[len(self.free) :], strict=True):
+            states[nuisance.record][_KINDS.index(nuisance.kind)] = float(value)
+        return tuple(Initial(*state) for state in states)
+
+    def entries(self, record: int) -> FloatArray:
+        """Indices of the vector's entries that this record depends on."""
+        own = [len(self.free) + j for j, n in enumerate(self.nuisances) if n.record == record]
+        return np.array([*range(len(self.free)), *own], dtype=np.intp)
+
+    def residual(self, vector: FloatArray, record: int) -> FloatArray:
+        """Model − data (n,) of one record; large but finite where the simulation blows up."""
+        return self._residuals(vector[None, :], record)[0]
+
+    def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's)."""
+        entries = self.entries(record)
+        simulated = [e for e in entries if e < len(self.free) or self.nuisances[e - len(self.free)].kind != "zero"]
+        points = np.repeat(vector[None, :], 1 + len(simulated), axis=0)
+        points[np.arange(1, len(points)), simulated] += steps[simulated]
+        rows = self._residuals(points, record)
+        jacobian = np.empty((entries.size, rows.shape[1]))
+        jacobian[entries.size - 1] = 1.0  # the zero, where free, is the last entry of its record
+        np.subtract(rows[1:], rows[0], out=jacobian[: len(simulated)])
+        jacobian[: len(simulated)] /= steps[simulated][:, None]
+        return rows[0], jacobian
+
+    def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residual and Jacobian by central differences (one-sided at a bound): for the intervals."""
+        lower, upper = self.bounds
+        residual, ahead = self.linearised(vector, record, np.where(vector + steps > upper, -steps, steps))
+        _, behind = self.linearised(vector, record, np.where(vector - steps < lower, steps, -steps))
+        ahead += behind
+        ahead *= 0.5
+        return residual, ahead
+
+    def first_steps(self) -> FloatArray:
+        """Finite-difference steps before anything is known about the Jacobian."""
+        return _RELATIVE_STEP * self.scale
+
+    def steps(self, matrix: FloatArray) -> FloatArray:
+        """Steps that move the positions by ``_RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
+        samples = sum(record.samples for record in self.records)
+        effect = np.sqrt(np.maximum(np.diag(matrix), 1e-300) / samples)
+        return np.clip(
+            _RELATIVE_STEP * self.typical.length / effect, 1e-3 * self.first_steps(), 1e3 * self.first_steps()
+        )
+
+    def _residuals(self, points: FloatArray, record: int) -> FloatArray:
+        """Residuals (q, n) of one record at several points (q, p)."""
+        values = np.repeat(np.array(self.model.values, dtype=np.float64)[None, :], len(points), axis=0)
+        values[:, list(self.free)] = points[:, : len(self.free)]
+        start = self.initial[record]
+        states = np.repeat(np.array([[start.position, start.velocity, start.zero]]), len(points), axis=0)
+        for j, nuisance in enumerate(self.nuisances):
+            if nuisance.record == record:
+                states[:, _KINDS.index(nuisance.kind)] = points[:, len(self.free) + j]
+        rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
+        rows -= self.records[record].position
+        if np.any(states[:, 2]):
+            rows += states[:, 2:]
+        return self._tamed(rows)
+
+    def _tamed(self, rows: FloatArray) -> FloatArray:
+        worst = _BLOWN_UP * self.typical.length
+        if not np.isfinite(rows.sum()):
+            np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
+        return np.asarray(np.clip(rows, -worst, worst, out=rows) if np.abs(rows).max() > worst else rows)
+
+
+_KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")
+
+
+def _get(initial: Initial, kind: NuisanceKind) -> float:
+    return (initial.position, initial.velocity, initial.zero)[_KINDS.index(kind)]
+
+
+def build(
+    model: Model,
+    records: Sequence[Record],
+    fixed: frozenset[str],
+    nuisances: tuple[Nuisance, ...],
+    initial: tuple[Initial, ...],
+) -> Problem:
+    """A problem with every parameter free that is not in ``fixed``.
+
+    Raises:
+        UsageError: a fixed name that the model does not have.
+    """
+    unknown = sorted(fixed - set(model.names))
+    if unknown:
+        raise UsageError(f"no parameter {unknown[0]!r} to fix; this model has {', '.join(model.names)}")
+    free = tuple(i for i, name in enumerate(model.names) if name not in fixed)
+    mass = float(model.values[model.names.index("mass")])
+    simulators = tuple(Simulator(model, record) for record in records)
+    return Problem(model, tuple(records), simulators, free, nuisances, initial, magnitudes(tuple(records), mass))

@@ -1,0 +1,186 @@
+"""Starting values by linear regression: no simulation, no local minimum.
+
+The equation of motion is linear in most parameters once x, v and a are known. Multiplied by a smooth bump φ and
+integrated by parts over the bump, it needs no noisy second derivative (Shinbrot 1957; "weak form"):
+
+    m ∫φ''x − b ∫φ'x + k ∫φx + Fc ∫φ sign(v) + c ∫φ = ∫φF
+
+One equation for each place of the bump; least squares gives the parameters. Every column is smoothed by the same bump,
+so the smoothing itself leaves no bias. The bump's width trades noise against detail; several are tried, and the caller
+keeps the one whose simulation fits best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from msd_ident.record import FloatArray, Record
+
+#: Parameters that enter the equation of motion linearly through something that x and v tell.
+LINEAR = (
+    "mass",
+    "damping",
+    "stiffness",
+    "coulomb_force",
+    "offset_force",
+    "drag_coefficient",
+    "cubic_stiffness",
+    "quadratic_stiffness",
+)
+_NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient")
+_WIDTHS = (5, 10, 20, 40, 80, 160, 320)
+_MOST_PLACES = 4000
+
+
+@dataclass(frozen=True)
+class Start:
+    """Values by parameter name, and for each record its initial position, velocity and zero."""
+
+    values: Mapping[str, float]
+    initial: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Regression rows of one record: a column for each linear parameter, the constant, and the force."""
+
+    columns: dict[str, FloatArray]
+    constant: FloatArray
+    force: FloatArray
+
+
+def candidates(
+    records: tuple[Record, ...], given: Mapping[str, float], free: Collection[str], zero_free: bool
+) -> list[Start]:
+    """One start for each bump width that the records allow; empty when the regression has nothing to say.
+
+    Args:
+        given: value of every parameter of the model; fixed ones keep it.
+        free: names of the parameters to estimate.
+        zero_free: whether each record has an unknown zero, which shows as a constant force of its own.
+    """
+    shortest = min(record.samples for record in records)
+    found = []
+    for half in _WIDTHS:
+        if 2 * half + 1 > shortest // 3:
+            break
+        rows = [_rows(record, half) for record in records]
+        values = _regress(rows, given, free, zero_free)
+        if values is None:
+            continue
+        zeros = _zeros(values, len(records))
+        initial = tuple(_initial(record, half, zero) for record, zero in zip(records, zeros, strict=True))
+        found.append(Start({name: values.get(name, value) for name, value in given.items()}, initial))
+    return found
+
+
+def _uniform(record: Record) -> tuple[float, FloatArray, FloatArray]:
+    """Period, position and force on a uniform grid; a held force counts half before and half after its step."""
+    period = record.duration / (record.samples - 1)
+    time = record.time[0] + period * np.arange(record.samples)
+    position = np.interp(time, record.time, record.position)
+    if record.hold == "linear":
+        return period, position, record.force_at(time)
+    return period, position, 0.5 * (record.force_at(time + 1e-3 * period) + record.force_at(time - 1e-3 * period))
+
+
+def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
+    """Central differences over ``span`` samples either side, shorter at the ends."""
+    index = np.arange(position.size)
+    after = np.minimum(index + span, position.size - 1)
+    before = np.maximum(index - span, 0)
+    return np.asarray((position[after] - position[before]) / (period * (after - before)))
+
+
+def _rows(record: Record, half: int) -> _Rows:
+    period, position, force = _uniform(record)
+    velocity = _velocity(position, period, max(half // 2, 2))
+    slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
+    direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
+    width = half * period
+    s = np.linspace(-1.0, 1.0, 2 * half + 1)
+    bump = (1.0 - s**2) ** 3
+    slope = -6.0 * s * (1.0 - s**2) ** 2 / width
+    bend = (-6.0 * (1.0 - s**2) ** 2 + 24.0 * s**2 * (1.0 - s**2)) / width**2
+    stride = max(half // 2, -(-position.size // _MOST_PLACES))
+
+    def over(signal: FloatArray, weight: FloatArray) -> FloatArray:
+        return np.asarray(sliding_window_view(signal, 2 * half + 1)[::stride] @ weight)
+
+    # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
+    moving = over(np.abs(direction), bump) > 0.7 * float(bump.sum())
+    columns = {
+        "mass": over(position, bend),
+        "damping": -over(position, slope),
+        "stiffness": over(position, bump),
+        "coulomb_force": over(direction, bump),
+        "offset_force": np.full(moving.size, float(bump.sum())),
+        "drag_coefficient": over(velocity * np.abs(velocity), bump),
+        "cubic_stiffness": over(position**3, bump),
+        "quadratic_stiffness": over(position**2, bump),
+    }
+    kept = {name: column[moving] for name, column in columns.items()}
+    return _Rows(kept, kept["offset_force"], over(force, bump)[moving])
+
+
+def _regress(
+    rows: list[_Rows], given: Mapping[str, float], free: Collection[str], zero_free: bool
+) -> dict[str, float] | None:
+    """Least squares over all rows; values by name, and ``constant i`` for the constant of record i."""
+    names = [name for name in LINEAR if name in given and name in free]
+    right = np.concatenate([part.force for part in rows])
+    if not np.any(right) and "mass" in names:
+        names.remove("mass")  # free decay: everything scales with the mass, so it keeps the given value
+    for name in LINEAR:
+        if name in given and name not in names:
+            right = right - given[name] * np.concatenate([part.columns[name] for part in rows])
+    matrix = [np.concatenate([part.columns[name] for part in rows]) for name in names]
+    labels = list(names)
+    if zero_free and "offset_force" not in names:
+        for i in range(len(rows)):
+            parts = [part.constant if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
+            matrix.append(np.concatenate(parts))
+            labels.append(f"constant {i}")
+    if not labels or right.size < 2 * len(labels):
+        return None
+    return _solve(np.stack(matrix, axis=1), right, labels, given)
+
+
+def _solve(
+    matrix: FloatArray, right: FloatArray, labels: list[str], given: Mapping[str, float]
+) -> dict[str, float] | None:
+    """Least squares with unit columns; dissipative forces that come out negative are zeroed and the rest redone."""
+    size = np.linalg.norm(matrix, axis=0)
+    size[size == 0.0] = 1.0
+    solution = np.linalg.lstsq(matrix / size, right, rcond=1e-10)[0] / size
+    values = dict(zip(labels, (float(value) for value in solution), strict=True))
+    negative = [name for name in _NOT_NEGATIVE if values.get(name, 0.0) < 0.0]
+    if negative:
+        keep = [i for i, name in enumerate(labels) if name not in negative]
+        rest = _solve(matrix[:, keep], right, [labels[i] for i in keep], given) if keep else {}
+        return None if rest is None else {**rest, **dict.fromkeys(negative, 0.0)}
+    if values.get("mass", 1.0) <= 0.0 or values.get("stiffness", 1.0) <= 0.0:
+        return None
+    return {**{name: given[name] for name in ("stiffness",) if name in given}, **values}
+
+
+def _zeros(values: Mapping[str, float], count: int) -> list[float]:
+    stiffness = values.get("stiffness", 0.0)
+    return [-values.get(f"constant {i}", 0.0) / stiffness if stiffness > 0.0 else 0.0 for i in range(count)]
+
+
+def _initial(record: Record, half: int, zero: float) -> tuple[float, float, float]:
+    position, velocity = starting_state(record, 2 * half + 1)
+    return position - zero, velocity, zero
+
+
+def starting_state(record: Record, count: int = 15) -> tuple[float, float]:
+    """Position and velocity at the first sample, from a parabola through the first ``count`` samples."""
+    count = min(count, record.samples)
+    time = record.time[:count] - record.time[0]
+    _, velocity, position = np.polyfit(time / time[-1], record.position[:count], 2)
+    return float(position), float(velocity) / float(time[-1])
