@@ -1,0 +1,41 @@
+"""The library: every physical effect that can join a plant, one file each."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+
+from msd_ident.errors import UsageError
+from msd_ident.model.effects.base import ARGUMENTS, Effect, Parameter
+
+__all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name"]
+
+_HELPERS = ("base", "typical")
+
+
+def _discover() -> tuple[type[Effect], ...]:
+    found: dict[str, type[Effect]] = {}
+    for info in pkgutil.iter_modules(__path__):
+        if info.name in _HELPERS:
+            continue
+        module = importlib.import_module(f"{__name__}.{info.name}")
+        for item in vars(module).values():
+            if isinstance(item, type) and issubclass(item, Effect) and item.__module__ == module.__name__:
+                found[item.name] = item
+    return tuple(found[name] for name in sorted(found))
+
+
+#: All effects, sorted by name. A file in this folder is all that a new one needs.
+LIBRARY: tuple[type[Effect], ...] = _discover()
+
+
+def by_name(name: str) -> type[Effect]:
+    """The effect called ``name``.
+
+    Raises:
+        UsageError: when there is none; the message lists those there are.
+    """
+    for effect in LIBRARY:
+        if effect.name == name:
+            return effect
+    raise UsageError(f"no effect is called {name!r}; expected one of {', '.join(e.name for e in LIBRARY)}")

@@ -1,0 +1,124 @@
+"""What every physical effect says about itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
+
+from msd_ident.errors import UsageError
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+#: Names that a law may take as arguments besides parameter and memory names.
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "u")
+
+#: Kinds of law that an effect may have, see ``Effect``.
+KINDS = ("constant", "force", "friction", "breakaway", "input_map", "reading")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a law.
+
+    Attributes:
+        name: name in code, results and messages; the same name means the same thing in every effect.
+        symbol: as in formulas.
+        unit: SI unit in terms of kg, m, s, N; ``1`` for a pure number.
+        lower, upper: bounds that physics sets (both may be infinite).
+        meaning: a few words for tables.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    lower: float
+    upper: float
+    meaning: str
+
+
+class Effect:
+    """Base of all effects: a frozen dataclass whose fields are its parameters.
+
+    A law is a static method that numba can compile; its argument names say what it is given: the time
+    ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
+    motion, ``spring_force`` [N] of the linear spring (behind its backlash), a commanded force ``u`` [N], any
+    parameter of the effect or of the plant, any of its ``memory``. The kernel looks for
+
+    - ``force(...)`` [N]: on the left-hand side of m x'' + b x' + k x + force = F, smooth between guards;
+    - ``constant(...)`` [N]: the same for a force that depends on parameters alone;
+    - ``friction(...)`` [N]: dry friction while sliding, against the motion, and ``breakaway(...)`` [N] at rest;
+    - ``reversal(...)``: the new values of ``memory`` when the motion turns at x (one function a memory name);
+    - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;
+    - ``reading(...)`` [m]: what the sensor makes of x.
+
+    An effect without any of these changes the structure (backlash, lag, time offset, ...), and the kernel
+    itself carries it.
+    """
+
+    name: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    acts_on: ClassVar[Literal["force", "input", "sensor"]]
+    law: ClassVar[str]
+    source: ClassVar[str]
+    #: The effect vanishes, exactly, when all these parameters are zero.
+    strength: ClassVar[tuple[str, ...]]
+    #: Effects of one family replace each other; a model holds one of them at most.
+    family: ClassVar[str] = ""
+    #: It only ever takes energy out of the motion.
+    dissipative: ClassVar[bool] = False
+    #: Turning all forces and positions round turns the motion round.
+    mirror: ClassVar[bool] = True
+    #: Its law does not know what time it is: a record moved in time moves the motion, and that is all.
+    steady: ClassVar[bool] = True
+    #: The motion stays piecewise linear with it, so the exact path of the solver carries it.
+    piecewise_linear: ClassVar[bool] = False
+    #: Its force law is not smooth at v = 0, so the solver stops there.
+    turns: ClassVar[bool] = False
+    #: Start values of what the law remembers from the last reversal: (name, value) pairs.
+    memory: ClassVar[tuple[tuple[str, float], ...]] = ()
+
+    def __post_init__(self) -> None:
+        for parameter in self.parameters:
+            value = float(getattr(self, parameter.name))
+            object.__setattr__(self, parameter.name, value)
+            if math.isnan(value) or not parameter.lower <= value <= parameter.upper:
+                raise UsageError(
+                    f"{self.name}: {parameter.name} is {value:g} {parameter.unit}; expected "
+                    f"{parameter.lower:g} to {parameter.upper:g} {parameter.unit}"
+                )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Parameter values in the order of ``parameters``."""
+        return tuple(float(getattr(self, parameter.name)) for parameter in self.parameters)
+
+    @classmethod
+    def from_values(cls, values: dict[str, float]) -> Self:
+        """The effect with those of ``values`` that are its own parameters."""
+        return cls(**{parameter.name: values[parameter.name] for parameter in cls.parameters})
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[Self, ...]:
+        """Starting values from data: one per valley that a search should visit, the likeliest first.
+
+        Args:
+            record: the measurement.
+            plant: a fitted or roughly known model without this effect.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def laws(cls) -> dict[str, Callable[..., float]]:
+        """The compiled-in laws that this effect has, by kind."""
+        kinds = (*KINDS, *(f"reversal_{m}" for m, _ in cls.memory))
+        return {kind: cast("Callable[..., float]", law) for kind in kinds if (law := _static(cls, kind)) is not None}
+
+
+def _static(cls: type[Effect], kind: str) -> Any:
+    return getattr(cls, kind, None)

@@ -1,0 +1,49 @@
+"""Dry friction of constant size."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+COULOMB_FORCE = Parameter("coulomb_force", "Fc", "N", 0.0, math.inf, "kinetic dry friction")
+
+
+@dataclass(frozen=True)
+class CoulombFriction(Effect):
+    """Fc against the motion; at rest it holds against any force up to Fc."""
+
+    coulomb_force: float
+
+    name = "coulomb_friction"
+    parameters = (COULOMB_FORCE,)
+    acts_on = "force"
+    law = "Fc·sign(v), with sticking at v = 0"
+    source = "C. A. Coulomb 1785; equation 2 of the 2014 report, Fc = µ·m·g"
+    strength = ("coulomb_force",)
+    family = "dry friction"
+    dissipative = True
+    piecewise_linear = True
+
+    @staticmethod
+    def friction(coulomb_force: float) -> float:
+        """Kinetic friction [N]."""
+        return coulomb_force
+
+    @staticmethod
+    def breakaway(coulomb_force: float) -> float:
+        """Largest force [N] that it holds at rest."""
+        return coulomb_force
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[CoulombFriction, ...]:
+        """One and five per cent of the largest force at work."""
+        force = typical.force(record, plant)
+        return cls(0.02 * force), cls(0.1 * force)

@@ -1,0 +1,115 @@
+"""Where the compiled solver is kept between runs, and the word to the user when it must be made."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+#: Older builds of the solver that are kept beside the present one.
+KEPT = 3
+
+_ENTRY = '''"""Compiled entry of msd_ident's solver; written by it, safe to delete."""
+from numba import njit
+from msd_ident.model.kernel.run import plan as _plan, run as _run, run_many as _run_many
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def plan({plan}):
+    return _plan({plan})
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run({run}):
+    _run({run})
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run_many({many}):
+    _run_many({many})
+'''
+
+
+def fingerprint() -> str:
+    """Hash of all that the compiled solver is made from: laws, kernel, numba, Python."""
+    import numba
+
+    model = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
+    for path in sorted((*model.glob("effects/*.py"), *model.glob("kernel/*.py"), model / "model.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _roots() -> list[Path]:
+    """Folders to try for the cache, the best first."""
+    roots = []
+    if own := os.environ.get("NUMBA_CACHE_DIR"):
+        roots.append(Path(own))
+    if xdg := os.environ.get("XDG_CACHE_HOME"):
+        roots.append(Path(xdg))
+    if sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
+        roots.append(Path(local))
+    try:
+        roots.append(Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache"))
+    except RuntimeError:
+        pass
+    roots.append(Path(tempfile.gettempdir()) / f"msd_ident-{getattr(os, 'getuid', lambda: 'user')()}")
+    return roots
+
+
+def folder() -> Path:
+    """The folder of this build, made if need be: the first root that can be written."""
+    name = fingerprint()
+    for root in _roots():
+        path = root / "msd_ident" / f"solver-{name}"
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=path):
+                pass
+        except OSError:
+            continue
+        return path
+    return Path(tempfile.mkdtemp(prefix="msd_ident-solver-"))
+
+
+def compiled(module: ModuleType) -> bool:
+    """Whether numba's cache already holds code of the entry module."""
+    return any(Path(module.run._cache.cache_path).glob("msd_solver_entry.run*.nbc"))
+
+
+def load(plan: str, run: str, many: str, say: Callable[[str], None]) -> ModuleType:
+    """The entry module whose functions numba caches in ``folder()``.
+
+    Args:
+        plan, run, many: argument lists of the three entries.
+        say: told in one line when there is nothing compiled yet.
+    """
+    path = folder()
+    source = path / "msd_solver_entry.py"
+    text = _ENTRY.format(plan=plan, run=run, many=many)
+    if not source.exists() or source.read_text() != text:
+        handle, temporary = tempfile.mkstemp(dir=path, suffix=".tmp")
+        with os.fdopen(handle, "w") as file:
+            file.write(text)
+        os.replace(temporary, source)
+    spec = importlib.util.spec_from_file_location("msd_solver_entry", source)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    if not compiled(module):
+        say("msd: compiling the solver, once (about 15 s); later runs start at once")
+        _prune(path)
+    return module
+
+
+def _prune(present: Path) -> None:
+    """Drop all but the newest few builds of other versions."""
+    others = [p for p in present.parent.glob("solver-*") if p != present]
+    others.sort(key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in others[KEPT:]:
+        shutil.rmtree(old, ignore_errors=True)

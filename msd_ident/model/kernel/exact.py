@@ -1,0 +1,210 @@
+"""The exact path: the plant is linear between events, and the events are located.
+
+Between events (v = 0, a knee of the spring) the motion is propagated by the precomputed matrix of the segment's
+length; a segment with an event in it is walked by Taylor series from event to event.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from msd_ident.model.kernel import linear
+from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
+from msd_ident.model.kernel.spring import piece
+
+#: Events in one segment after which the rest of it is passed over: a motion too small to matter.
+EVENTS = 200
+
+
+@njit(error_model="numpy")
+def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, transient, out_x, out_v):
+    """Propagate segment after segment while nothing happens; returns (j, x, v) before the first with an event.
+
+    ``s`` is the direction of motion (0: no direction to keep, no event at v = 0), ``load`` [N] the constant force
+    against +x.
+    """
+    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    while j < kind.size:
+        n = kind[j]
+        if n < 0:
+            break
+        f = level[j] - load
+        x1 = table[n, 0] * x + (table[n, 1] * v + table[n, 2] * f)
+        v1 = table[n, 5] * x + (table[n, 6] * v + table[n, 7] * f)
+        if steep:
+            x1 += table[n, 3] * slope[j]
+            v1 += table[n, 8] * slope[j]
+        if lagged:
+            x1 += table[n, 4] * transient[j]
+            v1 += table[n, 9] * transient[j]
+        if s != 0:
+            if not (s * v1 > 0.0 and x1 >= low and x1 <= high):
+                break
+            push, push1 = s * (f - k * x - b * v), s * (f - k * x1 - b * v1)
+            if steep or lagged:
+                if s * v1 < (abs(push) + abs(push1)) * table[n, 1] / m:
+                    break
+            elif push < 0.0 and push1 > 0.0:
+                break
+        x, v = x1, v1
+        j += 1
+        out_x[j] = x
+        if keep:
+            out_v[j] = v
+    return j, x, v
+
+
+@njit(error_model="numpy")
+def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
+    """Stay at rest while the force lets it; returns the first segment in which the cart leaves."""
+    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    while j < level.size:
+        net = level[j] - spring
+        if steep or lagged:
+            rise = slope[j] if steep else 0.0
+            fade = transient[j] if lagged else 0.0
+            if not abs(net) + abs(rise) * length[j] + abs(fade) <= hold:
+                break
+        elif not abs(net) <= hold:
+            break
+        j += 1
+        out_x[j] = x
+        if keep:
+            out_v[j] = 0.0
+    return j
+
+
+@njit(error_model="numpy")
+def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold, f, r, e, decay, c):
+    """One segment of length h [s] from event to event; returns (x, v, s, i).
+
+    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``c``: room for a series.
+    """
+    t = 0.0
+    for _ in range(EVENTS):
+        left = h - t
+        if not left > 0.0:
+            break
+        f_now, e_now = f + r * t, e * math.exp(-decay * t)
+        if abs(e_now) < 1e-18 * abs(f_now):
+            e_now = 0.0
+        rate = decay if e_now != 0.0 else 0.0
+        if s == 0:
+            net = f_now - constant - intercepts[i] - springs[i] * x
+            wait = first_exit(left, net, r, e_now, rate, hold)
+            t += wait
+            if wait >= left:
+                break
+            s = 1 if net + r * wait + e_now * math.exp(-rate * wait) > 0.0 else -1
+            i = piece(edges, x, s)
+            continue
+        k = springs[i]
+        fastest = max(linear.fastest_rate(m, b, k), rate)
+        d = min(left, linear.LONGEST / fastest)
+        terms = linear.terms_for(fastest * d)
+        linear.series(c, terms, m, b, k, x, v, f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
+        turn = first_turn(c, terms, d, s, v)
+        until = min(turn, d)
+        edge = edges[i + 1] if s > 0 else edges[i]
+        x1 = linear.position(c, terms, until)
+        if s * (x1 - edge) > 0.0:
+            until = fall_through(c, terms, until, edge, s)
+            x, v = edge, linear.velocity(c, terms, until)
+            if s * v <= 0.0:
+                v = 0.0
+            i += s
+            t += until
+        else:
+            x, v = x1, linear.velocity(c, terms, until)
+            t = h if until >= left else t + until
+            if turn <= d:
+                v = 0.0
+                net = f + r * t + e * math.exp(-decay * t) - constant - intercepts[i] - springs[i] * x
+                s = 0 if abs(net) <= hold else (1 if net > 0.0 else -1)
+                i = piece(edges, x, s)
+        if not abs(x) < math.inf:
+            break
+    return x, v, s, i
+
+
+@njit(error_model="numpy")
+def exact(m, b, pieces, constant, kinetic, hold, segments, force, decay, x, v, out_x, out_v):
+    """Positions (and velocities) at all segment boundaries.
+
+    Args:
+        pieces: (edges, slope, intercept) of the spring.
+        constant: force [N] against +x.
+        kinetic, hold: dry friction [N] while sliding, and the most that it holds at rest.
+        segments: (length, kind, lengths), see ``segments.merge``.
+        force: (level, slope, transient) of each segment; the last two may be empty.
+        decay: 1/tau of the transient.
+    """
+    edges, springs, intercepts = pieces
+    length, kind, lengths = segments
+    level, slope, transient = force
+    steep, lagged = slope.size > 0, transient.size > 0
+    eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
+    table = np.empty((springs.size, lengths.size, 10))
+    ready = np.zeros(springs.size, np.bool_)
+    c = np.empty(linear.TERMS)
+    out_x[0] = x
+    if out_v.size > 0:
+        out_v[0] = v
+    s = 1 if v > 0.0 else (-1 if v < 0.0 else 0)
+    i = piece(edges, x, s)
+    j = 0
+    while j < length.size:
+        if s == 0 and eventful:
+            spring = constant + intercepts[i] + springs[i] * x
+            j = rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v)
+        else:
+            if not ready[i]:
+                for n in range(lengths.size):
+                    linear.propagator(table[i, n], m, b, springs[i], lengths[n], decay)
+                ready[i] = True
+            load = constant + intercepts[i] + s * kinetic
+            direction = s if eventful else 0
+            j, x, v = glide(
+                j, x, v, direction, edges[i], edges[i + 1], m, b, springs[i], load,
+                table[i], kind, level, slope, transient, out_x, out_v,
+            )  # fmt: skip
+        if j == length.size:
+            break
+        r = slope[j] if steep else 0.0
+        e = transient[j] if lagged else 0.0
+        if eventful:
+            x, v, s, i = walk(
+                length[j], x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold,
+                level[j], r, e, decay, c,
+            )  # fmt: skip
+        else:
+            x, v = drift(length[j], x, v, m, b, springs[0], level[j] - constant - intercepts[0], r, e, decay, c)
+        j += 1
+        out_x[j] = x
+        if out_v.size > 0:
+            out_v[j] = v
+        if not abs(x) < math.inf:
+            out_x[j:] = math.nan
+            out_v[j:] = math.nan
+            break
+
+
+@njit(error_model="numpy")
+def drift(h, x, v, m, b, k, f, r, e, decay, c):
+    """One segment of an odd length without events, by series."""
+    t = 0.0
+    while t < h:
+        e_now = e * math.exp(-decay * t)
+        rate = decay if abs(e_now) > 1e-18 * abs(f) else 0.0
+        fastest = max(linear.fastest_rate(m, b, k), rate)
+        d = min(h - t, linear.LONGEST / fastest)
+        terms = linear.terms_for(fastest * d)
+        linear.series(c, terms, m, b, k, x, v, f + r * t, r, e_now if rate > 0.0 else 0.0, rate)
+        x, v = linear.position(c, terms, d), linear.velocity(c, terms, d)
+        if t + d == t:
+            break
+        t += d
+    return x, v

@@ -1,0 +1,122 @@
+"""The library's laws as compiled dispatchers: one function a kind, whatever effects a model has.
+
+The source of each dispatcher is written from the argument names of the effects' own laws, e.g.
+
+    def force(active, p, w, t, x, v, direction, spring_force):
+        total = 0.0
+        if active & 8:
+            total += cubic_spring_force(x, p[9])
+        ...
+
+so that a new effect is compiled in by being in the library.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+
+from msd_ident.model.effects import LIBRARY
+from msd_ident.model.model import PLANT_PARAMETERS
+
+#: Place of every parameter of the library in the kernel's one parameter vector.
+INDEX: dict[str, int] = {p.name: i for i, p in enumerate(PLANT_PARAMETERS)}
+for _effect in LIBRARY:
+    for _parameter in _effect.parameters:
+        INDEX.setdefault(_parameter.name, len(INDEX))
+
+#: Bit of every effect in the kernel's set of active effects.
+BIT: dict[str, int] = {effect.name: 1 << i for i, effect in enumerate(LIBRARY)}
+
+#: Place of every remembered number in the kernel's memory vector, with its start value.
+MEMORY: dict[str, int] = {}
+MEMORY_START: list[float] = []
+for _effect in LIBRARY:
+    for _name, _start in _effect.memory:
+        MEMORY[_name] = len(MEMORY_START)
+        MEMORY_START.append(_start)
+
+#: Effects whose laws leave the motion piecewise linear: the exact path carries them.
+EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_linear)
+#: Effects with a dry friction law, and effects whose law turns at v = 0.
+DRY_BITS = sum(BIT[effect.name] for effect in LIBRARY if "friction" in effect.laws())
+TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
+MEMORY_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.memory)
+
+
+def bits(*names: str) -> int:
+    """Set of those of the named effects that the library has."""
+    return sum(BIT.get(name, 0) for name in names)
+
+
+def _argument(name: str) -> str:
+    if name in INDEX:
+        return f"p[{INDEX[name]}]"
+    if name in MEMORY:
+        return f"w[{MEMORY[name]}]"
+    return name
+
+
+def _call(function: str, law: Callable[..., float]) -> str:
+    return f"{function}({', '.join(_argument(name) for name in inspect.signature(law).parameters)})"
+
+
+def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
+    """Compile ``kind``: ``start`` is the value without effects, ``join`` how a law's value enters."""
+    scope: dict[str, Any] = {}
+    lines = [f"def {kind}(active, p, w, {given}):", f"    value = {start}"]
+    for effect in LIBRARY:
+        law = effect.laws().get(kind)
+        if law is None:
+            continue
+        function = f"{effect.name}_{kind}"
+        scope[function] = njit(law, error_model="numpy")
+        lines += [f"    if active & {BIT[effect.name]}:", f"        value {join} {_call(function, law)}"]
+    lines.append("    return value")
+    return _compile(kind, lines, scope)
+
+
+def _compile(name: str, lines: list[str], scope: dict[str, Any]) -> Any:
+    exec(compile("\n".join(lines), f"<{name} of the effect library>", "exec"), scope)
+    return njit(scope[name], error_model="numpy")
+
+
+def _active() -> Any:
+    """active(bits, p): the set without the effects whose strength is zero."""
+    lines = ["def active(bits, p):", "    kept = bits"]
+    for effect in LIBRARY:
+        zero = " and ".join(f"p[{INDEX[name]}] == 0.0" for name in effect.strength)
+        lines += [f"    if {zero}:", f"        kept &= {~BIT[effect.name]}"]
+    return _compile("active", [*lines, "    return kept"], {})
+
+
+def _remember() -> Any:
+    """remember(active, p, w, x, direction): the memory after a reversal at x; ``direction`` is the one that ends."""
+    scope: dict[str, Any] = {}
+    lines = ["def remember(active, p, w, x, direction):", "    pass"]
+    for effect in LIBRARY:
+        new: list[str] = []
+        for name, _ in effect.memory:
+            law = effect.laws()[f"reversal_{name}"]
+            function = f"{effect.name}_{name}"
+            scope[function] = njit(law, error_model="numpy")
+            new.append(_call(function, law))
+        if new:
+            places = ", ".join(f"w[{MEMORY[name]}]" for name, _ in effect.memory)
+            lines += [f"    if active & {BIT[effect.name]}:", f"        {places} = {', '.join(new)}"]
+    return _compile("remember", lines, scope)
+
+
+
+
+active = _active()
+constant = _dispatcher("constant", "", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, spring_force", "0.0", "+=")
+friction = _dispatcher("friction", "x, speed", "0.0", "=")
+breakaway = _dispatcher("breakaway", "x", "0.0", "=")
+input_map = _dispatcher("input_map", "u", "u", "=")
+reading = _dispatcher("reading", "t, x", "x", "=")
+remember = _remember()

@@ -1,0 +1,159 @@
+"""Events inside a segment: roots of the series of the motion, and of the force on a cart at rest."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from msd_ident.model.kernel.linear import acceleration, jerk, position, velocity
+
+_ITERATIONS = 60
+#: A Newton step this small, in parts of the interval, is the last: the error after it is of its square.
+SETTLED = 1e-9
+
+
+@njit(error_model="numpy")
+def _velocity_root(c, terms, low, high, s):
+    """Root of v in (low, high), where s v goes from above 0 to below: Newton, kept inside by bisection."""
+    v_low, v_high = s * velocity(c, terms, low), s * velocity(c, terms, high)
+    t = low + (high - low) * (v_low / (v_low - v_high) if v_low > v_high else 0.5)
+    for _ in range(_ITERATIONS):
+        v = s * velocity(c, terms, t)
+        if v > 0.0:
+            low = t
+        else:
+            high = t
+        slope = s * acceleration(c, terms, t)
+        new = t - v / slope if slope < 0.0 else 0.5 * (low + high)
+        if not (new > low and new < high):
+            new = 0.5 * (low + high)
+        if abs(new - t) <= SETTLED * high or new == low or new == high:
+            return new
+        t = new
+    return t
+
+
+@njit(error_model="numpy")
+def _acceleration_root(c, terms, low, high):
+    """Root of x'' in (low, high), where it changes sign."""
+    rising = acceleration(c, terms, high) > 0.0
+    t = 0.5 * (low + high)
+    for _ in range(_ITERATIONS):
+        a = acceleration(c, terms, t)
+        if (a > 0.0) == rising:
+            high = t
+        else:
+            low = t
+        slope = jerk(c, terms, t)
+        new = t - a / slope if slope != 0.0 else 0.5 * (low + high)
+        if not (new > low and new < high):
+            new = 0.5 * (low + high)
+        if abs(new - t) <= 1e-12 * high:
+            return new
+        t = new
+    return t
+
+
+@njit(error_model="numpy")
+def _jerk_root(c, terms, low, high):
+    """Root of x''' in (low, high), where it changes sign; bisection is good enough to split a segment there."""
+    rising = jerk(c, terms, high) > 0.0
+    for _ in range(30):
+        t = 0.5 * (low + high)
+        if (jerk(c, terms, t) > 0.0) == rising:
+            high = t
+        else:
+            low = t
+    return 0.5 * (low + high)
+
+
+@njit(error_model="numpy")
+def first_turn(c, terms, d, s, v):
+    """First time in (0, d] at which a motion in direction s comes to v = 0; infinite if it does not."""
+    a0 = s * 2.0 * c[2]
+    a1 = s * acceleration(c, terms, d)
+    if (a0 > 0.0) == (a1 > 0.0) and (c[3] > 0.0) != (jerk(c, terms, d) > 0.0):
+        middle = _jerk_root(c, terms, 0.0, d)
+        a = s * acceleration(c, terms, middle)
+        if (a > 0.0) != (a0 > 0.0):
+            # The acceleration changes sign twice: look for a turn before the middle, then behind it.
+            turn = _turn_before(c, terms, 0.0, middle, s, s * v, a0, a)
+            if turn <= middle:
+                return turn
+            return _turn_before(c, terms, middle, d, s, s * velocity(c, terms, middle), a, a1)
+    return _turn_before(c, terms, 0.0, d, s, s * v, a0, a1)
+
+
+@njit(error_model="numpy")
+def _turn_before(c, terms, low, d, s, v0, a0, a1):
+    """The same between low and d, where the acceleration has one root at most; v0, a0, a1 are along s."""
+    v1 = s * velocity(c, terms, d)
+    if v1 > 0.0:
+        if a0 < 0.0 and a1 > 0.0 and v0 > 0.0:
+            slowest = _acceleration_root(c, terms, low, d)
+            if s * velocity(c, terms, slowest) <= 0.0:
+                return _velocity_root(c, terms, low, slowest, s)
+        return math.inf
+    if v0 > 0.0:
+        return _velocity_root(c, terms, low, d, s)
+    if a0 > 0.0 and a1 < 0.0:
+        fastest = _acceleration_root(c, terms, low, d)
+        return _velocity_root(c, terms, fastest, d, s)
+    # A start from rest that goes nowhere: the force was at the edge of what friction holds.
+    return d
+
+
+@njit(error_model="numpy")
+def fall_through(c, terms, d, edge, s):
+    """Time in [0, d] at which a motion in direction s passes x = edge, which it does before d."""
+    low, high = 0.0, d
+    x0, x1 = s * (c[0] - edge), s * (position(c, terms, d) - edge)
+    if x0 >= 0.0:
+        return 0.0
+    t = d * x0 / (x0 - x1)
+    for _ in range(_ITERATIONS):
+        x = s * (position(c, terms, t) - edge)
+        if x < 0.0:
+            low = t
+        else:
+            high = t
+        slope = s * velocity(c, terms, t)
+        new = t - x / slope if slope > 0.0 else 0.5 * (low + high)
+        if not (new > low and new < high):
+            new = 0.5 * (low + high)
+        if abs(new - t) <= SETTLED * high or new == low or new == high:
+            return new
+        t = new
+    return t
+
+
+@njit(error_model="numpy")
+def first_exit(left, net, r, e, decay, hold):
+    """First time in [0, left] at which abs(net + r t + e exp(-decay t)) exceeds ``hold``; left if it does not."""
+    if abs(net + e) > hold:
+        return 0.0
+    low = 0.0
+    if e != 0.0:
+        if r * e > 0.0 and 0.0 < r / (e * decay) < 1.0:
+            extreme = -math.log(r / (e * decay)) / decay
+            if extreme < left:
+                if abs(net + r * extreme + e * math.exp(-decay * extreme)) > hold:
+                    return _exit_between(0.0, extreme, net, r, e, decay, hold)
+                low = extreme
+    elif r != 0.0:
+        return min(left, max(0.0, (math.copysign(hold, r) - net) / r))
+    if abs(net + r * left + e * math.exp(-decay * left)) <= hold:
+        return left
+    return _exit_between(low, left, net, r, e, decay, hold)
+
+
+@njit(error_model="numpy")
+def _exit_between(low, high, net, r, e, decay, hold):
+    for _ in range(_ITERATIONS):
+        t = 0.5 * (low + high)
+        if abs(net + r * t + e * math.exp(-decay * t)) > hold:
+            high = t
+        else:
+            low = t
+    return high

@@ -1,0 +1,107 @@
+"""One run of the solver: parameters and a plan in, positions out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from msd_ident.model.kernel import laws, segments
+from msd_ident.model.kernel.exact import exact
+from msd_ident.model.kernel.spring import characteristic
+
+#: Argument lists of the three entries; ``cache`` writes the entry module from them.
+PLAN = "time, force_time, force, straight"
+RUN = "bits, p, plan, x, v, out_x, out_v"
+RUN_MANY = "bits, p, plan, x, v, out_x"
+
+_MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
+_GAP = laws.INDEX.get("backlash_half_width", 0)
+_STOP, _STOP_K = laws.INDEX.get("stop_position", 0), laws.INDEX.get("stop_stiffness", 0)
+_LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
+_BACKLASH, _END_STOP = laws.bits("backlash"), laws.bits("end_stop")
+_ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
+_INPUT_MAP = laws.bits("force_gain_nonlinearity")
+
+
+@njit(error_model="numpy")
+def plan(time, force_time, force, straight):
+    """What a record says before any parameter is known: (segments, their force), see ``segments.merge``.
+
+    ``pick`` is empty where the segment boundaries are the samples themselves.
+    """
+    start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, 0.0)
+    if start.size == time.size - 1:
+        pick = np.empty(0, np.int64)
+    level = np.empty(start.size)
+    slope = np.empty(start.size if straight else 0)
+    segments.force_lines(start, force_index, force_time, 0.0, force, straight, level, slope)
+    return start, length, kind, force_index, pick, lengths, level, slope
+
+
+@njit(error_model="numpy")
+def run(bits, p, plan, x, v, out_x, out_v):
+    """Simulate one parameter vector.
+
+    Args:
+        bits: set of the model's effects, see ``laws.BIT``.
+        p: (len(laws.INDEX),) all parameters of the library, those of other effects unused.
+        plan: the record and what ``plan`` made of it, see ``simulate.Simulator``.
+        x, v: position [m] and velocity [m/s] at the first sample.
+        out_x: (n,) readings of the positions [m]; NaN from where the motion leaves all bounds.
+        out_v: (n,) velocities [m/s], or (0,) when nobody wants them.
+    """
+    time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
+    bits = laws.active(bits, p)
+    w = np.zeros(0)
+    m, b, k = p[_MASS], p[_DAMPING], p[_STIFFNESS]
+    if not (m > 0.0 and abs(b) < math.inf and abs(k) < math.inf):
+        out_x[:] = math.nan
+        out_v[:] = math.nan
+        return
+    shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
+    if shift != 0.0:
+        start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, shift)
+    if bits & _INPUT_MAP:
+        mapped = np.empty_like(force)
+        for i in range(force.size):
+            mapped[i] = laws.input_map(bits, p, w, force[i])
+        force = mapped
+    if bits & (_INPUT_MAP | _TIME_OFFSET | _ACTUATOR_LAG):
+        level = np.empty(start.size)
+        slope = np.empty(start.size if straight else 0)
+        segments.force_lines(start, force_index, force_time, shift, force, straight, level, slope)
+    transient, decay = np.empty(0), 0.0
+    if bits & _ACTUATOR_LAG:
+        transient, decay = np.empty(start.size), 1.0 / p[_LAG]
+        at_start = segments.before(time[0], force_time, shift, force, straight)
+        segments.lag(length, p[_LAG], at_start, level, slope, transient)
+    gap = p[_GAP] if bits & _BACKLASH else 0.0
+    stop, stop_k = (p[_STOP], p[_STOP_K]) if bits & _END_STOP else (math.inf, 0.0)
+    pieces = characteristic(k, gap, stop, stop_k)
+    constant = laws.constant(bits, p, w)
+    direct = pick.size == 0
+    path_x = out_x if direct else np.empty(start.size + 1)
+    path_v = out_v if direct else np.empty(start.size + 1 if out_v.size > 0 else 0)
+    kinetic, hold = 0.0, 0.0
+    if bits & laws.DRY_BITS:
+        kinetic = laws.friction(bits, p, w, 0.0, 0.0)
+        hold = laws.breakaway(bits, p, w, 0.0)
+    exact(m, b, pieces, constant, kinetic, hold, (length, kind, lengths), (level, slope, transient), decay,
+          x, v, path_x, path_v)  # fmt: skip
+    if not direct:
+        for i in range(out_x.size):
+            out_x[i] = path_x[pick[i]]
+        for i in range(out_v.size):
+            out_v[i] = path_v[pick[i]]
+    for i in range(out_x.size):
+        out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
+
+
+@njit(error_model="numpy")
+def run_many(bits, p, plan, x, v, out_x):
+    """Simulate several parameter vectors: p (r, len(laws.INDEX)), x and v (r,), out_x (r, n)."""
+    nothing = np.empty(0)
+    for row in range(p.shape[0]):
+        run(bits, p[row], plan, x[row], v[row], out_x[row], nothing)

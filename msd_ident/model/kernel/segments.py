@@ -1,0 +1,106 @@
+"""Time cut into segments in which the force is one straight line, and the force on each."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+#: Distinct segment lengths whose propagators are kept; other segments are propagated by series.
+LENGTHS = 8
+_ROUNDING = 1e-15
+
+
+@njit(error_model="numpy")
+def merge(time, force_time, shift):
+    """Cut [time[0], time[-1]] at all samples and at all force stamps moved by ``shift`` [s].
+
+    Returns (start, length, kind, force_index, pick, lengths): start and length [s] of each of the N segments, the
+    ``kind`` of its length (place in ``lengths``, -1 for an odd one), the force value that acts (-1: none yet), and
+    for each sample the segment boundary, 0..N, that it falls on.
+    """
+    most = time.size + force_time.size
+    start, length = np.empty(most), np.empty(most)
+    kind, force_index = np.empty(most, np.int8), np.empty(most, np.int64)
+    pick = np.zeros(time.size, np.int64)
+    lengths = np.zeros(LENGTHS)
+    known = 0
+    now = time[0]
+    i = np.searchsorted(force_time, now - shift + _ROUNDING * abs(now), side="right") - 1
+    count, j = 0, 1
+    while j < time.size:
+        stamp = force_time[i + 1] + shift if i + 1 < force_time.size else math.inf
+        end = min(time[j], stamp)
+        close = 4.0 * _ROUNDING * (1.0 + abs(end))
+        if end - now > close:
+            h = end - now
+            start[count], length[count], force_index[count] = now, h, i
+            kind[count] = -1
+            for n in range(known):
+                if abs(h - lengths[n]) <= close:
+                    kind[count] = n
+                    break
+            if kind[count] < 0 and known < LENGTHS:
+                lengths[known] = h
+                kind[count] = known
+                known += 1
+            count += 1
+            now = end
+        if stamp - end <= close:
+            i += 1
+        if time[j] - end <= close:
+            pick[j] = count
+            j += 1
+    return start[:count], length[:count], kind[:count], force_index[:count], pick, lengths[:known]
+
+
+@njit(error_model="numpy")
+def force_lines(start, force_index, force_time, shift, force, linear, level, slope):
+    """Fill the force at the start of each segment, ``level`` [N], and its ``slope`` [N/s] (where linear)."""
+    last = force_time.size - 1
+    for j in range(start.size):
+        i = force_index[j]
+        if i < 0:
+            level[j] = 0.0
+            if linear:
+                slope[j] = 0.0
+        elif not linear:
+            level[j] = force[i]
+        elif i == last:
+            level[j] = force[i]
+            slope[j] = 0.0
+        else:
+            slope[j] = (force[i + 1] - force[i]) / (force_time[i + 1] - force_time[i])
+            level[j] = force[i] + slope[j] * (start[j] - shift - force_time[i])
+
+
+@njit(error_model="numpy")
+def before(start, force_time, shift, force, linear):
+    """The force [N] that acted just before ``start`` [s]."""
+    i = np.searchsorted(force_time, start - shift - _ROUNDING * (1.0 + abs(start)), side="left") - 1
+    if i < 0:
+        return 0.0
+    if not linear or i == force_time.size - 1:
+        return force[i]
+    share = (start - shift - force_time[i]) / (force_time[i + 1] - force_time[i])
+    return force[i] + share * (force[i + 1] - force[i])
+
+
+@njit(error_model="numpy")
+def lag(length, tau, at_start, level, slope, transient):
+    """First-order lag: replace each segment's line by level + slope t + transient exp(-t/tau).
+
+    ``at_start`` [N] is the lagged force when the first segment begins.
+    """
+    steep = slope.size > 0
+    force = at_start
+    last_length, fade = -1.0, 0.0
+    for j in range(length.size):
+        h = length[j]
+        if h != last_length:
+            last_length, fade = h, math.exp(-h / tau)
+        rise = slope[j] if steep else 0.0
+        level[j] -= rise * tau
+        transient[j] = force - level[j]
+        force = level[j] + rise * h + transient[j] * fade

@@ -1,0 +1,47 @@
+"""The spring's characteristic as straight pieces: linear spring, backlash and end stops."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(error_model="numpy")
+def characteristic(k, gap, stop, stop_k):
+    """Pieces of the spring force c(x) = intercept + slope x.
+
+    Args:
+        k: stiffness [N/m] of the linear spring, which acts beyond ``gap`` [m] either side of 0.
+        stop, stop_k: position [m] and stiffness [N/m] of the end stops.
+
+    Returns:
+        (edges, slope, intercept): piece i lies between edges[i] and edges[i + 1]; the outer edges are infinite.
+    """
+    edges = np.empty(6)
+    edges[0] = -np.inf
+    count = 1
+    for edge in (-max(gap, stop), -min(gap, stop), min(gap, stop), max(gap, stop)):
+        wanted = (abs(edge) == gap and gap > 0.0 and k != 0.0) or (abs(edge) == stop and stop_k != 0.0)
+        if wanted and abs(edge) < np.inf and edge != edges[count - 1]:
+            edges[count] = edge
+            count += 1
+    edges[count] = np.inf
+    slope, intercept = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        for own_k, own_edge in ((k, gap), (stop_k, stop)):
+            if edges[i] >= own_edge or own_edge == 0.0:
+                slope[i] += own_k
+                intercept[i] -= own_k * own_edge if own_edge > 0.0 else 0.0
+            elif edges[i + 1] <= -own_edge:
+                slope[i] += own_k
+                intercept[i] += own_k * own_edge
+    return edges[: count + 1], slope, intercept
+
+
+@njit(error_model="numpy")
+def piece(edges, x, direction):
+    """Piece that a motion from x in ``direction`` (-1, 0, 1) goes through."""
+    i = 0
+    while i < edges.size - 2 and (x > edges[i + 1] or (x == edges[i + 1] and direction > 0)):
+        i += 1
+    return i
