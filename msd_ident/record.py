@@ -8,7 +8,7 @@ changes and an encoder value every millisecond. ``time`` belongs to ``position``
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,9 @@ Hold = Literal["zero", "linear"]
 
 #: Fewest position samples that any estimate may be made from.
 MINIMUM_SAMPLES = 20
+
+#: A sample that comes later than this [s] behind a newer one was not merely overtaken on the way.
+LATEST_SECONDS = 1.0
 
 
 def _frozen(values: npt.ArrayLike, what: str) -> FloatArray:
@@ -205,38 +208,109 @@ def from_stamps(
     name: str = "record",
     notes: tuple[str, ...] = (),
 ) -> Record:
-    """Record from two streams with absolute stamps [ns]: the one way from messages, live or in a bag.
+    """Record from two streams with absolute stamps [ns], in order of arrival: the one way from messages.
 
-    Time 0 is the first position stamp. Streams are put in stamp order; of samples with one stamp the first is
-    kept, with a note that counts the others.
+    A live buffer and a bag with the same samples give the same record to the last bit. Time 0 is the first
+    position stamp. A few late samples are put in their place and of samples with one stamp the first is kept,
+    both with a note.
+
+    Raises:
+        DataError: as for ``Record``, and when the stamps of a stream run backwards.
     """
-    notes = tuple(notes)
-    streams = []
-    for what, stamps, values in (("position", position_ns, position), ("force", force_ns, force)):
-        ns = np.asarray(stamps, dtype=np.int64)
-        data = np.asarray(values, dtype=np.float64)
-        if ns.size != data.size:
-            raise DataError(f"{ns.size} stamps for {data.size} {what} values; expected as many of each")
-        if ns.size == 0:
-            raise DataError(f"no {what} samples; expected at least one: check that the {what} topic was published")
-        backwards = int(np.count_nonzero(np.diff(ns) < 0))
-        unique, first = np.unique(ns, return_index=True)
-        if backwards:
-            notes += (f"{what}: {backwards} samples arrived out of order and were sorted by their stamps.",)
-        if unique.size < ns.size:
-            notes += (f"{what}: {ns.size - unique.size} samples with a stamp already seen were dropped.",)
-        streams.append((unique, data[first]))
-    (ns_x, x), (ns_f, f) = streams
+    found: list[str] = list(notes)
+    ns_x, x = _ordered("position", np.asarray(position_ns, dtype=np.int64), position, 1e-9, found)
+    ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found)
     start = int(ns_x[0])
     return Record(
-        time=(ns_x - start) * 1e-9,
+        # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
+        time=(ns_x - start) / 1e9,
         position=x,
-        force_time=(ns_f - start) * 1e-9,
+        force_time=(ns_f - start) / 1e9,
         force=f,
         hold=hold,
         force_unit=force_unit,
         position_unit=position_unit,
         name=name,
         start_ns=start,
-        notes=notes,
+        notes=tuple(found),
     )
+
+
+def from_seconds(
+    position_time: npt.ArrayLike,
+    position: npt.ArrayLike,
+    force_time: npt.ArrayLike,
+    force: npt.ArrayLike,
+    *,
+    hold: Hold = "zero",
+    force_unit: str = "N",
+    position_unit: str = "m",
+    name: str = "record",
+    notes: tuple[str, ...] = (),
+) -> Record:
+    """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``."""
+    found: list[str] = list(notes)
+    t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
+    t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found)
+    return Record(
+        time=t_x - t_x[0],
+        position=x,
+        force_time=t_f - t_x[0],
+        force=f,
+        hold=hold,
+        force_unit=force_unit,
+        position_unit=position_unit,
+        name=name,
+        notes=tuple(found),
+    )
+
+
+def batch_stamps(first_ns: int, period_ns: int, count: int) -> npt.NDArray[np.int64]:
+    """Stamps [ns] of ``count`` samples that were taken at a fixed period and sent as one message."""
+    return np.asarray(first_ns + period_ns * np.arange(count, dtype=np.int64), dtype=np.int64)
+
+
+Stamps = TypeVar("Stamps", npt.NDArray[np.int64], FloatArray)
+
+
+def _ordered(
+    what: str, stamps: Stamps, values: npt.ArrayLike, tick: float, notes: list[str]
+) -> tuple[Stamps, FloatArray]:
+    """Samples in rising order of their stamps (in units of ``tick`` seconds), one each; ``notes`` grows."""
+    data = np.asarray(values, dtype=np.float64)
+    if stamps.size != data.size:
+        raise DataError(f"{stamps.size} stamps for {data.size} {what} values; expected as many of each")
+    if stamps.size == 0:
+        raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
+    _check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
+    late = _late(what, stamps, data, tick)
+    if late:
+        notes.append(f"{what}: {late} of {stamps.size} samples came late and were put in their place by their stamps.")
+    unique, first = np.unique(stamps, return_index=True)
+    dropped = stamps.size - unique.size
+    if dropped:
+        other = int(np.count_nonzero(data != data[first][np.searchsorted(unique, stamps)]))
+        differ = f", {other} of them with another value" if other else ""
+        notes.append(f"{what}: {dropped} samples with duplicate stamps were dropped{differ}.")
+    return unique, data[first]
+
+
+def _late(what: str, stamps: Stamps, data: FloatArray, tick: float) -> int:
+    """Number of samples that are older than one before them.
+
+    Raises:
+        DataError: they are more than chance delays on the way explain, or one is late by more than
+            ``LATEST_SECONDS`` and no repetition of an earlier one.
+    """
+    behind = (np.maximum.accumulate(stamps) - stamps) * tick
+    late = np.flatnonzero(behind > 0)
+    far = late[behind[late] > LATEST_SECONDS]
+    fresh = [i for i in far[:100] if not np.any((stamps[:i] == stamps[i]) & (data[:i] == data[i]))]
+    if late.size > max(5, stamps.size // 100) or fresh:
+        i = int(late[np.argmax(behind[late] > LATEST_SECONDS)]) if far.size else int(late[0])
+        raise DataError(
+            f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
+            f"({late.size} samples in all); expected rising stamps: the recording was looped or its clock was "
+            "reset, use one pass of it"
+        )
+    return int(late.size)

@@ -1,18 +1,30 @@
 """Bags and CSV files in and out, without ROS."""
 
 from msd_ident.bag.bag import Bag, iterate_messages, open_bag
+from msd_ident.bag.csv_file import write_csv
+from msd_ident.bag.describe import BagInfo, TopicInfo, describe
+from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.qos import OfferedQos, qos_from_yaml, qos_to_yaml
+from msd_ident.bag.read import read
+from msd_ident.bag.record_writer import write_bag
 from msd_ident.bag.topic import RawMessage, Topic
 from msd_ident.bag.writer import BagWriter
 
 __all__ = [
     "Bag",
+    "BagInfo",
     "BagWriter",
     "OfferedQos",
     "RawMessage",
+    "SourceOptions",
     "Topic",
+    "TopicInfo",
+    "describe",
     "iterate_messages",
     "open_bag",
     "qos_from_yaml",
     "qos_to_yaml",
+    "read",
+    "write_bag",
+    "write_csv",
 ]

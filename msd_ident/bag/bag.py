@@ -62,14 +62,17 @@ class Bag:
         path: as given.
         kind: ``rosbag2 folder``, ``MCAP file`` or ``SQLite file``, for people.
         topics: by name.
+        custom_data: texts that the recorder put into metadata.yaml.
     """
 
-    def __init__(self, path: Path, kind: str, files: list[StorageFile], packed: bool, notes: list[str]) -> None:
+    def __init__(self, path: Path, kind: str, files: list[StorageFile], information: Mapping[str, Any]) -> None:
         self.path = path
         self.kind = kind
         self._files = files
-        self._packed = packed
-        self._notes = tuple(notes)
+        self._packed = str(information.get("compression_mode") or "").lower() == "message"
+        self._notes = tuple(information.get("notes", ()))
+        custom = information.get("custom_data")
+        self.custom_data = {str(k): str(v) for k, v in custom.items()} if isinstance(custom, Mapping) else {}
         self.topics: dict[str, Topic] = {}
         for file in files:
             for topic in file.topics():
@@ -94,6 +97,23 @@ class Bag:
                 yield message._replace(data=_unpack(message.data)) if self._packed else message
 
 
+def is_bag(path: str | os.PathLike[str]) -> bool:
+    """Whether the path is for ``open_bag``; anything else that is there is taken for a table.
+
+    Raises:
+        DataError: nothing is there, or a bag of ROS 1.
+    """
+    where = Path(path)
+    if not where.exists():
+        raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
+    if where.is_dir() or plain_name(where).endswith(_STORAGE) or where.name == "metadata.yaml":
+        return True
+    begin = _begin(where)
+    if begin.startswith(b"#ROSBAG"):
+        raise DataError(f"{where} is a bag of ROS 1; expected one of ROS 2: convert it with rosbags-convert")
+    return begin.startswith(MAGIC)
+
+
 def open_bag(path: str | os.PathLike[str]) -> Bag:
     """Open a bag.
 
@@ -101,17 +121,14 @@ def open_bag(path: str | os.PathLike[str]) -> Bag:
         DataError: nothing there, not a bag, or no topic in an encoding that can be read.
     """
     where = Path(path)
-    if not where.exists():
-        raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
+    if not is_bag(where):
+        raise DataError(f"{where} is not a bag; expected a rosbag2 folder, an .mcap or a .db3 file")
     if where.is_dir():
         return _open_folder(where)
-    name = plain_name(where)
-    if name.endswith(_STORAGE) or _begins_like_mcap(where):
-        kind = "SQLite file" if name.endswith(".db3") else "MCAP file"
-        return Bag(where, kind, [_open_storage(where)], False, [])
-    if name == "metadata.yaml":
+    if where.name == "metadata.yaml":
         return _open_folder(where.parent)
-    raise DataError(f"{where} is not a bag; expected a rosbag2 folder, an .mcap, a .db3 or a .csv file")
+    kind = "SQLite file" if plain_name(where).endswith(".db3") else "MCAP file"
+    return Bag(where, kind, [_open_storage(where)], {})
 
 
 def iterate_messages(
@@ -135,8 +152,7 @@ def _open_folder(folder: Path) -> Bag:
     notes: list[str] = []
     information = _read_metadata(folder / "metadata.yaml", notes)
     paths = _storage_paths(folder, information, notes)
-    packed = str(information.get("compression_mode") or "").lower() == "message"
-    return Bag(folder, "rosbag2 folder", [_open_storage(path) for path in paths], packed, notes)
+    return Bag(folder, "rosbag2 folder", [_open_storage(path) for path in paths], {**information, "notes": notes})
 
 
 def _read_metadata(path: Path, notes: list[str]) -> Mapping[str, Any]:
@@ -199,10 +215,10 @@ def _unpack(data: bytes) -> bytes:
         return b""
 
 
-def _begins_like_mcap(path: Path) -> bool:
+def _begin(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC
+            return file.read(16)
     except OSError as error:
         raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
 

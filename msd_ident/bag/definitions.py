@@ -59,7 +59,7 @@ class Definitions:
             found.update(get_types_from_msg(text, type_name))
         except TypesysError:
             return {}
-        for dependency in _dependencies(found[type_name][1]):
+        for dependency in dependencies(found[type_name][1]):
             unknown = dependency not in self._store.fielddefs and dependency not in found
             if unknown and not self._installed(dependency, found):
                 return {}
@@ -76,7 +76,7 @@ class Definitions:
         return None
 
 
-def _dependencies(fields: Iterable[Any]) -> list[str]:
+def dependencies(fields: Iterable[Any]) -> list[str]:
     """Names of the message types that a parsed definition refers to."""
     names = []
     for _, description in fields:

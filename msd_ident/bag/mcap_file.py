@@ -75,13 +75,11 @@ class McapFile:
         self.schemas: dict[int, Schema] = {}
         self.losses: tuple[str, ...] = ()
         self._profile = ""
-        self._stated: int | None = None  # number of messages as the index gives it
         self._segments: list[_Segment] = []
         self._faults: list[str] = []
-        self._indexed = self._read_summary()
+        self._indexed, self._stated = self._read_summary()
         self._walk()
-        indexed = self._stated is not None and self.channels
-        if not indexed:
+        if self._stated is None or not self.channels:
             for _ in self.messages():
                 pass
 
@@ -119,30 +117,31 @@ class McapFile:
             losses.append(f"{read} messages could be read")
         self.losses = (f"{self._name}: " + "; ".join(losses) + ".",) if losses else ()
 
-    def _read_summary(self) -> list[int]:
-        """Channels, schemas and the number of messages from the end of the file; offsets of its chunks."""
+    def _read_summary(self) -> tuple[list[int], int | None]:
+        """Keep channels and schemas of the index; offsets of the chunks and number of messages that it gives."""
         data = self._data
         if len(data) < len(MAGIC) + _FOOTER_BYTES or data[-len(MAGIC) :] != MAGIC:
-            return []
+            return [], None
         footer_at = len(data) - _FOOTER_BYTES
         if data[footer_at] != Opcode.FOOTER:
-            return []
+            return [], None
         footer = Footer.read(ReadDataStream(BytesIO(data[footer_at + _FRAME.size :])))
         summary = data[footer.summary_start : footer_at + _FRAME.size + 16]
         if not footer.summary_start or footer.summary_start >= footer_at:
-            return []
+            return [], None
         if footer.summary_crc and zlib.crc32(summary) != footer.summary_crc:
             self._faults.append("the index at its end is damaged")
-            return []
-        offsets = []
+            return [], None
+        offsets: list[int] = []
+        stated: int | None = None
         for opcode, begin, end in _frames(data, footer.summary_start, footer_at):
             record = _parse(opcode, data[begin:end])
             self._keep(record)
             if isinstance(record, Statistics):
-                self._stated = record.message_count
+                stated = record.message_count
             elif isinstance(record, ChunkIndex):
                 offsets.append(record.chunk_start_offset)
-        return offsets
+        return offsets, stated
 
     def _keep(self, record: McapRecord | None) -> None:
         if isinstance(record, Channel):

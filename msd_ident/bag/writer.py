@@ -10,6 +10,7 @@ import os
 import shutil
 import threading
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -52,6 +53,7 @@ class BagWriter:
         flush_seconds: longest time that a message stays in memory while messages come in [s]. When they may
             stop coming, call ``flush`` from a timer.
         definitions: where message definitions come from.
+        custom_data: texts that go into the metadata beside rosbag2's own entries.
 
     Raises:
         UsageError: the folder exists and may not be replaced.
@@ -66,11 +68,13 @@ class BagWriter:
         overwrite: bool = False,
         flush_seconds: float = 1.0,
         definitions: Definitions | None = None,
+        custom_data: Mapping[str, str] | None = None,
     ) -> None:
         if compression not in _COMPRESSION:
             raise UsageError(f"compression is {compression!r}; expected one of {', '.join(_COMPRESSION)}")
         self.folder = Path(folder)
         self._definitions = definitions or Definitions()
+        self._custom_data = dict(custom_data or {}) or None
         self._flush_ns = int(flush_seconds * 1e9)
         self._topics: dict[str, _Topic] = {}
         self._schemas: dict[str, int] = {}
@@ -222,7 +226,7 @@ class BagWriter:
                     "message_count": self._messages,
                 }
             ],
-            "custom_data": None,
+            "custom_data": self._custom_data,
             "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
         }
 

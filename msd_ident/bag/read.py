@@ -1,0 +1,40 @@
+"""The one way from a path to a Record."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from msd_ident.bag.bag import is_bag
+from msd_ident.bag.csv_file import read_csv
+from msd_ident.bag.options import SourceOptions
+from msd_ident.bag.reader import read_bag
+from msd_ident.errors import DataError
+from msd_ident.record import Record
+
+_DEFAULTS = SourceOptions()
+
+
+def read(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> Record:
+    """Record from a rosbag2 folder, an ``.mcap`` or ``.db3`` file, or a CSV file.
+
+    Args:
+        path: what to read.
+        options: which signals are force and position, scales, units, window.
+
+    Returns:
+        The record; its notes say what was lost or repaired on the way.
+
+    Raises:
+        DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
+    """
+    record = read_bag(path, options) if is_bag(path) else read_csv(path, options)
+    if options.start is not None or options.end is not None:
+        record = record.window(*options.window)
+    if np.ptp(record.position) == 0:
+        raise DataError(
+            f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "
+            f"{record.samples} samples); expected motion: check the encoder, or choose another --position"
+        )
+    return record

@@ -1,0 +1,188 @@
+"""From a bag to a Record."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.bag.bag import Bag, open_bag
+from msd_ident.bag.choose import Source, choose_force, choose_position
+from msd_ident.bag.decode import Decoder
+from msd_ident.bag.fields import joint_names
+from msd_ident.bag.options import SourceOptions
+from msd_ident.bag.topic import RawMessage
+from msd_ident.errors import DataError
+from msd_ident.record import FloatArray, Record, batch_stamps, from_stamps
+
+#: Entries of a bag's custom data that give the units of /msd/force and /msd/encoder; newtons and metres without.
+FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"
+
+
+class _Signal:
+    """Samples of one signal, collected message by message."""
+
+    def __init__(self, what: str, source: Source) -> None:
+        self.source = source
+        self._what = what
+        self._decoder = Decoder(source.topic)
+        self._stamps: list[npt.NDArray[np.int64] | int] = []
+        self._values: list[FloatArray | float] = []
+        self._batches: list[tuple[int, int]] = []  # sequence number and size, in stored order
+        self._messages = self._unreadable = self._unstamped = self._without = 0
+        self._joints: set[str] = set()
+
+    def add(self, raw: RawMessage) -> None:
+        """Take the samples of one message.
+
+        Raises:
+            DataError: the type has no such field.
+        """
+        self._messages += 1
+        message: Any = self._decoder.decode(raw.data)
+        if message is None:
+            self._unreadable += 1
+            return
+        stamp = self._stamp(message, raw.log_time_ns)
+        if self.source.is_batch:
+            self._stamps.append(batch_stamps(stamp, int(message.period_ns), len(message.positions)))
+            self._values.append(np.array(message.positions, dtype=np.float64))
+            self._batches.append((int(message.sequence), len(message.positions)))
+            return
+        value = self.source.field.value(message)
+        if value is None:
+            self._without += 1
+            self._joints.update(joint_names(message))
+            return
+        self._stamps.append(stamp)
+        self._values.append(value)
+
+    def samples(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
+        """Stamps [ns] and values in the order of the bag.
+
+        Raises:
+            DataError: there are none.
+        """
+        if not self._stamps:
+            raise self._nothing()
+        if self.source.is_batch:
+            stamps = np.concatenate([np.atleast_1d(part) for part in self._stamps])
+            return stamps.astype(np.int64), np.concatenate([np.atleast_1d(part) for part in self._values])
+        return np.array(self._stamps, dtype=np.int64), np.array(self._values, dtype=np.float64)
+
+    @property
+    def notes(self) -> list[str]:
+        """What was odd, one sentence each."""
+        name, notes = self.source.topic.name, []
+        if self._unreadable:
+            notes.append(f"{name}: {self._unreadable} of {self._messages} messages could not be decoded, left out.")
+        if self._unstamped:
+            notes.append(
+                f"{name}: {self._unstamped} of {self._messages} messages have no stamp; the time at which they were "
+                "logged is used."
+            )
+        if self._without:
+            notes.append(f"{name}: {self._without} of {self._messages} messages hold no {self.source.field.text}.")
+        lost, gaps = _missing_in_sequence(self._batches)
+        if lost:
+            notes.append(f"{name}: {lost} samples are missing in {gaps} gaps of the batches' sequence numbers.")
+        return notes
+
+    def _stamp(self, message: Any, log_time_ns: int) -> int:
+        """Stamp of the header, or the log time where there is none."""
+        stamp = getattr(getattr(message, "header", None), "stamp", None)
+        ns = 0 if stamp is None else stamp.sec * 10**9 + stamp.nanosec
+        if ns == 0:
+            self._unstamped += 1
+            return log_time_ns
+        return int(ns)
+
+    def _nothing(self) -> DataError:
+        label, topic = self.source.label, self.source.topic.name
+        if self._messages == 0:
+            hint = "; --force none for a free decay" if self._what == "force" else ""
+            return DataError(f"topic {topic} holds no messages; expected the {self._what}: record it{hint}")
+        if self._without:
+            joints = f"; the joints are: {', '.join(sorted(self._joints))}" if self._joints else ""
+            return DataError(f"no message holds {label}; expected at least one with that entry{joints}")
+        return DataError(
+            f"none of the {self._messages} messages of {topic} can be decoded; expected {self.source.topic.type}: "
+            "record again"
+        )
+
+
+def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
+    """Record from a bag; see ``msd_ident.bag.read``."""
+    bag = open_bag(path)
+    position, force = sources(bag, options)
+    signals = [_Signal("position", position)]
+    if force is not None:
+        signals.append(_Signal("force", force))
+    _collect(bag, signals)
+    ns_x, x = signals[0].samples()
+    ns_f, f = signals[1].samples() if force is not None else (ns_x.min(keepdims=True), np.zeros(1))
+    notes = [note for signal in signals for note in signal.notes]
+    return from_stamps(
+        ns_x,
+        x * _factor(options.position_scale),
+        ns_f,
+        f * _factor(options.force_scale),
+        hold=options.hold,
+        force_unit=options.force_unit or bag.custom_data.get(FORCE_UNIT, "N"),
+        position_unit=options.position_unit or bag.custom_data.get(POSITION_UNIT, "m"),
+        name=_name(Path(path)),
+        notes=(*bag.notes, *notes),
+    )
+
+
+def sources(
+    bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None
+) -> tuple[Source, Source | None]:
+    """Position and force (``None`` for a free decay) that the options mean; ``counts`` of messages by topic if known.
+
+    Raises:
+        DataError: one of them is not there, or not clear.
+    """
+    named = options.position and (options.force or options.no_force)
+    if counts is None:
+        counts = {} if named else Counter(message.topic for message in bag.messages(by_log_time=False))
+    name = str(bag.path)
+    position = choose_position(bag.topics, options.position, counts, name)
+    if options.no_force:
+        return position, None
+    return position, choose_force(bag.topics, options.force, counts, position.topic.name, name)
+
+
+def _collect(bag: Bag, signals: Iterable[_Signal]) -> None:
+    """One pass in stored order, which shows a clock that jumps back; by log time a loop would look interleaved."""
+    by_topic: dict[str, list[_Signal]] = {}
+    for signal in signals:
+        by_topic.setdefault(signal.source.topic.name, []).append(signal)
+    for message in bag.messages(by_topic.keys(), by_log_time=False):
+        for signal in by_topic[message.topic]:
+            signal.add(message)
+
+
+def _missing_in_sequence(batches: Iterable[tuple[int, int]]) -> tuple[int, int]:
+    """Samples and gaps between batches; a number that falls is a publisher that started anew, or a late batch."""
+    lost = gaps = 0
+    expected: int | None = None
+    for sequence, size in batches:
+        if expected is not None and sequence > expected:
+            lost += sequence - expected
+            gaps += 1
+        expected = sequence + size
+    return lost, gaps
+
+
+def _factor(scale: float | None) -> float:
+    return 1.0 if scale is None else scale
+
+
+def _name(path: Path) -> str:
+    return path.name or path.resolve().name
