@@ -66,8 +66,8 @@ class Effect:
     acts_on: ClassVar[Literal["force", "input", "sensor"]]
     law: ClassVar[str]
     source: ClassVar[str]
-    #: The effect vanishes, exactly, when all these parameters are zero.
-    strength: ClassVar[tuple[str, ...]]
+    #: The effect vanishes, exactly, when all these parameters have these values.
+    neutral: ClassVar[tuple[tuple[str, float], ...]]
     #: Effects of one family replace each other; a model holds one of them at most.
     family: ClassVar[str] = ""
     #: It only ever takes energy out of the motion.

@@ -27,7 +27,7 @@ class CoulombFriction(Effect):
     acts_on = "force"
     law = "Fc·sign(v), with sticking at v = 0"
     source = "C. A. Coulomb 1785; equation 2 of the 2014 report, Fc = µ·m·g"
-    strength = ("coulomb_force",)
+    neutral = (("coulomb_force", 0.0),)
     family = "dry friction"
     dissipative = True
     piecewise_linear = True

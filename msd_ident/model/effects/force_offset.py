@@ -25,7 +25,7 @@ class ForceOffset(Effect):
     acts_on = "force"
     law = "F0"
     source = "Janot, Gautier, Brunot 2019 (EMPS benchmark): the drive's offset"
-    strength = ("offset_force",)
+    neutral = (("offset_force", 0.0),)
     mirror = False
     piecewise_linear = True
 

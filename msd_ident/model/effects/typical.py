@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msd_ident.model.model import Model
+from msd_ident.model.model import FloatArray, Model
 from msd_ident.record import Record
 
 
@@ -32,3 +32,73 @@ def natural_frequency(record: Record, plant: Model) -> float:
     """Natural frequency [rad/s] of the plant, or of one swing a record where there is no spring."""
     spring = plant["stiffness"] / plant["mass"]
     return max(float(np.sqrt(max(spring, 0.0))), 2.0 * np.pi / record.duration)
+
+
+def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Time (n,) [s], smoothed position (n,) [m] and F - m x'' - b x' - k x (n,) [N] on an even grid.
+
+    The force that the plant leaves over, mean and slow parts included; velocity and acceleration come from a local
+    cubic over about a fortieth of a swing, at least 7 samples.
+    """
+    from scipy.signal import savgol_filter
+
+    period = record.period
+    count = int(record.duration / period) + 1
+    time = record.time[0] + period * np.arange(count)
+    position = np.interp(time, record.time, record.position)
+    swing = 2.0 * np.pi / natural_frequency(record, plant)
+    window = int(min(max(7, swing / 40.0 / period), count - 1)) // 2 * 2 + 1
+    window = min(window, (count - 1) // 2 * 2 + 1)
+    x, v, a = (savgol_filter(position, window, 3, deriv=order, delta=period) for order in range(3))
+    inertia = plant["mass"] * a + plant["damping"] * v + plant["stiffness"] * x
+    return time, np.asarray(x, dtype=np.float64), np.asarray(record.force_at(time) - inertia, dtype=np.float64)
+
+
+def lines(record: Record, plant: Model, count: int) -> list[tuple[float, float, float]]:
+    """(amplitude [N], frequency [rad/s], phase [rad]) of the strongest lines of ``unexplained_force`` against +x.
+
+    Phase at the record's time 0, of a sine. The commanded force's own lines stay in where the plant is wrong, so the
+    strongest line need not be the right one: several are given.
+    """
+    time, _, left = unexplained_force(record, plant)
+    against = -(left - np.mean(left))
+    size = 4 * time.size
+    spectrum = np.abs(np.fft.rfft(against * np.hanning(time.size), size))
+    omega = 2.0 * np.pi * np.fft.rfftfreq(size, record.period)
+    slowest = 4.0 * np.pi / record.duration
+    spectrum[omega < slowest] = 0.0
+    found = []
+    for _ in range(count):
+        best = int(np.argmax(spectrum))
+        w = float(omega[best])
+        basis = np.column_stack([np.sin(w * time), np.cos(w * time)])
+        (s, c), *_ = np.linalg.lstsq(basis, against, rcond=None)
+        found.append((max(float(np.hypot(s, c)), 1e-9), w, float(np.arctan2(c, s))))
+        spectrum[np.abs(omega - w) < slowest] = 0.0
+    return found
+
+
+def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float, float]]:
+    """(amplitude [N], pitch [m], phase [rad]) of the ripples along x that best fit ``unexplained_force``.
+
+    A harmonic in x with a constant and x itself beside it, tried at 120 pitches from a fiftieth to twice the range.
+    """
+    _, x, left = unexplained_force(record, plant)
+    against = -left
+    keep = slice(None, None, max(1, x.size // 4000))
+    x, against = x[keep], against[keep]
+    span = max(float(np.ptp(x)), 1e-9)
+    fits = []
+    for pitch in np.geomspace(0.02 * span, 2.0 * span, 120):
+        angle = 2.0 * np.pi * x / pitch
+        basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(x), x])
+        solution, *_ = np.linalg.lstsq(basis, against, rcond=None)
+        misfit = float(np.sum((against - basis @ solution) ** 2))
+        s, c = solution[:2]
+        fits.append((misfit, max(float(np.hypot(s, c)), 1e-9), float(pitch), float(np.arctan2(c, s))))
+    least = [
+        fit
+        for i, fit in enumerate(fits)
+        if all(fit[0] <= other[0] for other in fits[max(i - 1, 0) : i + 2])
+    ]
+    return [fit[1:] for fit in sorted(least)[:count]]

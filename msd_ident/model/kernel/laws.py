@@ -14,6 +14,7 @@ so that a new effect is compiled in by being in the library.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -44,6 +45,7 @@ EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_line
 #: Effects with a dry friction law, and effects whose law turns at v = 0.
 DRY_BITS = sum(BIT[effect.name] for effect in LIBRARY if "friction" in effect.laws())
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
+UNSTEADY_BITS = sum(BIT[effect.name] for effect in LIBRARY if not effect.steady)
 MEMORY_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.memory)
 
 
@@ -85,12 +87,12 @@ def _compile(name: str, lines: list[str], scope: dict[str, Any]) -> Any:
 
 
 def _active() -> Any:
-    """active(bits, p): the set without the effects whose strength is zero."""
+    """active(bits, p): the set without the effects whose parameters make them vanish."""
     lines = ["def active(bits, p):", "    kept = bits"]
     for effect in LIBRARY:
-        zero = " and ".join(f"p[{INDEX[name]}] == 0.0" for name in effect.strength)
+        zero = " and ".join(f"p[{INDEX[name]}] == {value}" for name, value in effect.neutral)
         lines += [f"    if {zero}:", f"        kept &= {~BIT[effect.name]}"]
-    return _compile("active", [*lines, "    return kept"], {})
+    return _compile("active", [*lines, "    return kept"], {"inf": math.inf})
 
 
 def _remember() -> Any:
@@ -114,7 +116,7 @@ def _remember() -> Any:
 
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, spring_force", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force", "0.0", "+=")
 friction = _dispatcher("friction", "x, speed", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x", "0.0", "=")
 input_map = _dispatcher("input_map", "u", "u", "=")

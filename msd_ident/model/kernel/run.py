@@ -8,7 +8,9 @@ import numpy as np
 from numba import njit
 
 from msd_ident.model.kernel import laws, segments
+from msd_ident.model.kernel.drive import general
 from msd_ident.model.kernel.exact import exact
+from msd_ident.model.kernel.general import TOLERANCE
 from msd_ident.model.kernel.spring import characteristic
 
 #: Argument lists of the three entries; ``cache`` writes the entry module from them.
@@ -20,6 +22,9 @@ _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.IN
 _GAP = laws.INDEX.get("backlash_half_width", 0)
 _STOP, _STOP_K = laws.INDEX.get("stop_position", 0), laws.INDEX.get("stop_stiffness", 0)
 _LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
+_SECOND = tuple(laws.INDEX.get(name, 0) for name in ("second_mass", "second_stiffness", "second_damping"))
+_SECOND_MODE = laws.bits("second_mode")
+_MEMORY = np.array(laws.MEMORY_START)
 _BACKLASH, _END_STOP = laws.bits("backlash"), laws.bits("end_stop")
 _ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
 _INPUT_MAP = laws.bits("force_gain_nonlinearity")
@@ -54,7 +59,7 @@ def run(bits, p, plan, x, v, out_x, out_v):
     """
     time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
     bits = laws.active(bits, p)
-    w = np.zeros(0)
+    w = _MEMORY.copy()
     m, b, k = p[_MASS], p[_DAMPING], p[_STIFFNESS]
     if not (m > 0.0 and abs(b) < math.inf and abs(k) < math.inf):
         out_x[:] = math.nan
@@ -84,12 +89,21 @@ def run(bits, p, plan, x, v, out_x, out_v):
     direct = pick.size == 0
     path_x = out_x if direct else np.empty(start.size + 1)
     path_v = out_v if direct else np.empty(start.size + 1 if out_v.size > 0 else 0)
-    kinetic, hold = 0.0, 0.0
-    if bits & laws.DRY_BITS:
-        kinetic = laws.friction(bits, p, w, 0.0, 0.0)
-        hold = laws.breakaway(bits, p, w, 0.0)
-    exact(m, b, pieces, constant, kinetic, hold, (length, kind, lengths), (level, slope, transient), decay,
-          x, v, path_x, path_v)  # fmt: skip
+    if bits & ~laws.EXACT_BITS:
+        second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
+        far, fast = _scales(m, b, k, time, force, x, v)
+        general(
+            bits, p, w, m, b, pieces, constant, second, (start, length), (level, slope, transient), decay,
+            x, v, TOLERANCE * far, TOLERANCE * fast, path_x, path_v,
+        )  # fmt: skip
+    else:
+        kinetic, hold = 0.0, 0.0
+        if bits & laws.DRY_BITS:
+            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
+        exact(
+            m, b, pieces[:3], constant, kinetic, hold, (length, kind, lengths), (level, slope, transient), decay,
+            x, v, path_x, path_v,
+        )  # fmt: skip
     if not direct:
         for i in range(out_x.size):
             out_x[i] = path_x[pick[i]]
@@ -97,6 +111,23 @@ def run(bits, p, plan, x, v, out_x, out_v):
             out_v[i] = path_v[pick[i]]
     for i in range(out_x.size):
         out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
+
+
+@njit(error_model="numpy")
+def _scales(m, b, k, time, force, x, v):
+    """Sizes of position [m] and velocity [m/s] that errors are compared with: of the linear plant's response."""
+    slowest = 2.0 * math.pi / (time[-1] - time[0])
+    rate = max(math.sqrt(abs(k) / m), b / m, slowest)
+    largest = 0.0
+    for f in force:
+        largest = max(largest, abs(f))
+    far = largest / (m * rate * rate)
+    if k > 0.0:
+        far = max(far, abs(x))
+    far = max(far, abs(v) / rate)
+    if far == 0.0:
+        far = max(abs(x), 1e-12)
+    return far, far * rate
 
 
 @njit(error_model="numpy")

@@ -15,7 +15,8 @@ def characteristic(k, gap, stop, stop_k):
         stop, stop_k: position [m] and stiffness [N/m] of the end stops.
 
     Returns:
-        (edges, slope, intercept): piece i lies between edges[i] and edges[i + 1]; the outer edges are infinite.
+        (edges, slope, intercept, own slope, own intercept): piece i lies between edges[i] and edges[i + 1], the outer
+        edges are infinite; ``own`` is the linear spring without the stops.
     """
     edges = np.empty(6)
     edges[0] = -np.inf
@@ -26,16 +27,25 @@ def characteristic(k, gap, stop, stop_k):
             edges[count] = edge
             count += 1
     edges[count] = np.inf
+    own_slope, own_intercept = np.zeros(count), np.zeros(count)
     slope, intercept = np.zeros(count), np.zeros(count)
     for i in range(count):
-        for own_k, own_edge in ((k, gap), (stop_k, stop)):
-            if edges[i] >= own_edge or own_edge == 0.0:
-                slope[i] += own_k
-                intercept[i] -= own_k * own_edge if own_edge > 0.0 else 0.0
-            elif edges[i + 1] <= -own_edge:
-                slope[i] += own_k
-                intercept[i] += own_k * own_edge
-    return edges[: count + 1], slope, intercept
+        own_slope[i], own_intercept[i] = _beyond(k, gap, edges[i], edges[i + 1])
+        more, shift = _beyond(stop_k, stop, edges[i], edges[i + 1])
+        slope[i], intercept[i] = own_slope[i] + more, own_intercept[i] + shift
+    return edges[: count + 1], slope, intercept, own_slope, own_intercept
+
+
+@njit(error_model="numpy")
+def _beyond(k, edge, low, high):
+    """(slope, intercept) between low and high of a spring that acts beyond ``edge`` either side of 0."""
+    if edge == 0.0:
+        return k, 0.0
+    if low >= edge:
+        return k, -k * edge
+    if high <= -edge:
+        return k, k * edge
+    return 0.0, 0.0
 
 
 @njit(error_model="numpy")

@@ -1,0 +1,35 @@
+"""A force that follows its command with a delay of first order."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class ActuatorLag(Effect):
+    """tau·F' + F = commanded force."""
+
+    lag_time: float
+
+    name = "actuator_lag"
+    parameters = (Parameter("lag_time", "tau", "s", 0.0, math.inf, "time constant of the actuator"),)
+    acts_on = "input"
+    law = "tau·F' + F = F_commanded"
+    source = "first-order current loop or valve"
+    neutral = (("lag_time", 0.0),)
+    piecewise_linear = True
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[ActuatorLag, ...]:
+        """One sample, and a thirtieth of the swing's period."""
+        swing = 2.0 * math.pi / typical.natural_frequency(record, plant)
+        return cls(record.period), cls(0.03 * swing)

@@ -1,0 +1,34 @@
+"""Play between the spring and the mass."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class Backlash(Effect):
+    """The linear spring pulls only beyond a dead zone of half-width g."""
+
+    backlash_half_width: float
+
+    name = "backlash"
+    parameters = (Parameter("backlash_half_width", "g", "m", 0.0, math.inf, "half the play of the spring"),)
+    acts_on = "force"
+    law = "k·(x - g) for x > g, 0 within, k·(x + g) for x < -g, in place of k·x"
+    source = "dead-zone model; Nordin & Gutman 2002 (Automatica 38)"
+    neutral = (("backlash_half_width", 0.0),)
+    piecewise_linear = True
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[Backlash, ...]:
+        """Several widths: the surface has a knee wherever the motion ends within the play."""
+        return tuple(cls(share * typical.amplitude(record)) for share in (0.02, 0.08, 0.25))

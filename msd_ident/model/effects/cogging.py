@@ -1,0 +1,45 @@
+"""A force that repeats along the way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class Cogging(Effect):
+    """A·sin(2·pi·x/p + phi): magnets of a linear motor, teeth of a belt."""
+
+    cogging_amplitude: float
+    cogging_pitch: float
+    cogging_phase: float = 0.0
+
+    name = "cogging"
+    parameters = (
+        Parameter("cogging_amplitude", "A", "N", 0.0, math.inf, "amplitude of the cogging force"),
+        Parameter("cogging_pitch", "p", "m", 1e-9, math.inf, "pitch of the cogging force"),
+        Parameter("cogging_phase", "phi", "rad", -math.inf, math.inf, "phase of the cogging force at x = 0"),
+    )
+    acts_on = "force"
+    law = "A·sin(2·pi·x/p + phi)"
+    source = "first harmonic of the cogging force of permanent-magnet motors"
+    neutral = (("cogging_amplitude", 0.0),)
+    mirror = False
+
+    @staticmethod
+    def force(x: float, cogging_amplitude: float, cogging_pitch: float, cogging_phase: float) -> float:
+        """Force [N] against +x."""
+        return cogging_amplitude * math.sin(2.0 * math.pi * x / cogging_pitch + cogging_phase)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[Cogging, ...]:
+        """The three pitches that best fit the force that the plant leaves unexplained, with amplitude and phase."""
+        return tuple(cls(a, p, phi) for a, p, phi in typical.ripples(record, plant, count=3))

@@ -1,0 +1,39 @@
+"""A spring that hardens or softens either way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class CubicSpring(Effect):
+    """k3·x³ beside the linear spring: hardening (+) or softening (-)."""
+
+    cubic_stiffness: float
+
+    name = "cubic_spring"
+    parameters = (Parameter("cubic_stiffness", "k3", "N/m³", -math.inf, math.inf, "hardening of the spring"),)
+    acts_on = "force"
+    law = "k3·x³"
+    source = "G. Duffing 1918"
+    neutral = (("cubic_stiffness", 0.0),)
+
+    @staticmethod
+    def force(x: float, cubic_stiffness: float) -> float:
+        """Force [N] against +x."""
+        return cubic_stiffness * x * x * x
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[CubicSpring, ...]:
+        """A twentieth of the largest force at the amplitude, hardening and softening."""
+        size = 0.05 * typical.force(record, plant) / typical.amplitude(record) ** 3
+        return cls(size), cls(-size)

@@ -1,0 +1,42 @@
+"""Stops at both ends of the way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class EndStop(Effect):
+    """A spring of stiffness ks beyond xs, either side."""
+
+    stop_position: float
+    stop_stiffness: float
+
+    name = "end_stop"
+    parameters = (
+        Parameter("stop_position", "xs", "m", 0.0, math.inf, "distance of the stops from zero"),
+        Parameter("stop_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the stops"),
+    )
+    acts_on = "force"
+    law = "ks·(x - xs) for x > xs, ks·(x + xs) for x < -xs"
+    source = "penalty contact; Shaw & Holmes 1983 (J. Sound Vib. 90)"
+    neutral = (("stop_stiffness", 0.0),)
+    piecewise_linear = True
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[EndStop, ...]:
+        """Stops within the last tenth and the last third of the way, as stiff as the spring and ten times stiffer."""
+        reach = float(np.max(np.abs(record.position)))
+        stiffness = typical.force(record, plant) / typical.amplitude(record)
+        return tuple(cls(share * reach, n * stiffness) for share in (0.95, 0.85, 0.65) for n in (1.0, 10.0))

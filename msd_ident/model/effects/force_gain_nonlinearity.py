@@ -1,0 +1,46 @@
+"""An actuator whose gain depends on the command."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class ForceGainNonlinearity(Effect):
+    """F·(1 + beta·abs(F)), cut off at a limit where there is one."""
+
+    gain_slope: float
+    force_limit: float = math.inf
+
+    name = "force_gain_nonlinearity"
+    parameters = (
+        Parameter("gain_slope", "beta", "1/N", -math.inf, math.inf, "change of the force gain with the force"),
+        Parameter("force_limit", "Fmax", "N", 0.0, math.inf, "saturation of the actuator"),
+    )
+    acts_on = "input"
+    law = "F·(1 + beta·abs(F)), at most Fmax either way"
+    source = "second-order static actuator curve with saturation"
+    neutral = (("gain_slope", 0.0), ("force_limit", math.inf))
+    piecewise_linear = True
+
+    @staticmethod
+    def input_map(u: float, gain_slope: float, force_limit: float) -> float:
+        """Force [N] that a commanded u [N] becomes."""
+        made = u * (1.0 + gain_slope * abs(u))
+        return min(max(made, -force_limit), force_limit)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[ForceGainNonlinearity, ...]:
+        """Five per cent more or less at the largest force; no limit."""
+        largest = max(float(np.max(np.abs(record.force))), 1e-9)
+        return cls(0.05 / largest), cls(-0.05 / largest)

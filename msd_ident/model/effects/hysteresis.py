@@ -1,0 +1,61 @@
+"""A spring force that remembers the last reversal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class Hysteresis(Effect):
+    """Bouc-Wen with n = 1: within a length L after a reversal the force goes over from -Fh to Fh.
+
+    Between reversals z' = (v/L)(1 - sign(v) z) has a closed form in x, which is what is computed; z = 0 at first.
+    """
+
+    hysteresis_force: float
+    hysteresis_length: float
+
+    name = "hysteresis"
+    parameters = (
+        Parameter("hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force"),
+        Parameter("hysteresis_length", "L", "m", 1e-9, math.inf, "way over which it turns round"),
+    )
+    acts_on = "force"
+    law = "Fh·z with z' = (v/L)·(1 - sign(v)·z)"
+    source = "Bouc 1967, Wen 1976 (J. Eng. Mech. 102) with n = 1, beta = gamma = 1/2; P. Dahl 1968"
+    neutral = (("hysteresis_force", 0.0),)
+    memory = (("anchor_x", 0.0), ("anchor_z", 0.0))
+
+    @staticmethod
+    def force(
+        x: float, direction: float, hysteresis_force: float, hysteresis_length: float, anchor_x: float, anchor_z: float
+    ) -> float:
+        """Force [N] against +x."""
+        way = direction * (x - anchor_x)
+        return hysteresis_force * (direction + (anchor_z - direction) * math.exp(-way / hysteresis_length))
+
+    @staticmethod
+    def reversal_anchor_x(x: float) -> float:
+        """Position [m] of the reversal."""
+        return x
+
+    @staticmethod
+    def reversal_anchor_z(x: float, direction: float, hysteresis_length: float, anchor_x: float, anchor_z: float) -> float:
+        """z at the reversal."""
+        way = direction * (x - anchor_x)
+        return direction + (anchor_z - direction) * math.exp(-way / hysteresis_length)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[Hysteresis, ...]:
+        """Short and long turning lengths."""
+        force, amplitude = 0.05 * typical.force(record, plant), typical.amplitude(record)
+        return tuple(cls(force, share * amplitude) for share in (0.03, 0.2, 0.8))

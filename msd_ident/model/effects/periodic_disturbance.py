@@ -1,0 +1,46 @@
+"""A force that comes and goes by itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class PeriodicDisturbance(Effect):
+    """A·sin(omega·t + phi): a fan, an unbalanced motor, the mains."""
+
+    disturbance_amplitude: float
+    disturbance_frequency: float
+    disturbance_phase: float = 0.0
+
+    name = "periodic_disturbance"
+    parameters = (
+        Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance"),
+        Parameter("disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance"),
+        Parameter("disturbance_phase", "phi", "rad", -math.inf, math.inf, "phase of the disturbance at time 0"),
+    )
+    acts_on = "force"
+    law = "A·sin(omega·t + phi)"
+    source = "harmonic forcing, time counted from the record's time 0"
+    neutral = (("disturbance_amplitude", 0.0),)
+    mirror = False
+    steady = False
+
+    @staticmethod
+    def force(t: float, disturbance_amplitude: float, disturbance_frequency: float, disturbance_phase: float) -> float:
+        """Force [N] against +x."""
+        return disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[PeriodicDisturbance, ...]:
+        """The three strongest lines of the force that the plant leaves unexplained, with amplitude and phase."""
+        return tuple(cls(a, w, phi) for a, w, phi in typical.lines(record, plant, count=3))

@@ -1,0 +1,40 @@
+"""Drag that grows with the square of the speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(Effect):
+    """c·v·abs(v): air, oil through an orifice."""
+
+    drag_coefficient: float
+
+    name = "quadratic_drag"
+    parameters = (Parameter("drag_coefficient", "c", "N·s²/m²", 0.0, math.inf, "quadratic drag"),)
+    acts_on = "force"
+    law = "c·v·abs(v)"
+    source = "Newton's drag law, c = rho·Cd·A/2"
+    neutral = (("drag_coefficient", 0.0),)
+    dissipative = True
+    turns = True
+
+    @staticmethod
+    def force(v: float, speed: float, drag_coefficient: float) -> float:
+        """Drag [N]."""
+        return drag_coefficient * v * speed
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[QuadraticDrag, ...]:
+        """As strong at top speed as a twentieth of the largest force."""
+        return (cls(0.05 * typical.force(record, plant) / typical.speed(record) ** 2),)

@@ -1,0 +1,44 @@
+"""A second mass on a spring."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class SecondMode(Effect):
+    """A mass m2 on a spring k2 and damper b2 that hangs on the first: a flexible base or coupling.
+
+    It starts where the first mass does, with its velocity.
+    """
+
+    second_mass: float
+    second_stiffness: float
+    second_damping: float = 0.0
+
+    name = "second_mode"
+    parameters = (
+        Parameter("second_mass", "m2", "kg", 0.0, math.inf, "mass that hangs on the first"),
+        Parameter("second_stiffness", "k2", "N/m", 0.0, math.inf, "spring between the masses"),
+        Parameter("second_damping", "b2", "N·s/m", 0.0, math.inf, "damper between the masses"),
+    )
+    acts_on = "force"
+    law = "k2·(x - x2) + b2·(x' - x2'), with m2·x2'' equal to it"
+    source = "two-mass oscillator; Den Hartog, Mechanical Vibrations, 1934, chapter 3"
+    neutral = (("second_mass", 0.0),)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[SecondMode, ...]:
+        """A tenth of the mass, tuned to 0.6, 1.7, 3 and 6 times the plant's frequency, lightly damped."""
+        mass, omega = 0.1 * plant["mass"], typical.natural_frequency(record, plant)
+        tuned = tuple(n * omega for n in (1.7, 3.0, 6.0, 0.6))
+        return tuple(cls(mass, mass * w * w, 0.1 * mass * w) for w in tuned)

@@ -1,0 +1,38 @@
+"""A spring that changes with time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class StiffnessDrift(Effect):
+    """k·(1 + r·t) in place of k: heating, creep."""
+
+    stiffness_drift_rate: float
+
+    name = "stiffness_drift"
+    parameters = (Parameter("stiffness_drift_rate", "r", "1/s", -math.inf, math.inf, "relative drift of the stiffness"),)
+    acts_on = "force"
+    law = "k·(1 + r·t), t from the record's time 0"
+    source = "first order in time of a heating or creeping spring"
+    neutral = (("stiffness_drift_rate", 0.0),)
+    steady = False
+
+    @staticmethod
+    def force(t: float, spring_force: float, stiffness_drift_rate: float) -> float:
+        """Force [N] against +x beyond that of the spring at time 0."""
+        return spring_force * stiffness_drift_rate * t
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[StiffnessDrift, ...]:
+        """Two per cent over the record, either way."""
+        return cls(0.02 / record.duration), cls(-0.02 / record.duration)

@@ -1,0 +1,54 @@
+"""Dry friction that falls as the motion starts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class StribeckFriction(Effect):
+    """Breakaway Fs at rest, falling to Fc over the velocity vs."""
+
+    coulomb_force: float
+    static_force: float
+    stribeck_velocity: float
+
+    name = "stribeck_friction"
+    parameters = (
+        COULOMB_FORCE,
+        Parameter("static_force", "Fs", "N", 0.0, math.inf, "breakaway friction"),
+        Parameter("stribeck_velocity", "vs", "m/s", 1e-9, math.inf, "velocity over which friction falls"),
+    )
+    acts_on = "force"
+    law = "(Fc + (Fs - Fc)·exp(-(v/vs)²))·sign(v), breakaway Fs"
+    source = "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994 (Automatica 30): Gaussian form of Stribeck's curve"
+    neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
+    family = "dry friction"
+    dissipative = True
+
+    @staticmethod
+    def friction(speed: float, coulomb_force: float, static_force: float, stribeck_velocity: float) -> float:
+        """Kinetic friction [N]."""
+        ratio = speed / stribeck_velocity
+        return coulomb_force + (static_force - coulomb_force) * math.exp(-ratio * ratio)
+
+    @staticmethod
+    def breakaway(static_force: float) -> float:
+        """Largest force [N] that it holds at rest."""
+        return static_force
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
+        """A tenth and a third of the top speed as the velocity scale, little and much friction."""
+        force, speed = typical.force(record, plant), typical.speed(record)
+        return tuple(cls(0.02 * force * n, 0.04 * force * n, speed * s) for n in (1.0, 4.0) for s in (0.1, 0.4))

@@ -1,0 +1,36 @@
+"""Force and position stamps that differ."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class TimeOffset(Effect):
+    """The force acts D later than its stamps say; D may be negative."""
+
+    time_offset: float
+
+    name = "time_offset"
+    parameters = (Parameter("time_offset", "D", "s", -math.inf, math.inf, "delay of the force against its stamps"),)
+    acts_on = "input"
+    law = "F(t - D)"
+    source = "clocks of two publishers; transport delay"
+    neutral = (("time_offset", 0.0),)
+    piecewise_linear = True
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[TimeOffset, ...]:
+        """A sample and a fortieth of a swing, either way: with a swinging plant the surface has several valleys."""
+        swing = 2.0 * math.pi / typical.natural_frequency(record, plant)
+        steps = (0.7 * record.period, max(3.0 * record.period, 0.025 * swing))
+        return tuple(cls(sign * step) for step in steps for sign in (1.0, -1.0))
