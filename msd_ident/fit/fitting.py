@@ -16,7 +16,7 @@ from msd_ident.fit.objective import Loss, SquaredError
 from msd_ident.fit.posing import Zero, pose, start_vectors
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.result import FitResult
-from msd_ident.fit.search import limits, robust, search
+from msd_ident.fit.search import limits, robust, valleys
 from msd_ident.fit.see import see
 from msd_ident.fit.solver import Outcome, minimise
 from msd_ident.fit.units import unit_in
@@ -74,7 +74,7 @@ def _solve(problem: Problem, models: Sequence[Model], width: Search) -> Outcome:
     vectors = start_vectors(problem, models)
     if width == "near":
         return minimise(SquaredError(problem), vectors[-1], limits(problem))
-    return search(problem, vectors)
+    return valleys(problem, noise_floor(problem.records)).deepest(vectors)
 
 
 def _softness(problem: Problem, outcome: Outcome) -> float:
@@ -88,7 +88,7 @@ def _softness(problem: Problem, outcome: Outcome) -> float:
 def conclude(problem: Problem, outcome: Outcome) -> FitResult:
     """Intervals, open directions and the result, at the point where the solver ended."""
     point = outcome.point
-    steps = 30.0 * problem.steps(SquaredError(problem).linearise(point).matrix)
+    steps = 10.0 * problem.steps(SquaredError(problem).linearise(point).matrix)
     size = problem.size
     bread, meat = np.zeros((size, size)), np.zeros((size, size))
     residuals, effective = [], 0.0

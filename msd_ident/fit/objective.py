@@ -16,57 +16,85 @@ Loss = Literal["linear", "soft_l1"]
 
 @dataclass
 class SquaredError:
-    """Half the sum of squares of a problem, whole or up to a horizon, plain or robust.
+    """Half the (weighted) sum of squares of a problem, plain or robust.
 
-    ``horizon`` is the share of each record that counts: a short one has no phase to lose and so no false valleys.
-    ``soft`` is the residual [m] beyond which soft-L1 loss takes over from squares; 0 means plain squares.
+    Attributes:
+        weights: for each record the (n,) weights of its samples; none at all means 1 each.
+        soft: residual [m] beyond which soft-L1 loss takes over from squares; 0 means plain squares.
+        coarse: factor on the finite-difference steps; wide steps see past the kinks that sticking makes.
+
     Remembers the finite-difference steps that the last Gauss–Newton matrix suggests.
     """
 
     problem: Problem
-    horizon: float = 1.0
+    weights: tuple[FloatArray, ...] = ()
     soft: float = 0.0
+    coarse: float = 1.0
     _steps: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        self._steps = self.problem.first_steps()
+        self._steps = self.coarse * self.problem.first_steps()
 
     def cost(self, point: FloatArray) -> float:
         """Half the sum of squares (of the soft-L1 loss) at the point."""
-        return sum(
-            self._cost(self.problem.residual(point, r)[: self._end(r)]) for r in range(len(self.problem.records))
-        )
+        return sum(self._cost(self.problem.residual(point, r), r) for r in range(len(self.problem.records)))
 
     def linearise(self, point: FloatArray) -> Normal:
         """Normal equations at the point; robust loss by weights (iteratively reweighted least squares)."""
         problem = self.problem
-        size = problem.size
-        cost, gradient, matrix = 0.0, np.zeros(size), np.zeros((size, size))
+        cost, gradient, matrix = 0.0, np.zeros(problem.size), np.zeros((problem.size, problem.size))
         for r in range(len(problem.records)):
             residual, jacobian = problem.linearised(point, r, self._inside(point))
-            residual, jacobian = residual[: self._end(r)], jacobian[:, : self._end(r)]
-            cost += self._cost(residual)
+            cost += self._cost(residual, r)
             entries = problem.entries(r)
-            if self.soft > 0.0:
-                weight = 1.0 / np.sqrt(1.0 + (residual / self.soft) ** 2)
-                gradient[entries] += jacobian @ (weight * residual)
-                matrix[np.ix_(entries, entries)] += (jacobian * weight) @ jacobian.T
-            else:
-                gradient[entries] += jacobian @ residual
-                matrix[np.ix_(entries, entries)] += jacobian @ jacobian.T
-        self._steps = problem.steps(matrix)
+            weight = self._weight(residual, r)
+            weighted = jacobian if weight is None else jacobian * weight
+            gradient[entries] += weighted @ residual
+            matrix[np.ix_(entries, entries)] += weighted @ jacobian.T
+        self._steps = self.coarse * problem.steps(matrix)
         return Normal(cost, gradient, matrix)
+
+    def _weight(self, residual: FloatArray, record: int) -> FloatArray | None:
+        weight = self.weights[record] if self.weights else None
+        if self.soft <= 0.0:
+            return weight
+        robust = 1.0 / np.sqrt(1.0 + (residual / self.soft) ** 2)
+        return robust if weight is None else robust * weight
+
+    def _cost(self, residual: FloatArray, record: int) -> float:
+        loss = residual**2
+        if self.soft > 0.0:
+            loss = 2.0 * self.soft**2 * (np.sqrt(1.0 + loss / self.soft**2) - 1.0)
+        return 0.5 * float(loss @ self.weights[record] if self.weights else loss.sum())
 
     def _inside(self, point: FloatArray) -> FloatArray:
         """The steps, turned round where they would leave the bounds."""
         _, upper = self.problem.bounds
         return np.where(point + self._steps > upper, -self._steps, self._steps)
 
-    def _end(self, record: int) -> int:
-        return max(int(self.horizon * self.problem.records[record].samples), 1)
 
-    def _cost(self, residual: FloatArray) -> float:
-        if self.soft > 0.0:
-            scaled = np.sqrt(1.0 + (residual / self.soft) ** 2) - 1.0
-            return float(self.soft**2 * scaled.sum())
-        return 0.5 * float(residual @ residual)
+def motion_weights(position: FloatArray, step: float) -> FloatArray:
+    """Weights (n,) that let a rest count like a short stretch of motion, however long it lasts.
+
+    A thousand samples at rest hold hardly more than one, but pull so hard on the place where the cart stops that the
+    surface gets a valley for every number of half-swings. ``step`` is the encoder's step [m].
+    """
+    weights = np.ones(position.size)
+    block = max(10, position.size // 200)
+    for start, stop in _rests(position, block, step):
+        weights[start:stop] = block / (stop - start)
+    return weights
+
+
+def _rests(position: FloatArray, block: int, step: float) -> list[tuple[int, int]]:
+    """Spans (start, stop) of at least five blocks in which the mean of the readings does not move."""
+    count = position.size // block
+    blocks = position[: count * block].reshape(count, block)
+    noise = float(np.median(np.std(np.diff(blocks, axis=1), axis=1))) / np.sqrt(2.0)
+    quiet = np.std(blocks, axis=1) < 2.0 * noise + 0.6 * step
+    level = np.abs(np.diff(blocks.mean(axis=1))) < 4.0 * noise * np.sqrt(2.0 / block) + 0.6 * step
+    still = quiet & np.append(level, True) & np.insert(level, 0, True)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], still.astype(np.int8), [0]))))
+    spans = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    last = count * block
+    return [(a * block, position.size if b * block == last else b * block) for a, b in spans if b - a >= 5]

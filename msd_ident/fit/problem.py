@@ -20,7 +20,7 @@ from msd_ident.record import FloatArray, Record
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
 #: Effects of a finite-difference step on the position, as a part of the motion: far above rounding, far below bends.
-_RELATIVE_STEP = 1e-6
+_RELATIVE_STEP = 1e-5
 #: A simulation that blows up counts as an error of this many amplitudes.
 _BLOWN_UP = 1e6
 

@@ -1,69 +1,165 @@
 """Where to start, and which of several valleys to believe.
 
 Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
-whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once; the best are
-refined. Where even the best fits poorly, the horizon is grown: over the first few swings a wrong frequency cannot yet
-slip by a whole cycle.
+whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
+first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
+valley too, and is then the end. If not, the other starts are refined; then the parameters of dry friction and backlash
+jump, for their surface has a valley for every number of half-swings; and where even the best fits badly, the horizon
+is grown: over the first few swings a wrong frequency cannot yet slip by a whole cycle.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.fit.objective import SquaredError
+from msd_ident import quality
+from msd_ident.fit.objective import SquaredError, motion_weights
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.solver import Limits, Outcome, minimise
+from msd_ident.fit.uncertainty import pseudo_inverse
 from msd_ident.record import FloatArray
 
-#: A fit that leaves less than this part of the motion's spread is in the right valley.
-_GOOD = 0.02
 _REFINED = 3
 _SHORT = 12
+_LONG = 120
+#: This many noise floors: the right valley of the right model.
+_AT_FLOOR = 1.3
+_BLOCKS = (8, 32)
+#: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
+_COARSE = 100.0
+#: A kinked parameter known worse than this (part of its value) may have another valley as good within reach.
+_VAGUE = 0.005
+#: More than this part of the motion's spread left: phase has slipped somewhere.
+_SLIPPED = 0.2
 _HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
+#: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
+_KINKED = ("coulomb_force", "static_force", "backlash_half_width")
+_JUMPS = (0.55, 0.8, 1.25, 1.8)
 
 
-def limits(problem: Problem, iterations: int = 60) -> Limits:
+def limits(problem: Problem, iterations: int = _LONG) -> Limits:
     """Bounds and sizes of a problem for the solver."""
     lower, upper = problem.bounds
     return Limits(lower, upper, problem.scale, iterations)
 
 
-def search(problem: Problem, starts: Sequence[FloatArray]) -> Outcome:
-    """The deepest valley found from any of the starts (vectors of the problem)."""
-    objective = SquaredError(problem)
-    costs = np.array([objective.cost(start) for start in starts])
-    order = np.argsort(costs)
-    best = minimise(objective, starts[order[0]], limits(problem))
-    if _relative(problem, best) < _GOOD or len(starts) == 0:
+@dataclass(frozen=True)
+class Valleys:
+    """Search over the valleys of one problem; ``floor`` is the records' noise floor [m], NaN when unknown."""
+
+    problem: Problem
+    plain: SquaredError
+    weighted: SquaredError
+    floor: float
+
+    def deepest(self, starts: Sequence[FloatArray]) -> Outcome:
+        """The deepest valley found from any of the starts (vectors of the problem)."""
+        costs = np.array([self.weighted.cost(start) for start in starts])
+        order = [int(i) for i in np.argsort(costs)[:_REFINED]]
+        best = self.settle(starts[order[0]])
+        for index in order[1:]:
+            if self.at_floor(best):
+                break
+            best = _deeper(best, self.settle(starts[index]))
+        best = self._jump(best, all_entries=not self.at_floor(best))
+        if self._relative(best) > _SLIPPED:
+            for index in order:
+                best = _deeper(best, self._grow(starts[index]))
+        return best if best.converged else minimise(self.plain, best.point, limits(self.problem))
+
+    def settle(self, start: FloatArray) -> Outcome:
+        """From a start to the bottom of its valley, rests weighted down first."""
+        rough = minimise(self.weighted, start, limits(self.problem, 40))
+        return minimise(self.plain, rough.point, limits(self.problem))
+
+    def at_floor(self, outcome: Outcome) -> bool:
+        """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
+        if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
+            return False
+        weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
+        residuals = (self.problem.residual(outcome.point, r) for r in range(len(weights)))
+        return all(_patternless(residual[weight == 1.0]) for residual, weight in zip(residuals, weights, strict=True))
+
+    def _jump(self, best: Outcome, all_entries: bool) -> Outcome:
+        """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
+        kinked = [entry for entry, name in enumerate(self.problem.names) if name in _KINKED]
+        if not kinked:
+            return best
+        if not all_entries:
+            matrix = self.plain.linearise(best.point).matrix
+            inverse, _ = pseudo_inverse(matrix)
+            spread = self._spread(best) * np.sqrt(np.maximum(np.diag(inverse), 0.0))
+            kinked = [entry for entry in kinked if spread[entry] > _VAGUE * abs(best.point[entry])]
+        for entry in kinked:
+            best = self._jump_one(best, entry)
         return best
-    for index in order[1:_REFINED]:
-        best = _better(best, minimise(objective, starts[index], limits(problem, _SHORT)))
-    if _relative(problem, best) > 5.0 * _GOOD:
-        for index in order[:_REFINED]:
-            best = _better(best, _growing(problem, starts[index]))
-    return minimise(objective, best.point, limits(problem))
+
+    def _jump_one(self, best: Outcome, entry: int) -> Outcome:
+        problem = self.problem
+        matrix = self.weighted.linearise(best.point).matrix
+        others = np.arange(problem.size) != entry
+        follow = np.linalg.lstsq(matrix[np.ix_(others, others)], -matrix[others, entry], rcond=1e-12)[0]
+        near = []
+        for factor in _JUMPS:
+            change = np.zeros(problem.size)
+            change[entry] = (factor - 1.0) * best.point[entry]
+            change[others] = follow * change[entry]
+            near.append(minimise(self.weighted, best.point + change, limits(problem, _SHORT)))
+        for outcome in sorted(near, key=_cost)[:2]:
+            best = _deeper(best, minimise(self.plain, outcome.point, limits(problem)))
+        return best
+
+    def _grow(self, start: FloatArray) -> Outcome:
+        point = start
+        for horizon in _HORIZONS:
+            weights = tuple(
+                (np.arange(record.samples) < horizon * record.samples).astype(np.float64)
+                for record in self.problem.records
+            )
+            point = minimise(SquaredError(self.problem, weights), point, limits(self.problem, _SHORT)).point
+        return self.settle(point)
+
+    def _spread(self, outcome: Outcome) -> float:
+        samples = sum(record.samples for record in self.problem.records)
+        return math.sqrt(2.0 * outcome.cost / samples)
+
+    def _relative(self, outcome: Outcome) -> float:
+        return self._spread(outcome) / self.problem.typical.length
+
+
+def _patternless(residual: FloatArray) -> bool:
+    """Whether block sums of a residual scatter as independent samples would (within four standard deviations)."""
+    variance = float(residual @ residual) / max(residual.size, 1)
+    for block in _BLOCKS:
+        count = residual.size // block
+        if count < 4 or variance == 0.0:
+            continue
+        sums = residual[: count * block].reshape(count, block).sum(axis=1)
+        if float(sums @ sums) / (count * block * variance) > 1.0 + 4.0 * math.sqrt(2.0 / count):
+            return False
+    return True
+
+
+def _cost(outcome: Outcome) -> float:
+    return outcome.cost
+
+
+def _deeper(one: Outcome, other: Outcome) -> Outcome:
+    return one if one.cost <= other.cost else other
+
+
+def valleys(problem: Problem, floor: float) -> Valleys:
+    """The search over a problem's valleys."""
+    weights = tuple(motion_weights(record.position, quality.encoder_step(record)) for record in problem.records)
+    plain = SquaredError(problem)
+    resting = any(bool(np.any(weight < 1.0)) for weight in weights)
+    return Valleys(problem, plain, SquaredError(problem, weights if resting else (), coarse=_COARSE), floor)
 
 
 def robust(problem: Problem, start: Outcome, softness: float) -> Outcome:
     """Refine with soft-L1 loss: residuals beyond ``softness`` [m] count by their size, not its square."""
     return minimise(SquaredError(problem, soft=softness), start.point, limits(problem))
-
-
-def _growing(problem: Problem, start: FloatArray) -> Outcome:
-    point = start
-    for horizon in _HORIZONS:
-        point = minimise(SquaredError(problem, horizon=horizon), point, limits(problem, _SHORT)).point
-    return minimise(SquaredError(problem), point, limits(problem, _SHORT))
-
-
-def _better(one: Outcome, other: Outcome) -> Outcome:
-    return one if one.cost <= other.cost else replace(other, iterations=one.iterations + other.iterations)
-
-
-def _relative(problem: Problem, outcome: Outcome) -> float:
-    """Root mean square residual as a part of the motion's spread."""
-    samples = sum(record.samples for record in problem.records)
-    return float(np.sqrt(2.0 * outcome.cost / samples)) / problem.typical.length
