@@ -99,13 +99,9 @@ class Record:
         if self.hold not in ("zero", "linear"):
             raise DataError(f"hold is {self.hold!r}; expected 'zero' or 'linear'")
         if self.time.size != self.position.size:
-            raise DataError(
-                f"{self.time.size} stamps for {self.position.size} positions; expected as many of each"
-            )
+            raise DataError(f"{self.time.size} stamps for {self.position.size} positions; expected as many of each")
         if self.force_time.size != self.force.size:
-            raise DataError(
-                f"{self.force_time.size} stamps for {self.force.size} forces; expected as many of each"
-            )
+            raise DataError(f"{self.force_time.size} stamps for {self.force.size} forces; expected as many of each")
         if self.time.size < MINIMUM_SAMPLES:
             raise DataError(
                 f"{self.time.size} position samples; expected at least {MINIMUM_SAMPLES}: record longer or faster"

@@ -131,9 +131,7 @@ def open_bag(path: str | os.PathLike[str]) -> Bag:
     return Bag(where, kind, [_open_storage(where)], {})
 
 
-def iterate_messages(
-    path: str | os.PathLike[str], topics: Collection[str] | None = None
-) -> Iterator[RawMessage]:
+def iterate_messages(path: str | os.PathLike[str], topics: Collection[str] | None = None) -> Iterator[RawMessage]:
     """Messages of a bag by log time; see ``open_bag`` for topics with their QoS and definitions.
 
     Raises:

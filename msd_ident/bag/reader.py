@@ -140,9 +140,7 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     )
 
 
-def sources(
-    bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None
-) -> tuple[Source, Source | None]:
+def sources(bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None) -> tuple[Source, Source | None]:
     """Position and force (``None`` for a free decay) that the options mean; ``counts`` of messages by topic if known.
 
     Raises:
