@@ -12,14 +12,14 @@ from msd_ident.errors import DataError
 BATCH = "msd_interfaces/msg/EncoderBatch"
 
 #: Field that is taken when only the topic is given, by type; the batch is unpacked as a whole.
-_FORCE_FIELDS = {
+FORCE_FIELDS = {
     "geometry_msgs/msg/WrenchStamped": "wrench.force.x",
     "geometry_msgs/msg/Wrench": "force.x",
     "sensor_msgs/msg/JointState": "effort",
     "std_msgs/msg/Float64": "data",
     "std_msgs/msg/Float32": "data",
 }
-_POSITION_FIELDS = {
+POSITION_FIELDS = {
     "sensor_msgs/msg/JointState": "position[0]",
     BATCH: "positions",
     "geometry_msgs/msg/PointStamped": "point.x",
@@ -61,8 +61,8 @@ def choose_position(topics: Mapping[str, Topic], wanted: str, counts: Mapping[st
         DataError: there is none, or there are several.
     """
     if wanted:
-        return _named(topics, wanted, _POSITION_FIELDS, "--position", bag)
-    found = [topic for topic in _called(topics, _POSITION_NAMES, _POSITION_FIELDS) if counts.get(topic.name)]
+        return _named(topics, wanted, POSITION_FIELDS, "--position", bag)
+    found = [topic for topic in _called(topics, _POSITION_NAMES, POSITION_FIELDS) if counts.get(topic.name)]
     if not found:
         raise DataError(
             f"{bag} has no messages on a topic called encoder or encoder_batch; {_list(topics)}: "
@@ -73,7 +73,7 @@ def choose_position(topics: Mapping[str, Topic], wanted: str, counts: Mapping[st
     if len(spaces) > 1:
         names = ", ".join(topic.name for topic in found)
         raise DataError(f"{bag} has {len(found)} topics that may be the position ({names}); say which with --position")
-    return Source(found[0], parse_field(_POSITION_FIELDS[found[0].type]))
+    return Source(found[0], parse_field(POSITION_FIELDS[found[0].type]))
 
 
 def choose_force(
@@ -85,8 +85,8 @@ def choose_force(
         DataError: there is none, or there are several.
     """
     if wanted:
-        return _named(topics, wanted, _FORCE_FIELDS, "--force", bag)
-    found = [topic for topic in _called(topics, _FORCE_NAMES, _FORCE_FIELDS) if counts.get(topic.name)]
+        return _named(topics, wanted, FORCE_FIELDS, "--force", bag)
+    found = [topic for topic in _called(topics, _FORCE_NAMES, FORCE_FIELDS) if counts.get(topic.name)]
     near = [topic for topic in found if _namespace(topic.name) == _namespace(position)]
     found = near or found
     if not found:
@@ -97,7 +97,7 @@ def choose_force(
     if len(found) > 1:
         names = ", ".join(topic.name for topic in found)
         raise DataError(f"{bag} has {len(found)} topics that may be the force ({names}); say which with --force")
-    return Source(found[0], parse_field(_FORCE_FIELDS[found[0].type]))
+    return Source(found[0], parse_field(FORCE_FIELDS[found[0].type]))
 
 
 def _named(topics: Mapping[str, Topic], wanted: str, defaults: Mapping[str, str], option: str, bag: str) -> Source:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,8 @@ import numpy as np
 
 from msd_ident.errors import DataError, UsageError
 
+#: What an array field may be: decoded by rosbags, or by rclpy.
+_ARRAYS = (np.ndarray, list, array)
 _STEP = re.compile(r"\.?([A-Za-z_]\w*)|\[([^\[\]]+)\]")
 #: Fields that name the entries of the arrays beside them.
 _NAMES = ("name", "joint_names", "names")
@@ -52,7 +55,7 @@ class Field:
     def _number(self, found: Any) -> float | None:
         if isinstance(found, (float, int, np.number)):
             return float(found)
-        if isinstance(found, (np.ndarray, list)):
+        if isinstance(found, _ARRAYS):
             if len(found) == 0:
                 return None
             if len(found) == 1 and isinstance(found[0], (float, int, np.number)):
@@ -92,9 +95,9 @@ def joint_names(message: object) -> tuple[str, ...]:
     return tuple(_names([message]))
 
 
-def _index(key: str, array: Any, owners: Sequence[Any]) -> int | None:
+def _index(key: str, values: Any, owners: Sequence[Any]) -> int | None:
     """Place of a key in an array, ``None`` when it is not in this message."""
-    if not isinstance(array, (np.ndarray, list)):
+    if not isinstance(values, _ARRAYS):
         return None
     if key.lstrip("-").isdigit():
         index = int(key)
@@ -103,7 +106,7 @@ def _index(key: str, array: Any, owners: Sequence[Any]) -> int | None:
         if key not in names:
             return None
         index = list(names).index(key)
-    return index if -len(array) <= index < len(array) else None
+    return index if -len(values) <= index < len(values) else None
 
 
 def _names(owners: Sequence[Any]) -> Sequence[str]:
@@ -117,4 +120,8 @@ def _names(owners: Sequence[Any]) -> Sequence[str]:
 
 
 def _field_names(message: object) -> list[str]:
-    return [name for name in getattr(message, "__dataclass_fields__", {}) if not name.startswith("__")]
+    """Fields of a message as rosbags makes it, or as rclpy does."""
+    fields = getattr(message, "__dataclass_fields__", None)
+    if fields is None and hasattr(message, "get_fields_and_field_types"):
+        fields = message.get_fields_and_field_types()
+    return [name for name in fields or () if not name.startswith("__")]
