@@ -119,7 +119,7 @@ KNOWN = (
         "quadratic_drag", "c v |v|", (_p("drag_coefficient", "N s^2/m^2", 3.0, "drag coefficient c", lower=0.0),)
     ),
     RigEffect("cubic_spring", "k3 x^3", (_p("cubic_stiffness", "N/m^3", 3e5, "hardening (+) or softening (-)"),)),
-    RigEffect("asymmetric_spring", "k2 x^2", (_p("quadratic_stiffness", "N/m^2", 4e3, "k2"),)),
+    RigEffect("asymmetric_spring", "k2 x^2", (_p("quadratic_stiffness", "N/m^2", 2e3, "k2"),)),
     RigEffect(
         "backlash",
         "the linear spring pulls k (x - g) beyond g, k (x + g) below -g, nothing between",

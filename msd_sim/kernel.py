@@ -238,7 +238,8 @@ def _error(w: World, h: float) -> float:
 @njit(cache=True)
 def _probe(w: World, kind: int, edge: float, h: float) -> float:
     """Value whose root in h is the event of this kind."""
-    _trial(w, h)
+    if kind != _BREAKAWAY or w.p.second_mass > 0.0 or w.p.creep_stiffness > 0.0:  # else nothing moves while it sticks
+        _trial(w, h)
     if kind == _REVERSAL:
         return float(w.out[1] / h)  # v/h, not v: the root at h = 0 of a cart that starts from rest is none
     if kind == _EDGE:
@@ -300,7 +301,7 @@ def _controlled(w: World, end: float) -> float:
     """Try the longest step towards ``end`` within the tolerance; returns its length, or -1 when there is none."""
     m = w.m
     h = min(m.step, end - m.t)
-    while True:
+    while m.step >= SHORTEST_STEP:
         _trial(w, h)
         error = _error(w, h)
         if error <= 1.0:
@@ -310,8 +311,44 @@ def _controlled(w: World, end: float) -> float:
             return h
         h *= max(0.1, 0.9 * error**-0.125) if error < 1e30 else 0.1
         m.step = h
-        if h < SHORTEST_STEP:
-            return -1.0
+    return -1.0
+
+
+@njit(cache=True)
+def _peak(w: World, a: float, b: float) -> float:
+    """Where the push comes nearest to the static friction between two step lengths: golden section."""
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    c, d = b - ratio * (b - a), a + ratio * (b - a)
+    gc, gd = _probe(w, _BREAKAWAY, 0.0, c), _probe(w, _BREAKAWAY, 0.0, d)
+    for _ in range(40):
+        if gc > gd:
+            b, d, gd = d, c, gc
+            c = b - ratio * (b - a)
+            gc = _probe(w, _BREAKAWAY, 0.0, c)
+        else:
+            a, c, gc = c, d, gd
+            d = a + ratio * (b - a)
+            gd = _probe(w, _BREAKAWAY, 0.0, d)
+    return 0.5 * (a + b)
+
+
+@njit(cache=True)
+def _breakaway(w: World, h: float) -> float:
+    """Length to the first breakaway within h, or -1; sees a push that rises and falls again within the step, too."""
+    a, ga = 0.0, -1.0
+    for quarter in range(1, 5):
+        end = 0.25 * quarter * h
+        g_end = _probe(w, _BREAKAWAY, 0.0, end)
+        b, gb = end, g_end
+        near = 1e-4 * (end - a)
+        falls = gb <= 0.0 and _probe(w, _BREAKAWAY, 0.0, end - near) > g_end
+        if falls and _probe(w, _BREAKAWAY, 0.0, a + near) > _probe(w, _BREAKAWAY, 0.0, a):
+            b = _peak(w, a, end)
+            gb = _probe(w, _BREAKAWAY, 0.0, b)
+        if gb > 0.0:
+            return _locate(w, _BREAKAWAY, 0.0, a, min(ga, -1e-300), b, gb)
+        a, ga = end, g_end
+    return -1.0
 
 
 @njit(cache=True)
@@ -320,21 +357,16 @@ def _stick(w: World, end: float) -> int:
     if abs(other_forces(w, w.m.t, w.y)) > _static_friction(w.p, w.m, w.m.t, w.y[0]):
         _settle(w)
         return 0
+    if w.p.disturbance_amplitude != 0.0:
+        end = min(end, w.m.t + 1.0 / max(w.p.disturbance_frequency, 1e-9))
     h = _controlled(w, end)
     if h < 0.0:
         return RUNS_AWAY
-    before, g_before = 0.0, -1.0
-    for quarter in range(1, 5):  # looks inside the step too: the push may rise above the friction and fall again
-        at = 0.25 * quarter * h
-        g = _probe(w, _BREAKAWAY, 0.0, at)
-        if g > 0.0:
-            h = _locate(w, _BREAKAWAY, 0.0, before, min(g_before, -1e-300), at, g)
-            _trial(w, h)
-            _accept(w, h, end)
-            _settle(w)
-            return 0
-        before, g_before = at, g
-    _accept(w, h, end)
+    leaves = _breakaway(w, h)
+    _trial(w, h if leaves < 0.0 else leaves)
+    _accept(w, h if leaves < 0.0 else leaves, end)
+    if leaves >= 0.0:
+        _settle(w)
     return 0
 
 
