@@ -1,0 +1,93 @@
+"""Encoder step and measurement noise, from the samples alone: no model is needed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.record import FloatArray, Record
+
+#: Standard deviation of a uniform error one step wide, in steps.
+_UNIFORM = 1.0 / math.sqrt(12.0)
+#: From the median of absolute values to the standard deviation of a normal distribution.
+_MAD = 1.482602218505602
+#: Neighbours on each side from which a sample is interpolated.
+_REACH = 3
+
+
+def encoder_step(record: Record) -> float:
+    """Distance between neighbouring encoder readings [unit of the position]; 0.0 when the readings lie on no grid.
+
+    The differences between the readings that occur, in rising order, must be whole multiples of the smallest one.
+    Readings with noise of their own do not pass: their smallest difference is an accident.
+    """
+    levels = np.unique(record.position)
+    rounding = 16 * np.finfo(np.float64).eps * float(np.max(np.abs(levels)))
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > rounding]
+    if gaps.size < 2:
+        return float(gaps[0]) if gaps.size else 0.0
+    step = float(np.min(gaps))
+    near = gaps[gaps < 8.5 * step]
+    if near.size < 0.05 * gaps.size:
+        return 0.0
+    # Printed readings are rounded to so many digits: average over many gaps before looking at the wide ones.
+    step = float(np.sum(near) / np.sum(np.rint(near / step)))
+    multiples = gaps / step
+    # A wide gap leaves room for the error of the step, and proves nothing by being near a multiple.
+    tested = multiples < 100
+    misfit = np.abs(multiples - np.rint(multiples))[tested]
+    on_grid = float(np.mean(misfit < 0.1))
+    return step if on_grid > 0.95 else 0.0
+
+
+def noise_floor(record: Record) -> float:
+    """Standard deviation of the measurement noise, quantisation included [unit of the position].
+
+    Each sample is compared with the value that the polynomial through its neighbours has at its stamp: what is left
+    of a sampled motion there is tiny, what is left of white noise is known. Outliers, which are kinks of the motion
+    (stops, steps of the force), are left out. Where the encoder rests on one value the comparison shows nothing, and
+    the error of an encoder is uniform over one step: the floor is never below step/√12.
+    """
+    step = encoder_step(record)
+    quantisation = step * _UNIFORM
+    residual, moving = _interpolation_error(record, step)
+    parts = [part for part in (residual[moving], residual[~moving]) if part.size]
+    variance = sum(part.size * _variance(part, quantisation) for part in parts) / max(residual.size, 1)
+    return max(quantisation, math.sqrt(variance))
+
+
+def _interpolation_error(record: Record, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """Error of interpolating each sample from its neighbours, in units of the noise of one sample, and who moves.
+
+    Lagrange's formula with the true stamps; the noise of neighbours and sample adds up to the factor divided by.
+    """
+    time, position = record.time, record.position
+    middle = slice(_REACH, time.size - _REACH)
+    offsets = [k for k in range(-_REACH, _REACH + 1) if k != 0]
+
+    def shifted(values: FloatArray, by: int) -> FloatArray:
+        return values[_REACH + by : values.size - _REACH + by]
+
+    estimate = np.zeros(time[middle].size)
+    power = np.ones_like(estimate)
+    for j in offsets:
+        weight = np.ones_like(estimate)
+        for i in offsets:
+            if i != j:
+                weight *= (time[middle] - shifted(time, i)) / (shifted(time, j) - shifted(time, i))
+        estimate += weight * shifted(position, j)
+        power += weight**2
+    # Beside a gap the neighbours lie on one side only and the formula extrapolates: no use.
+    usable = power < 10.0
+    error = ((position[middle] - estimate) / np.sqrt(power))[usable]
+    travel = np.abs(shifted(position, _REACH) - shifted(position, -_REACH))[usable]
+    return error, travel >= max(3 * step, np.finfo(np.float64).tiny)
+
+
+def _variance(residual: FloatArray, quantisation: float) -> float:
+    """Mean square without outliers; their limit stands on the median, and on the step where most values are 0."""
+    limit = 4.0 * max(_MAD * float(np.median(np.abs(residual))), quantisation)
+    return float(np.mean(residual[np.abs(residual) <= limit] ** 2))
