@@ -61,12 +61,21 @@ def choose_columns(table: Table, name: str, options: SourceOptions) -> tuple[int
     Raises:
         DataError: one of them is not there.
     """
-    time = _column(table.header, name, options.time, _TIME_NAMES, "--time COLUMN")
+    time = choose_time(table, name, options)
     position = _column(table.header, name, options.position, _POSITION_NAMES, "--position COLUMN")
     if options.no_force:
         return time, None, position
     hint = "--force COLUMN, or --force none for a free decay"
     return time, _column(table.header, name, options.force, _FORCE_NAMES, hint), position
+
+
+def choose_time(table: Table, name: str, options: SourceOptions) -> int:
+    """Place of the column with the time.
+
+    Raises:
+        DataError: it is not there.
+    """
+    return _column(table.header, name, options.time, _TIME_NAMES, "--time COLUMN")
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:
@@ -81,7 +90,7 @@ def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = Fa
     """
     target = Path(path)
     if target.exists() and not overwrite:
-        raise UsageError(f"{target} exists; nothing is overwritten without --force: give another name or --force")
+        raise UsageError(f"{target} exists; expected a new name: give another one, or --overwrite to replace it")
     header = f"time_s,force{_suffix(record.force_unit)},position{_suffix(record.position_unit)}\n"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

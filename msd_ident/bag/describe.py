@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from msd_ident.bag.bag import Bag, is_bag, open_bag
-from msd_ident.bag.csv_file import choose_columns
+from msd_ident.bag.csv_file import choose_columns, choose_time
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.reader import sources
 from msd_ident.bag.table import Table
@@ -132,9 +132,10 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
     position = force = problem = ""
     time = np.zeros(0)
     try:
-        time_at, force_at, position_at = choose_columns(table, str(path), options)
+        time_at = choose_time(table, str(path), options)
         (time,) = table.columns([time_at])
         time = np.sort(time[np.isfinite(time)]) * (options.time_scale or time_factor(table.header[time_at]))
+        _, force_at, position_at = choose_columns(table, str(path), options)
         position, force = table.header[position_at], "none" if force_at is None else table.header[force_at]
     except DataError as error:
         problem = str(error)

@@ -276,5 +276,5 @@ def _clear(folder: Path, overwrite: bool) -> None:
     if not is_bag:
         raise UsageError(f"{folder} exists and is no bag; expected a new folder for the bag: give another name")
     if not overwrite:
-        raise UsageError(f"{folder} exists; nothing is overwritten without --force: give another name or --force")
+        raise UsageError(f"{folder} exists; expected a new name: give another one, or --overwrite to replace it")
     shutil.rmtree(folder)

@@ -1,0 +1,215 @@
+"""``msd info``: what a bag or a table holds, what would be used of it, and what is wrong with it."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from json import dumps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.cli import sources
+from msd_ident.errors import MsdError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.bag import BagInfo, SourceOptions
+    from msd_ident.quality import Finding
+    from msd_ident.record import Record
+
+
+def info(
+    paths: sources.PathsArgument,
+    force: sources.ForceOption = "",
+    position: sources.PositionOption = "",
+    time: sources.TimeOption = "",
+    force_scale: sources.ForceScaleOption = None,
+    position_scale: sources.PositionScaleOption = None,
+    time_scale: sources.TimeScaleOption = None,
+    force_unit: sources.ForceUnitOption = "",
+    position_unit: sources.PositionUnitOption = "",
+    hold: sources.HoldOption = "zero",
+    start: sources.StartOption = None,
+    end: sources.EndOption = None,
+    json: sources.JsonOption = "",
+    overwrite: sources.OverwriteOption = False,
+) -> int:
+    """Show topics, types, rates and gaps, the signals that would be used, and what is wrong with them."""
+    from rich.console import Console
+
+    from msd_ident.cli import run
+
+    source = sources.options(
+        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
+    )
+    output = run.Output(json, quiet=False, overwrite=overwrite)
+    output.check()
+    console = Console(highlight=False)
+    lines: list[dict[str, Any]] = []
+    failed = False
+    for path in paths:
+        try:
+            found = _look(path, source)
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}", file=sys.stderr)
+            lines.append({"path": str(path), "error": str(error)})
+            continue
+        lines.append(_to_json(found))
+        if output.tables:
+            _show(found, console)
+    text = "".join(dumps(run.jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
+    if json == "-":
+        sys.stdout.write(text)
+    elif json:
+        Path(json).write_text(text, encoding="utf-8")
+    return 2 if failed else 0
+
+
+@dataclass(frozen=True)
+class _Contents:
+    """A bag or table, the record that it gives (or why it gives none), and the findings about that."""
+
+    info: BagInfo
+    record: Record | None
+    problem: str
+    step: float
+    floor: float
+    missing: int
+    findings: tuple[Finding, ...]
+
+
+def _look(path: Path, source: SourceOptions) -> _Contents:
+    from msd_ident import quality
+    from msd_ident.bag import describe, read
+
+    info = describe(path, source)
+    try:
+        record = read(path, source)
+    except MsdError as error:
+        return _Contents(info, None, str(error), 0.0, 0.0, 0, ())
+    return _Contents(
+        info,
+        record,
+        "",
+        quality.encoder_step(record),
+        quality.noise_floor(record),
+        quality.missing_samples(record),
+        quality.check(record),
+    )
+
+
+def _to_json(found: _Contents) -> dict[str, Any]:
+    info, record = found.info, found.record
+    return {
+        "schema": "msd.info/1",
+        "path": info.path,
+        "kind": info.kind,
+        "start_ns": info.start_ns,
+        "duration_s": info.duration,
+        "messages": info.messages,
+        "topics": [
+            {
+                "name": topic.name,
+                "type": topic.type,
+                "messages": topic.messages,
+                "rate_hz": topic.rate,
+                "longest_gap_s": topic.longest_gap,
+                "reliability": topic.reliability,
+                "durability": topic.durability,
+            }
+            for topic in info.topics
+        ],
+        "position": info.position,
+        "force": info.force,
+        "record": None if record is None else _record_json(found, record),
+        "problem": found.problem,
+        "findings": [
+            {"severity": finding.severity, "code": finding.code, "sentence": finding.sentence}
+            for finding in found.findings
+        ],
+        "notes": list(_notes(found)),
+    }
+
+
+def _record_json(found: _Contents, record: Record) -> dict[str, Any]:
+    return {
+        "samples": record.samples,
+        "duration_s": record.duration,
+        "rate_hz": 1 / record.period,
+        "missing_samples": found.missing,
+        "position_unit": record.position_unit,
+        "encoder_step": found.step,
+        "noise_floor": found.floor,
+        "force_samples": int(record.force.size),
+        "force_unit": record.force_unit,
+    }
+
+
+def _notes(found: _Contents) -> tuple[str, ...]:
+    """Notes of the reader, those of the whole file without repeating them."""
+    of_record = found.record.notes if found.record is not None else ()
+    return tuple(dict.fromkeys((*found.info.notes, *of_record)))
+
+
+def _show(found: _Contents, console: Console) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
+    info = found.info
+    console.print(f"[bold]{escape(info.path)}[/bold]", soft_wrap=True)
+    unit = "lines" if info.kind == "CSV file" else "messages"
+    console.print(f"{info.kind}, {info.messages} {unit} in {info.duration:.3f} s{_start(info.start_ns)}\n")
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("column" if unit == "lines" else "topic", overflow="fold")
+    table.add_column("type", overflow="fold")
+    for name in ("number", "rate, Hz", "longest gap, s"):
+        table.add_column(name, justify="right")
+    for topic in info.topics:
+        table.add_row(
+            escape(topic.name), topic.type, str(topic.messages), _number(topic.rate), _number(topic.longest_gap)
+        )
+    console.print(table)
+    console.print()
+    _show_signals(found, console)
+    for finding in found.findings:
+        colour = {"error": "red", "warning": "yellow"}.get(finding.severity, "cyan")
+        console.print(f"[{colour}]{finding.severity}[/{colour}]: {escape(finding.sentence)}")
+    for note in _notes(found):
+        console.print(f"note: {escape(note)}")
+    console.print()
+
+
+def _show_signals(found: _Contents, console: Console) -> None:
+    from rich.markup import escape
+
+    record, info = found.record, found.info
+    if record is None:
+        console.print(f"[yellow]not usable as it is[/yellow]: {escape(found.problem)}")
+        return
+    step = f"encoder step {found.step:.4g} {record.position_unit}" if found.step else "no encoder step to be seen"
+    console.print(f"position: {escape(info.position)}")
+    console.print(
+        f"          {record.samples} samples in {record.duration:.3f} s, {1 / record.period:.4g} Hz, "
+        f"{found.missing} missing"
+    )
+    console.print(f"          {step}, noise floor {found.floor:.3g} {record.position_unit}")
+    if info.force == "none":
+        console.print("force:    none, a free decay")
+    else:
+        low, high = float(record.force.min()), float(record.force.max())
+        console.print(f"force:    {escape(info.force)}")
+        console.print(f"          {record.force.size} samples, {low:.4g} to {high:.4g} {record.force_unit}")
+
+
+def _start(start_ns: int) -> str:
+    if start_ns < 10**18:  # a clock of its own, as in simulation
+        return ""
+    from datetime import datetime, timezone
+
+    return f", from {datetime.fromtimestamp(start_ns // 10**9, timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if value == value else "–"
