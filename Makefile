@@ -1,0 +1,42 @@
+# make demo     set up what is missing, run the pipeline on the simulated rig
+# make test     set up what is missing, run the tests
+# make setup    only set up
+# make bench    speed of solver and fit
+# make blind    the long study with hidden causes
+# make clean    remove what these made
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+PY := .venv/bin/python
+JOBS ?= 2
+
+# A sourced ROS installation and the wheels in .venv do not mix.
+unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
+
+.PHONY: help setup demo test lint bench blind clean
+
+help:
+	@sed -n 's/^# \(make .*\)/\1/p' Makefile
+
+setup:
+	@tools/setup.sh
+
+demo: setup
+	@.venv/bin/msd demo $(ARGS)
+
+lint: setup
+	@.venv/bin/ruff check .
+	@.venv/bin/mypy
+
+test: lint
+	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
+
+bench: setup
+	@$(PY) -m bench $(ARGS)
+
+blind: setup
+	@$(PY) -m bench.blind $(ARGS)
+
+clean:
+	@rm -rf .venv build install log dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -type d -not -path './.git/*' -prune -exec rm -rf {} +
