@@ -1,0 +1,151 @@
+"""Working through paths one by one: progress, results, errors that stop one path and not the others."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from msd_ident.errors import MsdError, UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.bag import SourceOptions
+    from msd_ident.record import Record
+
+Progress = Callable[[str, float], None]
+
+
+class Result(Protocol):
+    """What identify and diagnose return: findings that can be written down."""
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The JSON contract's object, without ``path``."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where results go.
+
+    Attributes:
+        json: file for one JSON object a path, ``-`` for standard output (then nothing else is printed there),
+            empty for none.
+        quiet: no tables and no progress.
+        overwrite: whether a file that exists may be replaced.
+    """
+
+    json: str
+    quiet: bool
+    overwrite: bool
+
+    def check(self) -> None:
+        """Refuse before any work what could not be written afterwards.
+
+        Raises:
+            UsageError: the file exists and may not be replaced, or its folder does not exist.
+        """
+        if self.json not in ("", "-"):
+            check_target(Path(self.json), self.overwrite)
+
+    @property
+    def tables(self) -> bool:
+        """Whether tables belong on standard output."""
+        return not self.quiet and self.json != "-"
+
+
+def check_target(path: Path, overwrite: bool) -> None:
+    """Raise UsageError when ``path`` exists and may not be replaced, or cannot be created."""
+    if path.exists() and not overwrite:
+        raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
+    if not path.absolute().parent.is_dir():
+        raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+
+
+def jsonable(value: Any) -> Any:
+    """The same with NaN and infinity as null, which strict JSON has no words for."""
+    if isinstance(value, Mapping):
+        return {key: jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [jsonable(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+@contextmanager
+def progress(quiet: bool) -> Iterator[Progress]:
+    """A progress bar on stderr that takes (stage, fraction); nothing where stderr is no terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda stage, fraction: None
+        return
+    columns = (TextColumn("{task.description:<34}"), BarColumn(bar_width=28), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda stage, fraction: bar.update(task, description=stage, completed=fraction)
+
+
+def work(
+    paths: Sequence[Path],
+    source: SourceOptions,
+    together: bool,
+    output: Output,
+    solve: Callable[[Sequence[Record], Progress], Result],
+    show: Callable[[Any, Console], None],
+) -> int:
+    """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
+
+    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
+    """
+    from rich.console import Console
+
+    output.check()
+    groups = [tuple(paths)] if together else [(path,) for path in paths]
+    console = Console(highlight=False)
+    lines: list[dict[str, Any]] = []
+    failed = False
+    for group in groups:
+        name = " + ".join(str(path) for path in group)
+        try:
+            result = _solved(group, source, output, solve)
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}" if len(groups) == 1 else f"msd: {name}: {error}", file=sys.stderr)
+            lines.append({"path": name, "error": str(error)})
+            continue
+        found = result.to_json_dict()
+        lines.append({"schema": found.pop("schema"), "path": name, **found})
+        if output.tables:
+            show(result, console)
+    _write(lines, output)
+    return 2 if failed else 0
+
+
+def _solved(
+    group: Sequence[Path],
+    source: SourceOptions,
+    output: Output,
+    solve: Callable[[Sequence[Record], Progress], Result],
+) -> Result:
+    from msd_ident.bag import read
+
+    with progress(output.quiet) as report:
+        report("reading", 0.0)
+        return solve([read(path, source) for path in group], report)
+
+
+def _write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
+    text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
+    if output.json == "-":
+        sys.stdout.write(text)
+    elif output.json:
+        Path(output.json).write_text(text, encoding="utf-8")

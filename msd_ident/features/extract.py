@@ -1,0 +1,103 @@
+"""extract: from a record to the features of its response, by the way that suits it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from msd_ident.features.form import StandardForm, pool
+from msd_ident.features.onsets import Onset, held_share, onsets
+from msd_ident.features.response import Response, free_decay, step_response
+from msd_ident.record import Record
+
+#: A force that is held for less than this part of the time has no steps to speak of.
+_HELD = 0.5
+
+Kind = Literal["step", "free_decay", "none"]
+
+
+@dataclass(frozen=True)
+class Features:
+    """What a record's response shows without fitting a model to it.
+
+    Attributes:
+        kind: ``step``, ``free_decay``, or ``none`` when neither applies.
+        route: a sentence on how the standard form was found, or why there is none.
+        responses: one a force step (or one for the free decay), in time order.
+        standard_form: all responses together; ``None`` without any.
+        remarks: what a reader must know about the features, a sentence each.
+    """
+
+    kind: Kind
+    route: str
+    responses: tuple[Response, ...]
+    standard_form: StandardForm | None
+    remarks: tuple[str, ...] = ()
+
+
+def extract(record: Record) -> Features:
+    """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
+    steps = onsets(record) if held_share(record) >= _HELD else ()
+    responses = _responses(record, steps)
+    if responses:
+        return Features("step", _step_route(responses), responses, pool(_forms(responses)))
+    if not steps and not record.force_at(record.time).any():
+        return _decay(record)
+    if steps:
+        count = f"{len(steps)} force step{'s' if len(steps) > 1 else ''}"
+        return Features("none", f"{count}, but no response that settles or swings: a step response does not apply.", (), None)
+    return Features(
+        "none", "The force is never held for long, so a step response does not apply; the model is fitted by simulation.",
+        (), None,
+    )  # fmt: skip
+
+
+def _responses(record: Record, steps: Sequence[Onset]) -> tuple[Response, ...]:
+    found: list[Response] = []
+    for onset in steps:
+        response = step_response(record, onset, found[-1] if found else None)
+        if response is not None:
+            found.append(response)
+    return tuple(found)
+
+
+def pooled(features: Sequence[Features]) -> StandardForm | None:
+    """One standard form for several records of the same plant; ``None`` where no record has one."""
+    return pool([found.standard_form for found in features if found.standard_form is not None])
+
+
+def _forms(responses: Sequence[Response]) -> list[StandardForm]:
+    return [response.form for response in responses if response.form is not None]
+
+
+def _step_route(responses: tuple[Response, ...]) -> str:
+    swinging = sum(response.shape is None for response in responses)
+    turns = sum(len(response.turns) for response in responses)
+    many = f"{len(responses)} force step{'s' if len(responses) > 1 else ''}"
+    if swinging == len(responses):
+        return f"Standard form from {turns} turning points after {many}, eqs. 3 to 9."
+    if swinging == 0:
+        return (
+            f"Fewer than three clear turning points after {many}, so no decrement: standard form from a least-squares "
+            "fit of the whole step response, eq. 10."
+        )
+    return (
+        f"Standard form after {many}: {swinging} by turning points, eqs. 3 to 9, {len(responses) - swinging} by a "
+        "least-squares fit of the whole response, eq. 10."
+    )
+
+
+def _decay(record: Record) -> Features:
+    response = free_decay(record)
+    if response is None:
+        return Features("none", "No force acts and nothing swings: there is no response to read.", (), None)
+    remarks: tuple[str, ...] = ()
+    lead = response.onset - float(record.time[0])
+    if lead > 0.02 * record.duration:
+        remarks = (f"The first {lead:.2f} s, before the release, were left out: the cart was held or pulled by hand.",)
+    route = (
+        f"Free decay from {len(response.turns)} turning points, eqs. 3 to 7: without a force there is no static gain, "
+        "so mass, damping and stiffness are known only as ratios."
+    )
+    return Features("free_decay", route, (response,), pool(_forms((response,))), remarks)

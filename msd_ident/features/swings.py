@@ -1,0 +1,95 @@
+"""Turning points of an oscillation: found, and read to a fraction of a sample and of an encoder step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.signal
+
+from msd_ident.record import FloatArray
+
+#: A turning point stands out by this many noise floors, or by this part of the whole swing.
+_PROMINENCE_FLOORS, _PROMINENCE_SWING = 6.0, 0.01
+#: Part of a half-swing on either side of a turning point that the parabola through it uses.
+_REACH = 0.18
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A turning point: when [s], where [m], their standard deviations, and whether it is a high (+1) or a low (−1)."""
+
+    time: float
+    value: float
+    time_std: float
+    value_std: float
+    side: int
+
+
+def extremes(time: FloatArray, position: FloatArray, floor: float) -> tuple[Extreme, ...]:
+    """Turning points in time order: time (n,) [s], position (n,) [m], noise floor [m]."""
+    swing = float(np.ptp(position))
+    prominence = max(_PROMINENCE_FLOORS * floor, _PROMINENCE_SWING * swing)
+    if swing <= prominence or position.size < 8:
+        return ()
+    found = [(int(i), side) for side in (1, -1) for i in _peaks(side * position, prominence)]
+    found.sort()
+    alternating = _alternating(found, position)
+    return tuple(_refined(time, position, floor, alternating, n) for n in range(len(alternating)))
+
+
+def _peaks(position: FloatArray, prominence: float) -> list[int]:
+    """Indices of maxima, flat tops by their middle."""
+    indices, shape = scipy.signal.find_peaks(position, prominence=prominence, plateau_size=1)
+    return [int(i) for i in (shape["left_edges"] + shape["right_edges"]) // 2] if indices.size else []
+
+
+def _alternating(found: list[tuple[int, int]], position: FloatArray) -> list[tuple[int, int]]:
+    """Highs and lows in turn; of neighbours on one side the further one stays."""
+    kept: list[tuple[int, int]] = []
+    for index, side in found:
+        if kept and kept[-1][1] == side:
+            if side * position[index] > side * position[kept[-1][0]]:
+                kept[-1] = (index, side)
+        else:
+            kept.append((index, side))
+    return kept
+
+
+def _refined(
+    time: FloatArray, position: FloatArray, floor: float, found: list[tuple[int, int]], n: int
+) -> Extreme:
+    """A cubic through the neighbourhood of the turning point, by least squares, and its top."""
+    index, side = found[n]
+    neighbours = [abs(found[j][0] - index) for j in (n - 1, n + 1) if 0 <= j < len(found)]
+    half = min(neighbours) if neighbours else min(index, position.size - 1 - index)
+    reach = int(min(max(3, round(_REACH * half)), index, position.size - 1 - index))
+    if reach < 2:
+        return Extreme(float(time[index]), float(position[index]), math.inf, floor, side)
+    window = slice(index - reach, index + reach + 1)
+    centre, scale = float(time[index]), float(time[index + reach] - time[index])
+    u = (time[window] - centre) / scale
+    degree = 3 if reach >= 4 else 2
+    basis = np.vander(u, degree + 1, increasing=True)
+    coefficients, *_ = np.linalg.lstsq(basis, position[window], rcond=None)
+    top = _top(coefficients)
+    row = top ** np.arange(degree + 1)
+    covariance = np.linalg.inv(basis.T @ basis) * max(floor, 1e-300) ** 2
+    slope_row = np.arange(degree + 1) * np.concatenate(([0.0], top ** np.arange(degree)))
+    bend = abs(2.0 * coefficients[2]) or 1.0
+    return Extreme(
+        time=centre + scale * top,
+        value=float(row @ coefficients),
+        time_std=scale * math.sqrt(float(slope_row @ covariance @ slope_row)) / bend,
+        value_std=math.sqrt(float(row @ covariance @ row)),
+        side=side,
+    )
+
+
+def _top(coefficients: FloatArray) -> float:
+    """Where the polynomial turns, within the window; 0 (the sample itself) when it does not."""
+    slope = coefficients[1:] * np.arange(1, coefficients.size)
+    roots = np.roots(slope[::-1])
+    inside = [float(r.real) for r in roots if abs(r.imag) < 1e-9 and abs(r.real) <= 1.0]
+    return min(inside, key=abs) if inside else 0.0

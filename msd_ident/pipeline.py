@@ -1,0 +1,215 @@
+"""From records to a result: the one path that command line, nodes and tests share.
+
+``identify`` goes the paper's way (features, standard form, physical parameters, friction raised from 0 to the
+least error) and, beside it, refits all parameters jointly by simulation error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident import quality
+from msd_ident.errors import DataError, UsageError
+from msd_ident.features import StandardForm, extract, pooled
+from msd_ident.fit import FitResult, Initial, fit, noise_floor, paper_refine, see
+from msd_ident.fit.objective import Loss
+from msd_ident.fit.refine import GRAVITY, record_start
+from msd_ident.identification import Identification, ModelFit
+from msd_ident.model import Model, Plant, Simulator
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.quality import Finding
+from msd_ident.quantity import Quantity
+from msd_ident.record import FloatArray, Record
+
+MODELS = ("auto", "spring", "no_spring")
+LOSSES = ("linear", "soft_l1")
+#: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
+SUSPICIOUS = 2.0
+
+#: Called with what is being done and how much of all is done (0 to 1).
+Progress = Callable[[str, float], None]
+
+
+def _silent(stage: str, fraction: float) -> None:
+    """Report to nobody."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user may decide about an identification.
+
+    Attributes:
+        model: ``spring`` or ``no_spring`` (a plain axis); ``auto`` lets the data say.
+        loss: ``linear``, or ``soft_l1`` where single samples are wild.
+
+    Raises:
+        UsageError: another word.
+    """
+
+    model: str = "auto"
+    loss: Loss = "linear"
+
+    def __post_init__(self) -> None:
+        for what, found, known in (("model", self.model, MODELS), ("loss", self.loss, LOSSES)):
+            if found not in known:
+                raise UsageError(f"{what} is {found!r}; expected one of {', '.join(known)}")
+
+
+def identify(
+    records: Sequence[Record], options: Options = Options(), progress: Progress = _silent  # noqa: B008 - frozen
+) -> Identification:
+    """Standard form, physical parameters and friction of one experiment, which may have several records.
+
+    Raises:
+        DataError: the data cannot carry any estimate (a constant signal, for one).
+        UsageError: no records, or records in different units.
+    """
+    given = _checked(records)
+    progress("looking at the data", 0.05)
+    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse(findings)
+    progress("features of the response", 0.15)
+    features = tuple(extract(record) for record in given)
+    form = pooled(features)
+    turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
+    used = tuple(replace(record, force=-record.force) for record in given) if turned else given
+    sprung = _sprung(used, options, form)
+    progress("fitting all parameters", 0.3)
+    joint = _joint(used, sprung, options)
+    progress("the linear model", 0.6)
+    original = _original(used, form, sprung, options)
+    progress("raising the friction", 0.8)
+    raised = _raised(used, original) if form is not None and len(used) == 1 else None
+    floor = noise_floor(used)
+    warnings = _warnings(given, findings, turned, joint, floor)
+    progress("done", 1.0)
+    return Identification(
+        records=used,
+        findings=findings,
+        features=features,
+        standard_form=form,
+        original=original,
+        paper_refined=raised,
+        refined=_with_friction(joint, used, "m, b, k and dry friction together, by simulation error"),
+        noise_floor=floor,
+        missing_samples=sum(quality.missing_samples(record) for record in given),
+        warnings=warnings,
+        open=joint.open_directions,
+    )
+
+
+def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
+    if not records:
+        raise UsageError("no records to identify; expected at least one")
+    units = sorted({(record.force_unit, record.position_unit) for record in records})
+    if len(units) > 1:
+        listed = " and ".join(f"{force}, {position}" for force, position in units)
+        raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
+    return tuple(records)
+
+
+def _refuse(findings: Sequence[Finding]) -> None:
+    for finding in findings:
+        if finding.severity == "error":
+            raise DataError(finding.sentence)
+
+
+def _plant(record: Record) -> Model:
+    """A plant of the record's own size, to start from where there are no features."""
+    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
+    length = max(float(np.ptp(record.position)), 1e-12)
+    stiffness = force / length
+    return Plant(mass=stiffness * (record.duration / 20.0) ** 2, damping=0.1 * stiffness * record.duration, stiffness=stiffness)
+
+
+def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | None) -> bool:
+    """Whether the plant has a spring: as told, as the response shows, or as two fits decide."""
+    if options.model != "auto":
+        return options.model == "spring"
+    if form is not None:
+        return True
+    base = _plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
+    free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=options.loss)
+    held = fit(free.model, records, zero="known", loss=options.loss)
+    stiffness = held.quantities["stiffness"]
+    return stiffness.known and stiffness.low > 0.0 and held.see < 0.8 * free.see
+
+
+def _joint(records: tuple[Record, ...], sprung: bool, options: Options) -> FitResult:
+    """All parameters by simulation error; a plain axis has an offset in place of a spring's zero."""
+    base = _plant(records[0]) + CoulombFriction(0.0)
+    if sprung:
+        return fit(base, records, loss=options.loss)
+    return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)
+
+
+def _original(
+    records: tuple[Record, ...], form: StandardForm | None, sprung: bool, options: Options
+) -> ModelFit:
+    if form is None or form.physical is None:
+        return _linear_fit(records, sprung, options)
+    physical = form.physical.quantities
+    model = Plant(**{name: quantity.value for name, quantity in physical.items()})
+    initial = tuple(record_start(record) for record in records)
+    predicted = tuple(
+        Simulator(model, record).positions(model.values, start.position, start.velocity) + start.zero
+        for record, start in zip(records, initial, strict=True)
+    )
+    error = see([curve - record.position for curve, record in zip(predicted, records, strict=True)])
+    return ModelFit(model, physical, error, initial, predicted, "from the response's features, eqs. 11 to 13")
+
+
+def _linear_fit(records: tuple[Record, ...], sprung: bool, options: Options) -> ModelFit:
+    fixed = {} if sprung else {"stiffness": 0.0}
+    result = fit(_plant(records[0]), records, fixed=fixed, loss=options.loss)
+    what = "mass, damping and stiffness" if sprung else "mass and damping"
+    return _with_friction(result, records, f"{what} fitted by simulation error, as no response gives features")
+
+
+def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
+    """The paper's refinement of the original model, eqs. 2, 14 and 15."""
+    record = records[0]
+    found = paper_refine(original.model, record, original.initial[0])
+    friction = Quantity(found.refined["coulomb_force"], math.nan, record.force_unit)
+    parameters = {**original.parameters, "coulomb_force": friction}
+    if record.position_unit == "m":
+        parameters["friction_coefficient"] = Quantity(found.friction_coefficient, math.nan, "1")
+    predicted = (found.residual_refined + record.position,)
+    method = "m, b and k kept, friction raised from 0 to the least SEE, eqs. 2 and 14"
+    return ModelFit(found.refined, parameters, found.see_refined, original.initial, predicted, method)
+
+
+def _with_friction(result: FitResult, records: tuple[Record, ...], method: str) -> ModelFit:
+    """A fit as a ``ModelFit``, dry friction stated as µ = Fc/(m g) too."""
+    parameters = dict(result.quantities)
+    if "coulomb_force" in parameters and records[0].position_unit == "m":
+        parameters["friction_coefficient"] = result.derived(lambda p: p["coulomb_force"] / (p["mass"] * GRAVITY), "1")
+    predicted: tuple[FloatArray, ...] = tuple(
+        residual + record.position for residual, record in zip(result.residuals, records, strict=True)
+    )
+    return ModelFit(result.model, parameters, result.see, result.initial, predicted, method)
+
+
+def _warnings(
+    records: tuple[Record, ...], findings: Sequence[Finding], turned: bool, joint: FitResult, floor: float
+) -> tuple[str, ...]:
+    """What a reader must know before using the numbers."""
+    said = [note for record in records for note in record.notes]
+    said += [finding.sentence for finding in findings if finding.severity == "warning"]
+    if turned:
+        said.append(
+            "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
+        )
+    if not joint.converged:
+        said.append(f"The joint refit did not settle: {joint.message}")
+    if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
+        said.append(
+            f"The refined model leaves {joint.see / floor:.1f} times the noise floor: something is missing in it; "
+            "run msd diagnose to name it."
+        )
+    return tuple(dict.fromkeys(said))

@@ -1,0 +1,55 @@
+"""How numbers are written: as many digits as the interval carries, and the unit people use."""
+
+from __future__ import annotations
+
+import math
+
+from msd_ident.quantity import Quantity
+
+#: SI unit → (unit in tables, factor), where people read another one than the model has.
+SHOWN = {"m/N": ("cm/N", 100.0), "m": ("cm", 100.0)}
+
+
+def shown(quantity: Quantity) -> Quantity:
+    """The same quantity in the unit that tables use (cm for m, cm/N for m/N)."""
+    unit, factor = SHOWN.get(quantity.unit, (quantity.unit, 1.0))
+    return Quantity(quantity.value * factor, quantity.std * factor, unit)
+
+
+def decimals(value: float, std: float) -> int:
+    """Decimal places that show two digits of the standard deviation, or four digits of the value."""
+    scale = std if math.isfinite(std) and std > 0.0 else abs(value) * 1e-2
+    if not math.isfinite(scale) or scale == 0.0:
+        return 4
+    return int(min(max(1 - math.floor(math.log10(scale)), 0), 9))
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A bare number with ``digits`` significant digits, never in a form that a table must wrap."""
+    if not math.isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if -4 <= exponent < 6:
+        return f"{value:.{max(digits - 1 - exponent, 0)}f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def value(quantity: Quantity) -> str:
+    """The value alone, to the digits that its interval carries."""
+    if not math.isfinite(quantity.value):
+        return "–"
+    if abs(quantity.value) >= 1e6 or (quantity.value != 0.0 and abs(quantity.value) < 1e-4):
+        return number(quantity.value)
+    return f"{quantity.value:.{decimals(quantity.value, quantity.std)}f}"
+
+
+def interval(quantity: Quantity) -> str:
+    """The 95 % interval as ``low … high``, or words where the data leaves the value open."""
+    if not quantity.known:
+        return "open"
+    places = decimals(quantity.value, quantity.std)
+    if abs(quantity.value) < 1e-4 and quantity.value != 0.0:
+        return f"{number(quantity.low)} … {number(quantity.high)}"
+    return f"{quantity.low:.{places}f} … {quantity.high:.{places}f}"
