@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident.quality import noise_floor as floor_of
 from msd_ident.record import FloatArray, Record
 
 
@@ -16,7 +16,7 @@ def noise_floor(records: tuple[Record, ...]) -> float:
     From rest phases and the encoder step, and where the same experiment was run twice, from the scatter between
     the runs, which also holds whatever of the rig does not repeat.
     """
-    own = [(quality.noise_floor(record), record.samples) for record in records]
+    own = [(floor_of(record), record.samples) for record in records]
     told = [(floor, samples) for floor, samples in own if math.isfinite(floor) and floor > 0.0]
     if not told:
         return repeat_scatter(records)

@@ -37,7 +37,10 @@ class SquaredError:
 
     def cost(self, point: FloatArray) -> float:
         """Half the sum of squares (of the soft-L1 loss) at the point."""
-        return sum(self._cost(self.problem.residual(point, r), r) for r in range(len(self.problem.records)))
+        total = sum(self._cost(self.problem.residual(point, r), r) for r in range(len(self.problem.records)))
+        for balance in self.problem.balances:
+            total += 0.5 * balance.weight * self.problem.imbalance(point, balance)[0] ** 2
+        return total
 
     def linearise(self, point: FloatArray) -> Normal:
         """Normal equations at the point; robust loss by weights (iteratively reweighted least squares)."""
@@ -52,6 +55,11 @@ class SquaredError:
             gradient[entries] += weighted @ residual
             matrix[np.ix_(entries, entries)] += weighted @ jacobian.T
         self._steps = self.coarse * problem.steps(matrix)
+        for balance in problem.balances:
+            value, slope = problem.imbalance(point, balance)
+            cost += 0.5 * balance.weight * value**2
+            gradient += balance.weight * value * slope
+            matrix += balance.weight * np.outer(slope, slope)
         return Normal(cost, gradient, matrix)
 
     def _weight(self, residual: FloatArray, record: int) -> FloatArray | None:
@@ -69,8 +77,7 @@ class SquaredError:
 
     def _inside(self, point: FloatArray) -> FloatArray:
         """The steps, turned round where they would leave the bounds."""
-        _, upper = self.problem.bounds
-        return np.where(point + self._steps > upper, -self._steps, self._steps)
+        return np.where(point + self._steps > self.problem.upper, -self._steps, self._steps)
 
 
 def motion_weights(position: FloatArray, step: float) -> FloatArray:

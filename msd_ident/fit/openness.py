@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.fit.uncertainty import unit_diagonal
 from msd_ident.record import FloatArray
 
 #: A parameter takes part in an open direction when its share of it is at least this.
@@ -81,14 +82,21 @@ class OpenDirection:
         return tuple(name for name, _ in self.shares)
 
 
-def null_directions(matrix: FloatArray, reference: FloatArray) -> list[FloatArray]:
-    """Exactly null directions (p,) of a Gauss–Newton matrix, in units of ``reference``, each with few entries."""
-    scaled = matrix * np.outer(reference, reference)
-    diagonal = np.diag(scaled)
-    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    values, vectors = np.linalg.eigh(scaled / np.outer(size, size))
-    basis = vectors[:, values <= NULL * max(float(values[-1]), 1e-300)] / size[:, None]
-    return _sparse(basis.T)
+def null_directions(matrix: FloatArray, reference: FloatArray, pinned: FloatArray) -> list[FloatArray]:
+    """Exactly null directions (p,) of a Gauss–Newton matrix, in units of ``reference``, each with few entries.
+
+    ``pinned`` is the information (p, p) that comes from elsewhere than the samples; a direction along which it
+    fixes the parameters to better than their size is not null.
+    """
+    scaled, size = unit_diagonal(matrix)
+    values, vectors = np.linalg.eigh(scaled)
+    null = vectors[:, values <= NULL * max(float(values[-1]), 1e-300)] / (size * reference)[:, None]
+    if not null.shape[1]:
+        return []
+    null = null / np.abs(null).max(axis=0)
+    known = null.T @ (pinned * np.outer(reference, reference)) @ null
+    strength, mixture = np.linalg.eigh(known)
+    return _sparse((null @ mixture[:, strength < 1.0]).T)
 
 
 def _sparse(basis: FloatArray) -> list[FloatArray]:

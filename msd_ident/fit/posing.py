@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,14 +12,16 @@ import numpy as np
 from msd_ident import quality
 from msd_ident.errors import UsageError
 from msd_ident.fit.objective import SquaredError
-from msd_ident.fit.problem import Initial, Nuisance, Problem, build
-from msd_ident.fit.start import LINEAR, Start, candidates
+from msd_ident.fit.problem import Balance, Initial, Nuisance, Problem, build
+from msd_ident.fit.start import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
 from msd_ident.record import FloatArray, Record
 
 Zero = Literal["free", "known"]
 
 #: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
+#: Parameters that hold the cart away from the balance of forces.
+_HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
 _PLACED = (
     "cubic_stiffness",
     "quadratic_stiffness",
@@ -49,7 +52,33 @@ def pose(
             nuisances.append(Nuisance(i, "zero"))
     if kept >= set(model.names):
         raise UsageError("every parameter is fixed; expected at least one to fit")
-    return build(model, records, kept, tuple(nuisances), (Initial(),) * len(records))
+    resting = [r for r, record in enumerate(records) if starts_unpushed(record)]
+    problem = build(model, records, kept, tuple(nuisances))
+    return (
+        problem if zero == "known" or springless else balanced(problem, model, 1e-4 * problem.typical.length, resting)
+    )
+
+
+def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int]) -> Problem:
+    """The problem with the balance of forces at rest before the first push, as far as this model's friction holds."""
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    holding = sum(values.get(name, 0.0) for name in _HOLDING) / max(values["stiffness"], 1e-300) / math.sqrt(3.0)
+    spread = holding + values.get("backlash_half_width", 0.0) + max(noise, 1e-4 * problem.typical.length)
+    return replace(problem, balances=tuple(Balance(r, spread, noise) for r in resting))
+
+
+def starts_unpushed(record: Record) -> bool:
+    """Whether the record begins at rest with no force on the cart, or at the very instant of its first push."""
+    pushes = np.flatnonzero(record.force)
+    if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
+        return False
+    if starts_at_rest(record):
+        return True
+    early = record.force_time[pushes[0]] <= record.time[0] + record.period
+    count = max(4, record.samples // 500)
+    _, velocity = starting_state(record, count)
+    reach = float(np.ptp(record.position))
+    return early and abs(velocity) * float(record.time[count - 1] - record.time[0]) < 0.002 * reach
 
 
 def starts_at_rest(record: Record) -> bool:
@@ -74,7 +103,9 @@ def start_vectors(problem: Problem, models: Sequence[Model]) -> list[FloatArray]
     given = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
     free = {problem.model.names[i] for i in problem.free}
     zero_free = any(n.kind == "zero" for n in problem.nuisances)
-    regressed = candidates(problem.records, given, free, zero_free)
+    resting = {balance.record for balance in problem.balances}
+    relaxed = tuple(r in resting for r in range(len(problem.records)))
+    regressed = candidates(problem.records, Regression(given, free, zero_free, relaxed))
     vectors = []
     for model in (problem.model, *models):
         own = dict(zip(model.names, model.values.tolist(), strict=True))

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
+from msd_ident import quality
 from msd_ident.errors import UsageError
 from msd_ident.fit.units import Magnitudes, magnitudes
 from msd_ident.model import Model, Simulator
@@ -43,6 +45,24 @@ class Initial:
 
 
 @dataclass(frozen=True)
+class Balance:
+    """What rest before the first push says: the spring's force and the offset cancel, within what friction holds.
+
+    A pseudo-observation ``x0 + F0/k = 0 ± spread`` [m] of one record, beside samples with ``noise`` [m]. It decides
+    nothing but what the samples leave open: the scale of a record with one constant force and an unknown zero.
+    """
+
+    record: int
+    spread: float
+    noise: float
+
+    @property
+    def weight(self) -> float:
+        """Its weight beside a sample that counts 1."""
+        return (self.noise / self.spread) ** 2
+
+
+@dataclass(frozen=True)
 class Problem:
     """A model, records, and what may move.
 
@@ -52,6 +72,9 @@ class Problem:
         nuisances: the free entries of single records, after the free parameters in the vector.
         initial: per record, the values of the entries that are not free.
         typical: yardsticks of force, length and time.
+        scale, lower, upper: natural size and bounds (p,) of the vector's entries.
+        encoder_steps: the encoder's step in each record [m], 0 where none is seen.
+        balances: what rest at the start of a record says besides its samples.
     """
 
     model: Model
@@ -61,6 +84,11 @@ class Problem:
     nuisances: tuple[Nuisance, ...]
     initial: tuple[Initial, ...]
     typical: Magnitudes
+    scale: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    encoder_steps: tuple[float, ...]
+    balances: tuple[Balance, ...] = ()
 
     @property
     def size(self) -> int:
@@ -72,24 +100,6 @@ class Problem:
         """Name of each entry of the vector."""
         own = tuple(f"{n.kind} of {self.records[n.record].name}" for n in self.nuisances)
         return tuple(self.model.names[i] for i in self.free) + own
-
-    @property
-    def scale(self) -> FloatArray:
-        """Natural size of each entry."""
-        typical = self.typical
-        sizes = [typical.of(self.model.parameters[i].unit) for i in self.free]
-        own = {"initial velocity": typical.length / typical.time}
-        return np.array(sizes + [own.get(n.kind, typical.length) for n in self.nuisances])
-
-    @property
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper bound of each entry; a lower bound of 0 on mass is kept off zero."""
-        parameters = [self.model.parameters[i] for i in self.free]
-        rest = len(self.nuisances)
-        least = {"mass": 1e-6 * self.typical.of("kg")}
-        lower = np.array([max(p.lower, least.get(p.name, p.lower)) for p in parameters] + [-np.inf] * rest)
-        upper = np.array([p.upper for p in parameters] + [np.inf] * rest)
-        return lower, upper
 
     def vector(self, values: Mapping[str, float], initial: Sequence[Initial]) -> FloatArray:
         """The vector for these parameter values and initial states."""
@@ -109,14 +119,14 @@ class Problem:
             states[nuisance.record][_KINDS.index(nuisance.kind)] = float(value)
         return tuple(Initial(*state) for state in states)
 
-    def entries(self, record: int) -> FloatArray:
+    def entries(self, record: int) -> npt.NDArray[np.intp]:
         """Indices of the vector's entries that this record depends on."""
         own = [len(self.free) + j for j, n in enumerate(self.nuisances) if n.record == record]
         return np.array([*range(len(self.free)), *own], dtype=np.intp)
 
     def residual(self, vector: FloatArray, record: int) -> FloatArray:
         """Model − data (n,) of one record; large but finite where the simulation blows up."""
-        return self._residuals(vector[None, :], record)[0]
+        return np.asarray(self._residuals(vector[None, :], record)[0])
 
     def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's)."""
@@ -133,9 +143,8 @@ class Problem:
 
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual and Jacobian by central differences (one-sided at a bound): for the intervals."""
-        lower, upper = self.bounds
-        residual, ahead = self.linearised(vector, record, np.where(vector + steps > upper, -steps, steps))
-        _, behind = self.linearised(vector, record, np.where(vector - steps < lower, steps, -steps))
+        residual, ahead = self.linearised(vector, record, np.where(vector + steps > self.upper, -steps, steps))
+        _, behind = self.linearised(vector, record, np.where(vector - steps < self.lower, steps, -steps))
         ahead += behind
         ahead *= 0.5
         return residual, ahead
@@ -151,6 +160,17 @@ class Problem:
         return np.clip(
             _RELATIVE_STEP * self.typical.length / effect, 1e-3 * self.first_steps(), 1e3 * self.first_steps()
         )
+
+    def imbalance(self, vector: FloatArray, balance: Balance) -> tuple[float, FloatArray]:
+        """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
+        values = dict(zip(self.model.names, self.values(vector).tolist(), strict=True))
+        stiffness, offset = max(values["stiffness"], 1e-9), values.get("offset_force", 0.0)
+        slopes = {"offset_force": 1.0 / stiffness, "stiffness": -offset / stiffness**2}
+        gradient = np.array([slopes.get(self.model.names[i], 0.0) for i in self.free] + [0.0] * len(self.nuisances))
+        for j, nuisance in enumerate(self.nuisances):
+            if nuisance.record == balance.record and nuisance.kind == "initial position":
+                gradient[len(self.free) + j] = 1.0
+        return self.initials(vector)[balance.record].position + offset / stiffness, gradient
 
     def _residuals(self, points: FloatArray, record: int) -> FloatArray:
         """Residuals (q, n) of one record at several points (q, p)."""
@@ -186,9 +206,8 @@ def build(
     records: Sequence[Record],
     fixed: frozenset[str],
     nuisances: tuple[Nuisance, ...],
-    initial: tuple[Initial, ...],
 ) -> Problem:
-    """A problem with every parameter free that is not in ``fixed``.
+    """A problem with every parameter free that is not in ``fixed``; entries of a record that are not free are 0.
 
     Raises:
         UsageError: a fixed name that the model does not have.
@@ -197,6 +216,30 @@ def build(
     if unknown:
         raise UsageError(f"no parameter {unknown[0]!r} to fix; this model has {', '.join(model.names)}")
     free = tuple(i for i, name in enumerate(model.names) if name not in fixed)
-    mass = float(model.values[model.names.index("mass")])
-    simulators = tuple(Simulator(model, record) for record in records)
-    return Problem(model, tuple(records), simulators, free, nuisances, initial, magnitudes(tuple(records), mass))
+    group = tuple(records)
+    typical = magnitudes(group, model["mass"])
+    own = {"initial velocity": typical.length / typical.time}
+    sizes = [typical.of(model.parameters[i].unit) for i in free]
+    lower, upper = _bounds(model, free, len(nuisances), typical)
+    return Problem(
+        model=model,
+        records=group,
+        simulators=tuple(Simulator(model, record) for record in group),
+        free=free,
+        nuisances=nuisances,
+        initial=(Initial(),) * len(group),
+        typical=typical,
+        scale=np.array(sizes + [own.get(n.kind, typical.length) for n in nuisances]),
+        lower=lower,
+        upper=upper,
+        encoder_steps=tuple(quality.encoder_step(record) for record in group),
+    )
+
+
+def _bounds(model: Model, free: tuple[int, ...], rest: int, typical: Magnitudes) -> tuple[FloatArray, FloatArray]:
+    """Bounds of the vector's entries; the mass is kept off zero."""
+    parameters = [model.parameters[i] for i in free]
+    least = {"mass": 1e-6 * typical.of("kg")}
+    lower = np.array([max(p.lower, least.get(p.name, p.lower)) for p in parameters] + [-np.inf] * rest)
+    upper = np.array([p.upper for p in parameters] + [np.inf] * rest)
+    return lower, upper

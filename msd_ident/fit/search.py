@@ -16,11 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident import quality
 from msd_ident.fit.objective import SquaredError, motion_weights
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.solver import Limits, Outcome, minimise
-from msd_ident.fit.uncertainty import pseudo_inverse
 from msd_ident.record import FloatArray
 
 _REFINED = 3
@@ -32,7 +30,7 @@ _BLOCKS = (8, 32)
 #: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
 _COARSE = 100.0
 #: A kinked parameter known worse than this (part of its value) may have another valley as good within reach.
-_VAGUE = 0.005
+_VAGUE = 0.01
 #: More than this part of the motion's spread left: phase has slipped somewhere.
 _SLIPPED = 0.2
 _HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
@@ -43,8 +41,7 @@ _JUMPS = (0.55, 0.8, 1.25, 1.8)
 
 def limits(problem: Problem, iterations: int = _LONG) -> Limits:
     """Bounds and sizes of a problem for the solver."""
-    lower, upper = problem.bounds
-    return Limits(lower, upper, problem.scale, iterations)
+    return Limits(problem.lower, problem.upper, problem.scale, iterations)
 
 
 @dataclass(frozen=True)
@@ -81,8 +78,11 @@ class Valleys:
         if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
             return False
         weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
-        residuals = (self.problem.residual(outcome.point, r) for r in range(len(weights)))
-        return all(_patternless(residual[weight == 1.0]) for residual, weight in zip(residuals, weights, strict=True))
+        moving = (self.problem.residual(outcome.point, r)[weight == 1.0] for r, weight in enumerate(weights))
+        return all(
+            _rounding(part, step) or _patternless(part)
+            for part, step in zip(moving, self.problem.encoder_steps, strict=True)
+        )
 
     def _jump(self, best: Outcome, all_entries: bool) -> Outcome:
         """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
@@ -91,7 +91,7 @@ class Valleys:
             return best
         if not all_entries:
             matrix = self.plain.linearise(best.point).matrix
-            inverse, _ = pseudo_inverse(matrix)
+            inverse = np.linalg.pinv(matrix, rcond=1e-14, hermitian=True)
             spread = self._spread(best) * np.sqrt(np.maximum(np.diag(inverse), 0.0))
             kinked = [entry for entry in kinked if spread[entry] > _VAGUE * abs(best.point[entry])]
         for entry in kinked:
@@ -131,6 +131,11 @@ class Valleys:
         return self._spread(outcome) / self.problem.typical.length
 
 
+def _rounding(residual: FloatArray, step: float) -> bool:
+    """Whether a residual is no more than the encoder's rounding, which has a pattern of its own in slow motion."""
+    return residual.size > 0 and float(np.quantile(np.abs(residual), 0.98)) <= 0.75 * step
+
+
 def _patternless(residual: FloatArray) -> bool:
     """Whether block sums of a residual scatter as independent samples would (within four standard deviations)."""
     variance = float(residual @ residual) / max(residual.size, 1)
@@ -154,7 +159,8 @@ def _deeper(one: Outcome, other: Outcome) -> Outcome:
 
 def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
-    weights = tuple(motion_weights(record.position, quality.encoder_step(record)) for record in problem.records)
+    pairs = zip(problem.records, problem.encoder_steps, strict=True)
+    weights = tuple(motion_weights(record.position, step) for record, step in pairs)
     plain = SquaredError(problem)
     resting = any(bool(np.any(weight < 1.0)) for weight in weights)
     return Valleys(problem, plain, SquaredError(problem, weights if resting else (), coarse=_COARSE), floor)

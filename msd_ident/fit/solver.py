@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg.lapack as lapack
 
 from msd_ident.record import FloatArray
@@ -113,7 +114,7 @@ def _step(normal: Normal, damping: float, point: FloatArray, limits: Limits) -> 
     return np.clip(point + step, limits.lower, limits.upper) - point
 
 
-def _solve(normal: Normal, damping: float, step: FloatArray, free: FloatArray) -> FloatArray:
+def _solve(normal: Normal, damping: float, step: FloatArray, free: npt.NDArray[np.bool_]) -> FloatArray:
     """Solve the damped normal equations for the free entries, the others' steps given."""
     index = np.flatnonzero(free)
     matrix = normal.matrix[np.ix_(index, index)]

@@ -53,28 +53,42 @@ class _Rows:
     force: FloatArray
 
 
-def candidates(
-    records: tuple[Record, ...], given: Mapping[str, float], free: Collection[str], zero_free: bool
-) -> list[Start]:
-    """One start for each bump width that the records allow; empty when the regression has nothing to say.
+@dataclass(frozen=True)
+class Regression:
+    """What to regress.
 
-    Args:
+    Attributes:
         given: value of every parameter of the model; fixed ones keep it.
         free: names of the parameters to estimate.
         zero_free: whether each record has an unknown zero, which shows as a constant force of its own.
+        relaxed: per record, whether it begins at rest without force, so that its first reading is about its zero.
     """
+
+    given: Mapping[str, float]
+    free: Collection[str]
+    zero_free: bool
+    relaxed: tuple[bool, ...]
+
+
+def candidates(records: tuple[Record, ...], regression: Regression) -> list[Start]:
+    """One start for each bump width that the records allow; empty when the regression has nothing to say."""
     shortest = min(record.samples for record in records)
+    steady = all(float(np.ptp(record.force_at(record.time))) == 0.0 for record in records)
     found = []
     for half in _WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
-        rows = [_rows(record, half) for record in records]
-        values = _regress(rows, given, free, zero_free)
+        # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
+        held = [steady and regression.zero_free and relaxed for relaxed in regression.relaxed]
+        levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
+        rows = [_rows(record, half, level) for record, level in zip(records, levels, strict=True)]
+        values = _regress(rows, regression, held)
         if values is None:
             continue
-        zeros = _zeros(values, len(records))
+        zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
         initial = tuple(_initial(record, half, zero) for record, zero in zip(records, zeros, strict=True))
-        found.append(Start({name: values.get(name, value) for name, value in given.items()}, initial))
+        shared = {name: values.get(name, value) for name, value in regression.given.items()}
+        found.append(Start(shared, initial))
     return found
 
 
@@ -96,16 +110,18 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     return np.asarray((position[after] - position[before]) / (period * (after - before)))
 
 
-def _rows(record: Record, half: int) -> _Rows:
+def _rows(record: Record, half: int, level: float) -> _Rows:
     period, position, force = _uniform(record)
+    position = position - level
     velocity = _velocity(position, period, max(half // 2, 2))
     slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
     direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
-    width = half * period
     s = np.linspace(-1.0, 1.0, 2 * half + 1)
     bump = (1.0 - s**2) ** 3
-    slope = -6.0 * s * (1.0 - s**2) ** 2 / width
-    bend = (-6.0 * (1.0 - s**2) ** 2 + 24.0 * s**2 * (1.0 - s**2)) / width**2
+    # Derivatives of the bump as differences: then the sums by parts hold exactly for the differences of x.
+    padded = np.concatenate(([0.0], bump, [0.0]))
+    slope = (padded[2:] - padded[:-2]) / (2.0 * period)
+    bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
     stride = max(half // 2, -(-position.size // _MOST_PLACES))
 
     def over(signal: FloatArray, weight: FloatArray) -> FloatArray:
@@ -127,27 +143,33 @@ def _rows(record: Record, half: int) -> _Rows:
     return _Rows(kept, kept["offset_force"], over(force, bump)[moving])
 
 
-def _regress(
-    rows: list[_Rows], given: Mapping[str, float], free: Collection[str], zero_free: bool
-) -> dict[str, float] | None:
-    """Least squares over all rows; values by name, and ``constant i`` for the constant of record i."""
-    names = [name for name in LINEAR if name in given and name in free]
+def _regress(rows: list[_Rows], regression: Regression, held: list[bool]) -> dict[str, float] | None:
+    """Least squares over all rows; values by name, and ``constant i`` for that of a record i that is not held."""
+    given = regression.given
+    names = [name for name in LINEAR if name in given and name in regression.free]
+    constants = [i for i in range(len(rows)) if regression.zero_free and not held[i] and "offset_force" not in names]
     right = np.concatenate([part.force for part in rows])
-    if not np.any(right) and "mass" in names:
-        names.remove("mass")  # free decay: everything scales with the mass, so it keeps the given value
+    if not any(_pushes(part.force, i in constants or "offset_force" in names) for i, part in enumerate(rows)):
+        names = [name for name in names if name != "mass"]  # nothing sets the scale, so the mass keeps its value
     for name in LINEAR:
         if name in given and name not in names:
             right = right - given[name] * np.concatenate([part.columns[name] for part in rows])
     matrix = [np.concatenate([part.columns[name] for part in rows]) for name in names]
-    labels = list(names)
-    if zero_free and "offset_force" not in names:
-        for i in range(len(rows)):
-            parts = [part.constant if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
-            matrix.append(np.concatenate(parts))
-            labels.append(f"constant {i}")
+    for i in constants:
+        parts = [part.constant if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
+        matrix.append(np.concatenate(parts))
+    labels = names + [f"constant {i}" for i in constants]
     if not labels or right.size < 2 * len(labels):
         return None
     return _solve(np.stack(matrix, axis=1), right, labels, given)
+
+
+def _pushes(force: FloatArray, constant: bool) -> bool:
+    """Whether the force differs from nothing, or from a constant where one is free."""
+    if not force.size:
+        return False
+    change = float(np.ptp(force)) if constant else float(np.max(np.abs(force)))
+    return change > 1e-3 * float(np.max(np.abs(force)))
 
 
 def _solve(

@@ -95,7 +95,7 @@ def _local_size(residual: FloatArray) -> FloatArray:
     high = np.clip(centre + width // 2 + 1, 0, residual.size)
     mean = (padded[high] - padded[low]) / (high - low)
     floor = 0.0025 * float(padded[-1]) / residual.size or 1e-300
-    return np.sqrt(np.maximum(mean, floor))
+    return np.asarray(np.sqrt(np.maximum(mean, floor)))
 
 
 def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
@@ -138,16 +138,17 @@ def _independence(coefficients: FloatArray) -> float:
     return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
 
-def pseudo_inverse(matrix: FloatArray, tolerance: float = 1e-11) -> tuple[FloatArray, FloatArray]:
-    """Inverse of a normal matrix (p, p) where it is regular, and the null directions (p, q) that it leaves out.
-
-    Scaled to unit diagonal first, so that units do not decide what is null; null columns are in scaled coordinates.
-    """
+def unit_diagonal(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A normal matrix scaled to unit diagonal, so that units do not decide what is null, and the scale (p,)."""
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    values, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    good = values > tolerance * max(float(values[-1]), 1e-300)
-    kept = vectors[:, good]
-    inverse = (kept / values[good]) @ kept.T
-    null = vectors[:, ~good] / size[:, None]
-    return np.asarray(inverse / np.outer(size, size)), np.asarray(null)
+    return np.asarray(matrix / np.outer(size, size)), np.asarray(size)
+
+
+def inverse_beside(matrix: FloatArray, null: FloatArray) -> FloatArray:
+    """Inverse of a normal matrix (p, p) on all that is not spanned by the ``null`` directions (p, q)."""
+    scaled, size = unit_diagonal(matrix)
+    whole, _ = np.linalg.qr(null * size[:, None], mode="complete")
+    rest = whole[:, null.shape[1] :]
+    inverse = rest @ np.linalg.pinv(rest.T @ scaled @ rest, rcond=1e-15, hermitian=True) @ rest.T
+    return np.asarray(inverse / np.outer(size, size))
