@@ -42,25 +42,23 @@ def _to_stderr(line: str) -> None:
 
 @lru_cache(maxsize=1)
 def _kernel() -> Any:
-    """The compiled entries, from the cache on disk or by compiling them now; says so on stderr."""
+    """The compiled entries, from the cache on disk or to be compiled by the first call; says so on stderr."""
     return _load(_to_stderr)
 
 
 def _load(say: Callable[[str], None]) -> Any:
     from msd_ident.model.kernel import cache, run
 
-    return cache.load(run.PLAN, run.RUN, run.RUN_MANY, say)
+    return cache.load(run.PLAN, run.RUN, say)
 
 
 def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     """Make sure that the solver is compiled; ``say`` is told, in one line, if that takes a while."""
-    if _kernel.cache_info().currsize == 0:
+    if not _kernel.cache_info().currsize and say is not _to_stderr:
         _load(say)
     time = np.linspace(0.0, 1.0, 20)
     record = Record(time=time, position=time, force_time=time, force=time)
-    simulator = Simulator(Model(mass=1.0, damping=1.0, stiffness=1.0), record)
-    simulator.positions(simulator.model.values, 0.0, 0.0)
-    simulator.positions_many(simulator.model.values[None, :], np.zeros(1), np.zeros(1))
+    simulate(Model(mass=1.0, damping=1.0, stiffness=1.0), record)
 
 
 class Simulator:
@@ -76,18 +74,12 @@ class Simulator:
         entries = _kernel()
         from msd_ident.model.kernel import laws
 
-        self._run, self._run_many = entries.run, entries.run_many
+        self._run = entries.run
         self._bits = laws.bits(*model.effect_names)
         self._place: IntArray = np.array([laws.INDEX[name] for name in model.names], dtype=np.int64)
-        self._size = len(laws.INDEX)
+        self._columns = len(laws.INDEX) + 2
         given = (record.time, record.force_time, record.force, record.hold == "linear")
         self._plan = given + tuple(entries.plan(*given))
-        self._no_velocity: FloatArray = np.empty(0)
-
-    def _vector(self, values: npt.ArrayLike) -> FloatArray:
-        vector = np.zeros(self._size)
-        vector[self._place] = values
-        return vector
 
     def positions(
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
@@ -98,39 +90,37 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
-        out = np.empty(self.record.samples)
-        self._run(
-            self._bits, self._vector(values), self._plan, float(initial_position), float(initial_velocity), out,
-            self._no_velocity,
-        )  # fmt: skip
-        return out
+        row = np.zeros((1, self._columns))
+        row[0, self._place] = values
+        row[0, -2], row[0, -1] = initial_position, initial_velocity
+        out = np.empty((1, self.record.samples))
+        self._run(self._bits, row, self._plan, out, out[:, :0])
+        return out[0]
 
     def positions_many(
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
     ) -> FloatArray:
         """The same for several vectors in one call: values (r, p), initial states (r,) each; gives (r, n)."""
-        rows = np.ascontiguousarray(values, dtype=np.float64)
-        if rows.ndim != 2 or rows.shape[1] != self._place.size:
-            raise UsageError(f"values have shape {rows.shape}; expected (any, {self._place.size})")
-        vectors = np.zeros((rows.shape[0], self._size))
-        vectors[:, self._place] = rows
-        out = np.empty((rows.shape[0], self.record.samples))
-        x = np.ascontiguousarray(np.broadcast_to(np.asarray(initial_position, dtype=np.float64), rows.shape[:1]))
-        v = np.ascontiguousarray(np.broadcast_to(np.asarray(initial_velocity, dtype=np.float64), rows.shape[:1]))
-        self._run_many(self._bits, vectors, self._plan, x, v, out)
+        given = np.asarray(values, dtype=np.float64)
+        if given.ndim != 2 or given.shape[1] != self._place.size:
+            raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
+        rows = np.zeros((given.shape[0], self._columns))
+        rows[:, self._place] = given
+        rows[:, -2], rows[:, -1] = initial_position, initial_velocity
+        out = np.empty((given.shape[0], self.record.samples))
+        self._run(self._bits, rows, self._plan, out, out[:, :0])
         return out
 
     def trajectory(
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
-        position = np.empty(self.record.samples)
-        velocity = np.empty(self.record.samples)
-        self._run(
-            self._bits, self._vector(values), self._plan, float(initial_position), float(initial_velocity),
-            position, velocity,
-        )  # fmt: skip
-        return Trajectory(self.record.time, position, velocity, self.record.force_at(self.record.time))
+        row = np.zeros((1, self._columns))
+        row[0, self._place] = values
+        row[0, -2], row[0, -1] = initial_position, initial_velocity
+        x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
+        self._run(self._bits, row, self._plan, x, v)
+        return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 
 def simulate(

@@ -40,8 +40,9 @@ class Hysteresis(Effect):
         x: float, direction: float, hysteresis_force: float, hysteresis_length: float, anchor_x: float, anchor_z: float
     ) -> float:
         """Force [N] against +x."""
-        way = direction * (x - anchor_x)
-        return hysteresis_force * (direction + (anchor_z - direction) * math.exp(-way / hysteresis_length))
+        way = direction * (x - anchor_x) / hysteresis_length
+        left = math.exp(-way) if way < 40.0 else 0.0
+        return hysteresis_force * (direction + (anchor_z - direction) * left)
 
     @staticmethod
     def reversal_anchor_x(x: float) -> float:

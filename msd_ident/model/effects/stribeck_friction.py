@@ -39,8 +39,9 @@ class StribeckFriction(Effect):
     @staticmethod
     def friction(speed: float, coulomb_force: float, static_force: float, stribeck_velocity: float) -> float:
         """Kinetic friction [N]."""
-        ratio = speed / stribeck_velocity
-        return coulomb_force + (static_force - coulomb_force) * math.exp(-ratio * ratio)
+        square = (speed / stribeck_velocity) ** 2
+        bump = math.exp(-square) if square < 40.0 else 0.0
+        return coulomb_force + (static_force - coulomb_force) * bump
 
     @staticmethod
     def breakaway(static_force: float) -> float:

@@ -17,7 +17,7 @@ KEPT = 3
 
 _ENTRY = '''"""Compiled entry of msd_ident's solver; written by it, safe to delete."""
 from numba import njit
-from msd_ident.model.kernel.run import plan as _plan, run as _run, run_many as _run_many
+from msd_ident.model.kernel.run import plan as _plan, run as _run
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def plan({plan}):
@@ -26,10 +26,6 @@ def plan({plan}):
 @njit(cache=True, nogil=True, error_model="numpy")
 def run({run}):
     _run({run})
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def run_many({many}):
-    _run_many({many})
 '''
 
 
@@ -81,16 +77,16 @@ def compiled(module: ModuleType) -> bool:
     return any(Path(module.run._cache.cache_path).glob("msd_solver_entry.run*.nbc"))
 
 
-def load(plan: str, run: str, many: str, say: Callable[[str], None]) -> ModuleType:
+def load(plan: str, run: str, say: Callable[[str], None]) -> ModuleType:
     """The entry module whose functions numba caches in ``folder()``.
 
     Args:
-        plan, run, many: argument lists of the three entries.
+        plan, run: argument lists of the two entries.
         say: told in one line when there is nothing compiled yet.
     """
     path = folder()
     source = path / "msd_solver_entry.py"
-    text = _ENTRY.format(plan=plan, run=run, many=many)
+    text = _ENTRY.format(plan=plan, run=run)
     if not source.exists() or source.read_text() != text:
         handle, temporary = tempfile.mkstemp(dir=path, suffix=".tmp")
         with os.fdopen(handle, "w") as file:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from msd_ident.model.kernel import linear
+from msd_ident.model.kernel.compiled import lean, making
 from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
 from msd_ident.model.kernel.spring import piece
 
@@ -19,7 +19,7 @@ from msd_ident.model.kernel.spring import piece
 EVENTS = 200
 
 
-@njit(error_model="numpy")
+@lean
 def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, transient, out_x, out_v):
     """Propagate segment after segment while nothing happens; returns (j, x, v) before the first with an event.
 
@@ -57,7 +57,7 @@ def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, trans
     return j, x, v
 
 
-@njit(error_model="numpy")
+@lean
 def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
     """Stay at rest while the force lets it; returns the first segment in which the cart leaves."""
     steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
@@ -77,7 +77,7 @@ def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
     return j
 
 
-@njit(error_model="numpy")
+@lean
 def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold, f, r, e, decay, c):
     """One segment of length h [s] from event to event; returns (x, v, s, i).
 
@@ -98,7 +98,11 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
             t += wait
             if wait >= left:
                 break
-            s = 1 if net + r * wait + e_now * math.exp(-rate * wait) > 0.0 else -1
+            net += e_now
+            if wait > 0.0 or net == 0.0:
+                # The force left what friction holds on the side that it moves to.
+                net = r - e_now * rate * math.exp(-rate * wait)
+            s = 1 if net > 0.0 else -1
             i = piece(edges, x, s)
             continue
         k = springs[i]
@@ -130,7 +134,7 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
     return x, v, s, i
 
 
-@njit(error_model="numpy")
+@making
 def exact(m, b, pieces, constant, kinetic, hold, segments, force, decay, x, v, out_x, out_v):
     """Positions (and velocities) at all segment boundaries.
 
@@ -192,7 +196,7 @@ def exact(m, b, pieces, constant, kinetic, hold, segments, force, decay, x, v, o
             break
 
 
-@njit(error_model="numpy")
+@lean
 def drift(h, x, v, m, b, k, f, r, e, decay, c):
     """One segment of an odd length without events, by series."""
     t = 0.0

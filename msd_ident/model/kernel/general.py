@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numba import njit
-
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.rk import acceleration, applied, other_forces, second_acceleration, step
+from msd_ident.model.kernel.compiled import lean
+from msd_ident.model.kernel.rk import forces_at, step_to
 from msd_ident.model.kernel.roots import first_exit
-from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step, relative to the scales of position and velocity. The estimate is of third order; the
 #: step itself, of fourth, is better by about the step in radians.
@@ -26,13 +23,13 @@ STEPS_A_SEGMENT, STEPS = 400, 200_000
 _SHORTEST = 1e-10
 
 
-@njit(error_model="numpy")
-def _turn(world, place, drive, s, t, h, x, v, a, y, u, c, v1, a1):
+@lean
+def _turn(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1):
     """Length of the step in (0, h] that ends with v = 0, given the end (v1, a1) of the step h beyond it."""
     low, high = 0.0, h
     tau = _hermite_root(h, s * v, s * a, s * v1, s * a1)
     for _ in range(60):
-        _, vt, at, _, _, _, _, _ = step(world, place, drive, s, t, tau, x, v, a, y, u, c)
+        _, vt, at, _, _, _, _, _ = step_to(world, p, w, place, drive, s, t, tau, x, v, a, y, u, c)
         if s * vt > 0.0:
             low = tau
         else:
@@ -44,7 +41,7 @@ def _turn(world, place, drive, s, t, h, x, v, a, y, u, c, v1, a1):
     return tau
 
 
-@njit(error_model="numpy")
+@lean
 def _hermite_root(h, v0, a0, v1, a1):
     """Guess of the root of v in (0, h], v0 > 0 > v1, on the cubic through both ends with their slopes."""
     tau = v0 / (v0 - v1) if v0 > v1 else 0.5
@@ -60,7 +57,7 @@ def _hermite_root(h, v0, a0, v1, a1):
     return tau * h if 0.0 < tau < 1.0 else 0.5 * h
 
 
-@njit(error_model="numpy")
+@lean
 def _dip(h, v0, a0, v1, a1):
     """Time in (0, h) of the slowest motion when it slows down and speeds up again, on the same cubic."""
     p, q = a0 * h, a1 * h
@@ -76,15 +73,15 @@ def _dip(h, v0, a0, v1, a1):
     return 0.5 * (low + high) * h
 
 
-@njit(error_model="numpy")
-def _knee(world, place, drive, s, t, h, x, v, a, y, u, c, edge, x1):
+@lean
+def _knee(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1):
     """Length of the step in [0, h] that ends with x = edge, which the step h passes."""
     low, high = 0.0, h
     if s * (x - edge) >= 0.0:
         return 0.0
     tau = h * (edge - x) / (x1 - x)
     for _ in range(60):
-        xt, vt, _, _, _, _, _, _ = step(world, place, drive, s, t, tau, x, v, a, y, u, c)
+        xt, vt, _, _, _, _, _, _ = step_to(world, p, w, place, drive, s, t, tau, x, v, a, y, u, c)
         if s * (xt - edge) < 0.0:
             low = tau
         else:
@@ -96,14 +93,14 @@ def _knee(world, place, drive, s, t, h, x, v, a, y, u, c, edge, x1):
     return tau
 
 
-@njit(error_model="numpy")
-def _breakaway(world, held, place, drive, hold, t, h, x, y, u, c):
+@lean
+def _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c):
     """Length of the step in (0, h] of a held cart after which it no longer holds, which it does not after h."""
     low, high = 0.0, h
     for _ in range(60):
         tau = 0.5 * (low + high)
-        _, _, _, yt, ut, _, _, _ = step(held, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c)
-        if abs(other_forces(world, place, drive, 0.0, t + tau, x, 0.0, yt, ut)) > hold:
+        _, _, _, yt, ut, _, _, _ = step_to(held, p, w, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c)
+        if abs(forces_at(world, p, w, place, drive, 0.0, t + tau, x, 0.0, yt, ut)) > hold:
             high = tau
         else:
             low = tau
@@ -112,11 +109,11 @@ def _breakaway(world, held, place, drive, hold, t, h, x, y, u, c):
     return high
 
 
-@njit(error_model="numpy")
-def _rest(world, held, place, drive, restless, t, left, longest, x, y, u, c, tol_x, tol_v):
+@lean
+def _rest(world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c, tol_x, tol_v):
     """One stretch of rest from t on; returns (its length, whether the cart breaks away then, y, u, c, longest)."""
-    hold = laws.breakaway(world[0], world[1], world[2], x)
-    net = other_forces(world, place, drive, 0.0, t, x, 0.0, y, u)
+    hold = laws.breakaway(world[0], p, w, x)
+    net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
     if abs(net) > hold:
         return 0.0, True, y, u, c, longest
     if not restless:
@@ -126,14 +123,14 @@ def _rest(world, held, place, drive, restless, t, left, longest, x, y, u, c, tol
         return wait, wait < left, y, u, c, longest
     h = min(0.25 * left if left > 0.5 * longest else left, longest)
     while True:
-        _, _, _, y1, u1, c1, error_x, error_v = step(held, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
+        _, _, _, y1, u1, c1, error_x, error_v = step_to(held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
         error = max(error_x / tol_x, error_v / tol_v)
         if error <= 1.0 or not h > _SHORTEST * left:
             break
         h *= 0.5
         longest = h
-    if abs(other_forces(world, place, drive, 0.0, t + h, x, 0.0, y1, u1)) > hold:
-        h = _breakaway(world, held, place, drive, hold, t, h, x, y, u, c)
-        _, _, _, y1, u1, c1, _, _ = step(held, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
+    if abs(forces_at(world, p, w, place, drive, 0.0, t + h, x, 0.0, y1, u1)) > hold:
+        h = _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c)
+        _, _, _, y1, u1, c1, _, _ = step_to(held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
         return h, True, y1, u1, c1, longest
     return h, False, y1, u1, c1, longest

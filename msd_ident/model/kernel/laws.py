@@ -18,9 +18,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from numba import njit
-
 from msd_ident.model.effects import LIBRARY
+from msd_ident.model.kernel.compiled import inlined
 from msd_ident.model.model import PLANT_PARAMETERS
 
 #: Place of every parameter of the library in the kernel's one parameter vector.
@@ -43,7 +42,9 @@ for _effect in LIBRARY:
 #: Effects whose laws leave the motion piecewise linear: the exact path carries them.
 EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_linear)
 #: Effects with a dry friction law, and effects whose law turns at v = 0.
-DRY_BITS = sum(BIT[effect.name] for effect in LIBRARY if "friction" in effect.laws())
+DRY_BITS, READING_BITS, MAP_BITS = (
+    sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws()) for kind in ("friction", "reading", "input_map")
+)
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 UNSTEADY_BITS = sum(BIT[effect.name] for effect in LIBRARY if not effect.steady)
 MEMORY_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.memory)
@@ -75,7 +76,7 @@ def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
         if law is None:
             continue
         function = f"{effect.name}_{kind}"
-        scope[function] = njit(law, error_model="numpy")
+        scope[function] = inlined(law)
         lines += [f"    if active & {BIT[effect.name]}:", f"        value {join} {_call(function, law)}"]
     lines.append("    return value")
     return _compile(kind, lines, scope)
@@ -83,7 +84,7 @@ def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
 
 def _compile(name: str, lines: list[str], scope: dict[str, Any]) -> Any:
     exec(compile("\n".join(lines), f"<{name} of the effect library>", "exec"), scope)
-    return njit(scope[name], error_model="numpy")
+    return inlined(scope[name])
 
 
 def _active() -> Any:
@@ -104,7 +105,7 @@ def _remember() -> Any:
         for name, _ in effect.memory:
             law = effect.laws()[f"reversal_{name}"]
             function = f"{effect.name}_{name}"
-            scope[function] = njit(law, error_model="numpy")
+            scope[function] = inlined(law)
             new.append(_call(function, law))
         if new:
             places = ", ".join(f"w[{MEMORY[name]}]" for name, _ in effect.memory)

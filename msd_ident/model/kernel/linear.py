@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from msd_ident.model.kernel.compiled import lean, making
 
 #: Terms of the longest series; with rate * time up to LONGEST the rest is below the last digit.
 TERMS = 26
@@ -17,13 +18,13 @@ LONGEST = 2.0
 _INVERSE = np.array([1.0 / ((n + 1.0) * (n + 2.0)) for n in range(TERMS)])
 
 
-@njit(error_model="numpy")
+@lean
 def fastest_rate(m, b, k):
     """Largest rate [1/s] of the free motion."""
     return max(abs(b) / m, math.sqrt(abs(k) / m))
 
 
-@njit(error_model="numpy")
+@lean
 def terms_for(reach):
     """Number of terms after which the series of a step rate * time = reach has converged."""
     if reach <= 0.06:
@@ -33,7 +34,7 @@ def terms_for(reach):
     return TERMS
 
 
-@njit(error_model="numpy")
+@lean
 def series(c, terms, m, b, k, x, v, f, r, e, decay):
     """Taylor coefficients of x(t) into c[:terms]; ``decay`` = 1/tau, or 0 without a transient."""
     c[0] = x
@@ -48,7 +49,7 @@ def series(c, terms, m, b, k, x, v, f, r, e, decay):
             push += r
 
 
-@njit(error_model="numpy")
+@lean
 def position(c, terms, t):
     """x(t) of the series."""
     value = c[terms - 1]
@@ -57,7 +58,7 @@ def position(c, terms, t):
     return value
 
 
-@njit(error_model="numpy")
+@lean
 def velocity(c, terms, t):
     """x'(t) of the series."""
     value = (terms - 1.0) * c[terms - 1]
@@ -66,7 +67,7 @@ def velocity(c, terms, t):
     return value
 
 
-@njit(error_model="numpy")
+@lean
 def acceleration(c, terms, t):
     """x''(t) of the series."""
     value = 0.0
@@ -75,7 +76,7 @@ def acceleration(c, terms, t):
     return value
 
 
-@njit(error_model="numpy")
+@lean
 def jerk(c, terms, t):
     """x'''(t) of the series."""
     value = 0.0
@@ -84,7 +85,7 @@ def jerk(c, terms, t):
     return value
 
 
-@njit(error_model="numpy")
+@making
 def propagator(row, m, b, k, h, decay):
     """Fill row (10,) with x <- x, v, f, r, e and v <- x, v, f, r, e over a time h [s].
 
@@ -117,7 +118,7 @@ def propagator(row, m, b, k, h, decay):
         _fast_transient(row, m, b, k, h, decay)
 
 
-@njit(error_model="numpy")
+@making
 def _product(left, right, scale):
     out = np.zeros((5, 5))
     for i in range(5):
@@ -129,7 +130,7 @@ def _product(left, right, scale):
     return out
 
 
-@njit(error_model="numpy")
+@lean
 def _fast_transient(row, m, b, k, h, decay):
     """The columns of e where its decay is much faster than the plant: particular solution q exp(-t/tau)."""
     q = 1.0 / ((m * decay - b) * decay + k)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from msd_ident.model.kernel.compiled import lean
 from msd_ident.model.kernel.linear import acceleration, jerk, position, velocity
 
 _ITERATIONS = 60
@@ -13,7 +12,7 @@ _ITERATIONS = 60
 SETTLED = 1e-9
 
 
-@njit(error_model="numpy")
+@lean
 def _velocity_root(c, terms, low, high, s):
     """Root of v in (low, high), where s v goes from above 0 to below: Newton, kept inside by bisection."""
     v_low, v_high = s * velocity(c, terms, low), s * velocity(c, terms, high)
@@ -34,7 +33,7 @@ def _velocity_root(c, terms, low, high, s):
     return t
 
 
-@njit(error_model="numpy")
+@lean
 def _acceleration_root(c, terms, low, high):
     """Root of x'' in (low, high), where it changes sign."""
     rising = acceleration(c, terms, high) > 0.0
@@ -55,7 +54,7 @@ def _acceleration_root(c, terms, low, high):
     return t
 
 
-@njit(error_model="numpy")
+@lean
 def _jerk_root(c, terms, low, high):
     """Root of x''' in (low, high), where it changes sign; bisection is good enough to split a segment there."""
     rising = jerk(c, terms, high) > 0.0
@@ -68,7 +67,7 @@ def _jerk_root(c, terms, low, high):
     return 0.5 * (low + high)
 
 
-@njit(error_model="numpy")
+@lean
 def first_turn(c, terms, d, s, v):
     """First time in (0, d] at which a motion in direction s comes to v = 0; infinite if it does not."""
     a0 = s * 2.0 * c[2]
@@ -85,7 +84,7 @@ def first_turn(c, terms, d, s, v):
     return _turn_before(c, terms, 0.0, d, s, s * v, a0, a1)
 
 
-@njit(error_model="numpy")
+@lean
 def _turn_before(c, terms, low, d, s, v0, a0, a1):
     """The same between low and d, where the acceleration has one root at most; v0, a0, a1 are along s."""
     v1 = s * velocity(c, terms, d)
@@ -104,7 +103,7 @@ def _turn_before(c, terms, low, d, s, v0, a0, a1):
     return d
 
 
-@njit(error_model="numpy")
+@lean
 def fall_through(c, terms, d, edge, s):
     """Time in [0, d] at which a motion in direction s passes x = edge, which it does before d."""
     low, high = 0.0, d
@@ -128,7 +127,7 @@ def fall_through(c, terms, d, edge, s):
     return t
 
 
-@njit(error_model="numpy")
+@lean
 def first_exit(left, net, r, e, decay, hold):
     """First time in [0, left] at which abs(net + r t + e exp(-decay t)) exceeds ``hold``; left if it does not."""
     if abs(net + e) > hold:
@@ -148,7 +147,7 @@ def first_exit(left, net, r, e, decay, hold):
     return _exit_between(low, left, net, r, e, decay, hold)
 
 
-@njit(error_model="numpy")
+@lean
 def _exit_between(low, high, net, r, e, decay, hold):
     for _ in range(_ITERATIONS):
         t = 0.5 * (low + high)

@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from msd_ident.model.kernel import laws, segments
+from msd_ident.model.kernel.compiled import lean, making
 from msd_ident.model.kernel.drive import general
 from msd_ident.model.kernel.exact import exact
 from msd_ident.model.kernel.general import TOLERANCE
 from msd_ident.model.kernel.spring import characteristic
 
-#: Argument lists of the three entries; ``cache`` writes the entry module from them.
+#: Argument lists of the entries; ``cache`` writes the entry module from them.
 PLAN = "time, force_time, force, straight"
-RUN = "bits, p, plan, x, v, out_x, out_v"
-RUN_MANY = "bits, p, plan, x, v, out_x"
+RUN = "bits, rows, plan, out_x, out_v"
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _GAP = laws.INDEX.get("backlash_half_width", 0)
@@ -27,10 +26,9 @@ _SECOND_MODE = laws.bits("second_mode")
 _MEMORY = np.array(laws.MEMORY_START)
 _BACKLASH, _END_STOP = laws.bits("backlash"), laws.bits("end_stop")
 _ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
-_INPUT_MAP = laws.bits("force_gain_nonlinearity")
 
 
-@njit(error_model="numpy")
+@making
 def plan(time, force_time, force, straight):
     """What a record says before any parameter is known: (segments, their force), see ``segments.merge``.
 
@@ -45,18 +43,25 @@ def plan(time, force_time, force, straight):
     return start, length, kind, force_index, pick, lengths, level, slope
 
 
-@njit(error_model="numpy")
-def run(bits, p, plan, x, v, out_x, out_v):
-    """Simulate one parameter vector.
+@making
+def run(bits, rows, plan, out_x, out_v):
+    """Simulate r parameter vectors one after the other.
 
     Args:
         bits: set of the model's effects, see ``laws.BIT``.
-        p: (len(laws.INDEX),) all parameters of the library, those of other effects unused.
+        rows: (r, len(laws.INDEX) + 2) all parameters of the library, those of other effects unused, then position [m]
+            and velocity [m/s] at the first sample.
         plan: the record and what ``plan`` made of it, see ``simulate.Simulator``.
-        x, v: position [m] and velocity [m/s] at the first sample.
-        out_x: (n,) readings of the positions [m]; NaN from where the motion leaves all bounds.
-        out_v: (n,) velocities [m/s], or (0,) when nobody wants them.
+        out_x: (r, n) readings of the positions [m]; NaN from where the motion leaves all bounds.
+        out_v: (r, n) velocities [m/s], or (r, 0) when nobody wants them.
     """
+    for row in range(rows.shape[0]):
+        _simulate(bits, rows[row], plan, rows[row, -2], rows[row, -1], out_x[row], out_v[row])
+
+
+@making
+def _simulate(bits, p, plan, x, v, out_x, out_v):
+    """One row of ``run``."""
     time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
     bits = laws.active(bits, p)
     w = _MEMORY.copy()
@@ -68,12 +73,12 @@ def run(bits, p, plan, x, v, out_x, out_v):
     shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
     if shift != 0.0:
         start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, shift)
-    if bits & _INPUT_MAP:
+    if bits & laws.MAP_BITS:
         mapped = np.empty_like(force)
         for i in range(force.size):
             mapped[i] = laws.input_map(bits, p, w, force[i])
         force = mapped
-    if bits & (_INPUT_MAP | _TIME_OFFSET | _ACTUATOR_LAG):
+    if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG):
         level = np.empty(start.size)
         slope = np.empty(start.size if straight else 0)
         segments.force_lines(start, force_index, force_time, shift, force, straight, level, slope)
@@ -84,7 +89,7 @@ def run(bits, p, plan, x, v, out_x, out_v):
         segments.lag(length, p[_LAG], at_start, level, slope, transient)
     gap = p[_GAP] if bits & _BACKLASH else 0.0
     stop, stop_k = (p[_STOP], p[_STOP_K]) if bits & _END_STOP else (math.inf, 0.0)
-    pieces = characteristic(k, gap, stop, stop_k)
+    edges, springs = characteristic(k, gap, stop, stop_k)
     constant = laws.constant(bits, p, w)
     direct = pick.size == 0
     path_x = out_x if direct else np.empty(start.size + 1)
@@ -93,7 +98,7 @@ def run(bits, p, plan, x, v, out_x, out_v):
         second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
         far, fast = _scales(m, b, k, time, force, x, v)
         general(
-            bits, p, w, m, b, pieces, constant, second, (start, length), (level, slope, transient), decay,
+            bits, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
             x, v, TOLERANCE * far, TOLERANCE * fast, path_x, path_v,
         )  # fmt: skip
     else:
@@ -101,19 +106,20 @@ def run(bits, p, plan, x, v, out_x, out_v):
         if bits & laws.DRY_BITS:
             kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
         exact(
-            m, b, pieces[:3], constant, kinetic, hold, (length, kind, lengths), (level, slope, transient), decay,
-            x, v, path_x, path_v,
+            m, b, (edges, springs[0], springs[1]), constant, kinetic, hold,
+            (length, kind, lengths), (level, slope, transient), decay, x, v, path_x, path_v,
         )  # fmt: skip
     if not direct:
         for i in range(out_x.size):
             out_x[i] = path_x[pick[i]]
         for i in range(out_v.size):
             out_v[i] = path_v[pick[i]]
-    for i in range(out_x.size):
-        out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
+    if bits & laws.READING_BITS:
+        for i in range(out_x.size):
+            out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
 
 
-@njit(error_model="numpy")
+@lean
 def _scales(m, b, k, time, force, x, v):
     """Sizes of position [m] and velocity [m/s] that errors are compared with: of the linear plant's response."""
     slowest = 2.0 * math.pi / (time[-1] - time[0])
@@ -128,11 +134,3 @@ def _scales(m, b, k, time, force, x, v):
     if far == 0.0:
         far = max(abs(x), 1e-12)
     return far, far * rate
-
-
-@njit(error_model="numpy")
-def run_many(bits, p, plan, x, v, out_x):
-    """Simulate several parameter vectors: p (r, len(laws.INDEX)), x and v (r,), out_x (r, n)."""
-    nothing = np.empty(0)
-    for row in range(p.shape[0]):
-        run(bits, p[row], plan, x[row], v[row], out_x[row], nothing)

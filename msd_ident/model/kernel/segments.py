@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from msd_ident.model.kernel.compiled import lean, making
 
 #: Distinct segment lengths whose propagators are kept; other segments are propagated by series.
 LENGTHS = 8
 _ROUNDING = 1e-15
 
 
-@njit(error_model="numpy")
+@making
 def merge(time, force_time, shift):
     """Cut [time[0], time[-1]] at all samples and at all force stamps moved by ``shift`` [s].
 
@@ -55,7 +56,7 @@ def merge(time, force_time, shift):
     return start[:count], length[:count], kind[:count], force_index[:count], pick, lengths[:known]
 
 
-@njit(error_model="numpy")
+@lean
 def force_lines(start, force_index, force_time, shift, force, linear, level, slope):
     """Fill the force at the start of each segment, ``level`` [N], and its ``slope`` [N/s] (where linear)."""
     last = force_time.size - 1
@@ -75,7 +76,7 @@ def force_lines(start, force_index, force_time, shift, force, linear, level, slo
             level[j] = force[i] + slope[j] * (start[j] - shift - force_time[i])
 
 
-@njit(error_model="numpy")
+@lean
 def before(start, force_time, shift, force, linear):
     """The force [N] that acted just before ``start`` [s]."""
     i = np.searchsorted(force_time, start - shift - _ROUNDING * (1.0 + abs(start)), side="left") - 1
@@ -87,7 +88,7 @@ def before(start, force_time, shift, force, linear):
     return force[i] + share * (force[i + 1] - force[i])
 
 
-@njit(error_model="numpy")
+@lean
 def lag(length, tau, at_start, level, slope, transient):
     """First-order lag: replace each segment's line by level + slope t + transient exp(-t/tau).
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from msd_ident.model.kernel.compiled import lean, making
 
 
-@njit(error_model="numpy")
+@making
 def characteristic(k, gap, stop, stop_k):
     """Pieces of the spring force c(x) = intercept + slope x.
 
@@ -15,8 +16,8 @@ def characteristic(k, gap, stop, stop_k):
         stop, stop_k: position [m] and stiffness [N/m] of the end stops.
 
     Returns:
-        (edges, slope, intercept, own slope, own intercept): piece i lies between edges[i] and edges[i + 1], the outer
-        edges are infinite; ``own`` is the linear spring without the stops.
+        (edges, springs): piece i lies between edges[i] and edges[i + 1], the outer edges are infinite; springs[:, i] is
+        its slope, intercept, and slope and intercept of the linear spring without the stops.
     """
     edges = np.empty(6)
     edges[0] = -np.inf
@@ -27,16 +28,16 @@ def characteristic(k, gap, stop, stop_k):
             edges[count] = edge
             count += 1
     edges[count] = np.inf
-    own_slope, own_intercept = np.zeros(count), np.zeros(count)
-    slope, intercept = np.zeros(count), np.zeros(count)
+    springs = np.empty((4, count))
     for i in range(count):
-        own_slope[i], own_intercept[i] = _beyond(k, gap, edges[i], edges[i + 1])
+        own_slope, own_intercept = _beyond(k, gap, edges[i], edges[i + 1])
         more, shift = _beyond(stop_k, stop, edges[i], edges[i + 1])
-        slope[i], intercept[i] = own_slope[i] + more, own_intercept[i] + shift
-    return edges[: count + 1], slope, intercept, own_slope, own_intercept
+        springs[0, i], springs[1, i] = own_slope + more, own_intercept + shift
+        springs[2, i], springs[3, i] = own_slope, own_intercept
+    return edges[: count + 1], springs
 
 
-@njit(error_model="numpy")
+@lean
 def _beyond(k, edge, low, high):
     """(slope, intercept) between low and high of a spring that acts beyond ``edge`` either side of 0."""
     if edge == 0.0:
@@ -48,7 +49,7 @@ def _beyond(k, edge, low, high):
     return 0.0, 0.0
 
 
-@njit(error_model="numpy")
+@lean
 def piece(edges, x, direction):
     """Piece that a motion from x in ``direction`` (-1, 0, 1) goes through."""
     i = 0
