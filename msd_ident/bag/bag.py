@@ -9,8 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from msd_ident.bag import yaml_text
 from msd_ident.bag.compression import PACKED, DecodeError, decompress, plain_name, unpack_file
 from msd_ident.bag.database import DatabaseFile
 from msd_ident.bag.mcap_file import MAGIC, McapFile
@@ -156,14 +155,14 @@ def _open_folder(folder: Path) -> Bag:
 def _read_metadata(path: Path, notes: list[str]) -> Mapping[str, Any]:
     """Content of metadata.yaml; a missing or damaged one costs no data, the files describe themselves."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = yaml_text.load(path.read_text(encoding="utf-8"))
         information = content["rosbag2_bagfile_information"]
         if isinstance(information, Mapping):
             return information
     except FileNotFoundError:
         notes.append("metadata.yaml is missing; the files of the folder were read in the order of their names.")
         return {}
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
+    except (OSError, UnicodeDecodeError, yaml_text.YAMLError, KeyError, TypeError):
         pass
     notes.append("metadata.yaml cannot be read; the files of the folder were read in the order of their names.")
     return {}

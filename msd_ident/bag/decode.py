@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from functools import cache
 
 from rosbags.interfaces.typing import Typesdict
 from rosbags.serde import SerdeError
@@ -50,14 +51,14 @@ class Decoder:
 
     def _definition(self) -> Typesdict:
         """Types from the bag, completed by the standard ones where the bag does not have them."""
-        topic, known = self._topic, Definitions()
+        topic = self._topic
         types: Typesdict = {}
         if topic.definition and topic.definition_format != "ros2idl":
             types.update(get_types_from_msg(topic.definition, self._type))
         elif topic.definition:
             types.update(get_types_from_idl(topic.definition))
         if self._type not in types:
-            text = known.text(self._type)
+            text = _standard().text(self._type)
             if not text:
                 raise DataError(
                     f"type {topic.type or '(none)'} of topic {topic.name} has no definition in the bag and is not "
@@ -65,9 +66,15 @@ class Decoder:
                 )
             types.update(get_types_from_msg(text, self._type))
         for name in [name for _, fields in types.values() for name in dependencies(fields)]:
-            if name not in types and known.text(name):
-                types.update(get_types_from_msg(known.text(name), name))
+            if name not in types and _standard().text(name):
+                types.update(get_types_from_msg(_standard().text(name), name))
         return types
+
+
+@cache
+def _standard() -> Definitions:
+    """Definitions for what a bag lacks; loaded only then, as it takes a while."""
+    return Definitions()
 
 
 def _full_name(type_name: str) -> str:

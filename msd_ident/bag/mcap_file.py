@@ -152,12 +152,17 @@ class McapFile:
             self._profile = record.profile
 
     def _walk(self) -> None:
-        """Find the segments; after a fault go on at the next chunk that the index knows."""
+        """Find the segments; after a fault go on at the next chunk that the index knows.
+
+        What looks like a message between chunks after a fault is taken for debris.
+        """
         position = len(MAGIC)
-        while position is not None:
+        while True:
             fault = self._walk_from(position)
             if fault is None:
                 return
+            if any(segment.chunked for segment in self._segments):
+                self._segments = [segment for segment in self._segments if segment.chunked]
             later = [offset for offset in self._indexed if offset > fault]
             if not later:
                 cut = "ends without its index" if fault + _FRAME.size > len(self._data) else "is cut off or damaged"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import yaml
+from msd_ident.bag import yaml_text
 
 #: Longest duration that rmw knows, which means "no limit" [ns].
 INFINITE_NS = 9223372036_854775807
@@ -51,7 +51,7 @@ def qos_to_yaml(profiles: Sequence[OfferedQos]) -> str:
     """YAML text of the profiles, as an MCAP channel keeps it; empty for none."""
     if not profiles:
         return ""
-    return str(yaml.safe_dump([profile.to_dict() for profile in profiles], sort_keys=False)).strip()
+    return yaml_text.dump([profile.to_dict() for profile in profiles]).strip()
 
 
 def qos_from_yaml(source: str | Sequence[Mapping[str, Any]] | None) -> tuple[OfferedQos, ...]:
@@ -60,8 +60,8 @@ def qos_from_yaml(source: str | Sequence[Mapping[str, Any]] | None) -> tuple[Off
     What cannot be understood is left out: a replay then falls back to default profiles.
     """
     try:
-        entries = yaml.safe_load(source) if isinstance(source, str) else source
-    except yaml.YAMLError:
+        entries = yaml_text.load(source) if isinstance(source, str) else source
+    except yaml_text.YAMLError:
         return ()
     if not isinstance(entries, Sequence) or isinstance(entries, str):
         return ()

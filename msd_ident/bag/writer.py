@@ -16,10 +16,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal
 
-import yaml
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from msd_ident.bag import yaml_text
 from msd_ident.bag.definitions import Definitions
 from msd_ident.bag.qos import qos_from_yaml, qos_to_yaml
 from msd_ident.errors import SetupError, UsageError
@@ -40,6 +40,7 @@ class _Topic:
     channel: int
     qos: str
     type_hash: str
+    defined: bool
     messages: int = 0
 
 
@@ -113,7 +114,7 @@ class BagWriter:
         """
         with self._lock:
             if name in self._topics:
-                return bool(self._schemas[self._topics[name].type])
+                return self._topics[name].defined
             text = self._definitions.text(type_name) if definition is None else definition
             if type_name not in self._schemas:
                 encoding = SchemaEncoding.ROS2 if text else ""
@@ -126,7 +127,7 @@ class BagWriter:
                 schema_id=self._schemas[type_name],
                 metadata={"offered_qos_profiles": qos, "topic_type_hash": type_hash},
             )
-            self._topics[name] = _Topic(name, type_name, channel, qos, type_hash)
+            self._topics[name] = _Topic(name, type_name, channel, qos, type_hash, bool(text))
             return bool(text)
 
     def write(self, topic: str, raw: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
@@ -179,7 +180,7 @@ class BagWriter:
                 return
             self._closed = True
             try:
-                self._writer.add_metadata("rosbag2", {"serialized_metadata": _to_yaml(self._metadata())})
+                self._writer.add_metadata("rosbag2", {"serialized_metadata": yaml_text.dump(self._metadata())})
                 self._writer.finish()  # type: ignore[no-untyped-call]
                 self._stream.close()
                 self._write_metadata()
@@ -234,7 +235,7 @@ class BagWriter:
         """Replace metadata.yaml in one step, so that no reader ever meets half of it."""
         target = self.folder / "metadata.yaml"
         draft = self.folder / ".metadata.yaml.part"
-        draft.write_text(_to_yaml({"rosbag2_bagfile_information": self._metadata()}), encoding="utf-8")
+        draft.write_text(yaml_text.dump({"rosbag2_bagfile_information": self._metadata()}), encoding="utf-8")
         os.replace(draft, target)
 
 
@@ -249,11 +250,6 @@ def _topic_metadata(topic: _Topic) -> dict[str, Any]:
         },
         "message_count": topic.messages,
     }
-
-
-def _to_yaml(data: dict[str, Any]) -> str:
-    dumper: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-    return str(yaml.dump(data, Dumper=dumper, sort_keys=False))
 
 
 def _make_folder(folder: Path, overwrite: bool) -> None:
