@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import struct
-from functools import cache
+from functools import cache, lru_cache
 
 from rosbags.interfaces.typing import Typesdict
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.base import TypesysError
+from rosbags.typesys.store import Typestore
 
 from msd_ident.bag.definitions import Definitions, dependencies
 from msd_ident.bag.topic import Topic
@@ -30,16 +31,18 @@ class Decoder:
                 f"topic {topic.name} is encoded as {topic.encoding!r}; expected 'cdr', the encoding of ROS 2: "
                 "choose another topic"
             )
-        self._topic = topic
         self._type = _full_name(topic.type)
-        self._store = get_typestore(Stores.EMPTY)
         try:
-            self._store.register(self._definition())
-            self._store.get_msgdef(self._type)
+            self._store = _store(self._type, topic.definition, topic.definition_format)
+        except _Undefined:
+            raise DataError(
+                f"type {topic.type or '(none)'} of topic {topic.name} has no definition in the bag and is not "
+                "installed; expected one of the two: source the workspace that has it, or record again"
+            ) from None
         except (TypesysError, KeyError, SyntaxError, ValueError) as error:
             raise DataError(
-                f"the definition of {topic.type} (topic {topic.name}) cannot be used: {error}; expected the complete "
-                "definition in the bag: record again with ros2 bag or msd record"
+                f"the definition of {topic.type} (topic {topic.name}) cannot be used: {_one_line(error)}; expected the "
+                "complete definition in the bag: record again with ros2 bag or msd record"
             ) from None
 
     def decode(self, data: bytes) -> object | None:
@@ -49,26 +52,38 @@ class Decoder:
         except _FAULTS:
             return None
 
-    def _definition(self) -> Typesdict:
-        """Types from the bag, completed by the standard ones where the bag does not have them."""
-        topic = self._topic
-        types: Typesdict = {}
-        if topic.definition and topic.definition_format != "ros2idl":
-            types.update(get_types_from_msg(topic.definition, self._type))
-        elif topic.definition:
-            types.update(get_types_from_idl(topic.definition))
-        if self._type not in types:
-            text = _standard().text(self._type)
-            if not text:
-                raise DataError(
-                    f"type {topic.type or '(none)'} of topic {topic.name} has no definition in the bag and is not "
-                    "installed; expected one of the two: source the workspace that has it, or record again"
-                )
-            types.update(get_types_from_msg(text, self._type))
-        for name in [name for _, fields in types.values() for name in dependencies(fields)]:
-            if name not in types and _standard().text(name):
-                types.update(get_types_from_msg(_standard().text(name), name))
-        return types
+
+class _Undefined(Exception):
+    """There is no definition of the type."""
+
+
+@lru_cache(maxsize=128)
+def _store(type_name: str, definition: str, definition_format: str) -> Typestore:
+    """Types from the bag, completed by the standard ones where the bag does not have them, ready to decode with.
+
+    Kept between bags: rosbags makes code of every definition, which takes longer than to read a short bag.
+    """
+    types: Typesdict = {}
+    if definition and definition_format != "ros2idl":
+        types.update(get_types_from_msg(definition, type_name))
+    elif definition:
+        types.update(get_types_from_idl(definition))
+    if type_name not in types:
+        text = _standard().text(type_name)
+        if not text:
+            raise _Undefined
+        types.update(get_types_from_msg(text, type_name))
+    for name in [name for _, fields in types.values() for name in dependencies(fields)]:
+        if name not in types and _standard().text(name):
+            types.update(get_types_from_msg(_standard().text(name), name))
+    store = get_typestore(Stores.EMPTY)
+    store.register(types)
+    store.get_msgdef(type_name)
+    return store
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())
 
 
 @cache

@@ -16,6 +16,7 @@ from mmap import mmap
 from typing import Any, NamedTuple
 
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, Footer, Header, McapRecord, Schema, Statistics
 
@@ -79,6 +80,8 @@ class McapFile:
         self._faults: list[str] = []
         self._indexed, self._stated = self._read_summary()
         self._walk()
+        if not self._faults and self._data[-len(MAGIC) :] != MAGIC:
+            self._faults.append("the file ends without its index")
         if self._stated is None or not self.channels:
             for _ in self.messages():
                 pass
@@ -253,7 +256,7 @@ def _parse(opcode: int, body: bytes) -> McapRecord | None:
         return None
     try:
         record: McapRecord = kind.read(ReadDataStream(BytesIO(body)))
-    except (struct.error, ValueError, EOFError):
+    except (struct.error, ValueError, McapError):
         return None
     return record
 
