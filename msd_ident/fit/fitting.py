@@ -12,8 +12,8 @@ from msd_ident.errors import UsageError
 from msd_ident.fit.concluding import conclude
 from msd_ident.fit.noise import noise_floor
 from msd_ident.fit.objective import Loss, SquaredError
-from msd_ident.fit.posing import Zero, pose, start_vectors
-from msd_ident.fit.problem import Problem
+from msd_ident.fit.posing import Zero, guess_vectors, pose, regressed, starting_states, wide_vectors
+from msd_ident.fit.problem import Initial, Problem
 from msd_ident.fit.result import FitResult
 from msd_ident.fit.search import limits, robust, valleys
 from msd_ident.fit.solver import Outcome, minimise
@@ -32,6 +32,7 @@ def fit(
     loss: Loss = "linear",
     starts: Sequence[Model] = (),
     search: Search = "wide",
+    initial: Sequence[Initial] = (),
 ) -> FitResult:
     """Fit a model to all records at once: shared parameters, each record its own initial state and zero.
 
@@ -42,7 +43,9 @@ def fit(
         zero: ``free`` when the encoder's zero need not be the relaxed spring, ``known`` when it is.
         loss: ``soft_l1`` when single samples are wild.
         starts: further models of the same structure to start from, e.g. with an effect's guesses.
-        search: ``wide`` starts from a regression and from all starts, ``near`` only from the values given.
+        search: ``wide`` starts from a regression, from all starts and from the effects' own guesses; ``near`` only
+            from the values given, for a model that is nearly right already.
+        initial: with ``near``, the state and zero of each record to start from (those of an earlier fit).
 
     Returns:
         The fit; one that failed says so in ``converged`` and ``message``.
@@ -53,7 +56,8 @@ def fit(
     group = (records,) if isinstance(records, Record) else tuple(records)
     problem = pose(model, group, fixed, zero)
     floor = noise_floor(group)
-    outcome = _solve(problem, floor, [_same_structure(model, other) for other in starts], search)
+    models = [model, *(_same_structure(model, other) for other in starts)]
+    outcome = _near(problem, models, initial) if search == "near" else _wide(problem, models, floor)
     if loss == "soft_l1":
         outcome = robust(problem, outcome, _softness(problem, outcome, floor))
     return conclude(problem, outcome, floor)
@@ -65,11 +69,21 @@ def _same_structure(model: Model, other: Model) -> Model:
     return other
 
 
-def _solve(problem: Problem, floor: float, models: Sequence[Model], width: Search) -> Outcome:
-    vectors = start_vectors(problem, models)
-    if width == "near":
-        return minimise(SquaredError(problem), vectors[-1], limits(problem))
-    return valleys(problem, floor).deepest(vectors)
+def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
+    starts = wide_vectors(problem, models, regressed(problem))
+    return valleys(problem, floor).deepest(starts, lambda best: guess_vectors(problem, best))
+
+
+def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial]) -> Outcome:
+    if initial and len(initial) != len(problem.records):
+        raise UsageError(f"{len(initial)} initial states for {len(problem.records)} records; expected one each")
+    states = list(initial) or [Initial(*state) for state in starting_states(problem)]
+    objective = SquaredError(problem)
+    outcomes = []
+    for model in models:
+        values = dict(zip(model.names, model.values.tolist(), strict=True))
+        outcomes.append(minimise(objective, problem.vector(values, states), limits(problem)))
+    return min(outcomes, key=lambda outcome: outcome.cost)
 
 
 def _softness(problem: Problem, outcome: Outcome, floor: float) -> float:

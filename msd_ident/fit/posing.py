@@ -39,7 +39,8 @@ def pose(
         raise UsageError("no records to fit; expected at least one")
     if isinstance(fixed, Mapping):
         model = model.with_values(fixed)
-    kept = frozenset(fixed)
+    unbounded = [name for name, value in zip(model.names, model.values, strict=True) if math.isinf(value)]
+    kept = frozenset(fixed) | frozenset(unbounded)  # an infinite limit is no limit: nothing to fit
     if zero not in ("free", "known"):
         raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
     springless = "stiffness" in kept and model["stiffness"] == 0.0 and not set(_PLACED) & set(model.names)
@@ -98,28 +99,55 @@ def starts_at_rest(record: Record) -> bool:
     return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)
 
 
-def start_vectors(problem: Problem, models: Sequence[Model]) -> list[FloatArray]:
-    """Vectors to start from: the given values and, mixed into each model, the regression's."""
+def regressed(problem: Problem) -> list[Start]:
+    """Starts by linear regression, one for each smoothing width."""
     given = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
     free = {problem.model.names[i] for i in problem.free}
     zero_free = any(n.kind == "zero" for n in problem.nuisances)
     resting = {balance.record for balance in problem.balances}
     relaxed = tuple(r in resting for r in range(len(problem.records)))
-    regressed = candidates(problem.records, Regression(given, free, zero_free, relaxed))
+    return candidates(problem.records, Regression(given, free, zero_free, relaxed))
+
+
+def wide_vectors(problem: Problem, models: Sequence[Model], starts: Sequence[Start]) -> list[FloatArray]:
+    """Vectors to start from: of each model its own values, and the regressions' values for what is linear."""
     vectors = []
-    for model in (problem.model, *models):
+    for model in models:
         own = dict(zip(model.names, model.values.tolist(), strict=True))
-        for start in regressed:
-            vectors.append(_vector(problem, Start({**own, **_linear(start, free)}, start.initial)))
-        initial = (
-            regressed[0].initial if regressed else tuple((float(r.position[0]), 0.0, 0.0) for r in problem.records)
-        )
-        vectors.append(_vector(problem, Start(own, initial)))
+        for start in starts:
+            vectors.append(_vector(problem, Start({**own, **_linear(problem, start)}, start.initial)))
+        vectors.append(_vector(problem, Start(own, starts[0].initial if starts else _first_readings(problem))))
     return vectors
 
 
-def _linear(start: Start, free: set[str]) -> dict[str, float]:
+def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
+    """``best`` with each effect of the model in turn replaced by the guesses that it makes from the data."""
+    model = problem.model.with_values(problem.values(best))
+    vectors = []
+    for effect in model.effects:
+        for record in problem.records:
+            for guess in effect.guess(record, model.without(effect.name)):
+                guessed = dict(zip((p.name for p in guess.parameters), guess.values, strict=True))
+                vector = best.copy()
+                for place, index in enumerate(problem.free):
+                    vector[place] = guessed.get(model.names[index], vector[place])
+                vectors.append(vector)
+    return vectors
+
+
+def _linear(problem: Problem, start: Start) -> dict[str, float]:
+    free = {problem.model.names[i] for i in problem.free}
     return {name: start.values[name] for name in LINEAR if name in free and name in start.values}
+
+
+def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:
+    """Position, velocity and zero of each record at its first sample, as the regression tells or the first reading."""
+    starts = regressed(problem)
+    return starts[0].initial if starts else _first_readings(problem)
+
+
+def _first_readings(problem: Problem) -> tuple[tuple[float, float, float], ...]:
+    return tuple((float(record.position[0]), 0.0, 0.0) for record in problem.records)
 
 
 def _vector(problem: Problem, start: Start) -> FloatArray:
@@ -135,6 +163,6 @@ def regression_start(records: Record | Sequence[Record], model: Model, *, fixed:
     group = (records,) if isinstance(records, Record) else tuple(records)
     problem = pose(model, group, fixed)
     objective = SquaredError(problem)
-    vectors = start_vectors(problem, ())
+    vectors = wide_vectors(problem, [model], regressed(problem))
     best = min(vectors[:-1] or vectors, key=objective.cost)
     return model.with_values(problem.values(best))

@@ -11,7 +11,7 @@ is grown: over the first few swings a wrong frequency cannot yet slip by a whole
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from msd_ident.fit.solver import Limits, Outcome, minimise
 from msd_ident.record import FloatArray
 
 _REFINED = 3
+_FIRST = 6
 _SHORT = 12
 _LONG = 120
 #: This many noise floors: the right valley of the right model.
@@ -53,20 +54,27 @@ class Valleys:
     weighted: SquaredError
     floor: float
 
-    def deepest(self, starts: Sequence[FloatArray]) -> Outcome:
-        """The deepest valley found from any of the starts (vectors of the problem)."""
+    def deepest(self, starts: Sequence[FloatArray], guesses: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
+        """The deepest valley found from any of the starts (vectors), or from guesses made around the best of them."""
         costs = np.array([self.weighted.cost(start) for start in starts])
-        order = [int(i) for i in np.argsort(costs)[:_REFINED]]
-        best = self.settle(starts[order[0]])
-        for index in order[1:]:
-            if self.at_floor(best):
-                break
-            best = _deeper(best, self.settle(starts[index]))
+        likely = [starts[int(i)] for i in np.argsort(costs)[:_REFINED]]
+        best = self.settle(likely[0])
+        if not self.at_floor(best):
+            others = [*likely[1:], starts[-1], *guesses(likely[0])]
+            for outcome in self._race(others):
+                best = _deeper(best, self.settle(outcome.point))
+                if self.at_floor(best):
+                    break
         best = self._jump(best, all_entries=not self.at_floor(best))
         if self._relative(best) > _SLIPPED:
-            for index in order:
-                best = _deeper(best, self._grow(starts[index]))
+            for start in likely:
+                best = _deeper(best, self._grow(start))
         return best if best.converged else minimise(self.plain, best.point, limits(self.problem))
+
+    def _race(self, starts: Sequence[FloatArray]) -> list[Outcome]:
+        """A few iterations from every start; the leaders."""
+        outcomes = [minimise(self.weighted, start, limits(self.problem, _FIRST)) for start in starts]
+        return sorted(outcomes, key=_cost)[:_REFINED]
 
     def settle(self, start: FloatArray) -> Outcome:
         """From a start to the bottom of its valley, rests weighted down first."""
