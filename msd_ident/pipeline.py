@@ -14,7 +14,7 @@ import numpy as np
 
 from msd_ident import quality
 from msd_ident.errors import DataError, UsageError
-from msd_ident.features import StandardForm, extract, pooled
+from msd_ident.features import Features, StandardForm, extract, pooled
 from msd_ident.fit import FitResult, Initial, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.refine import GRAVITY, record_start
@@ -77,16 +77,16 @@ def identify(
     features = tuple(extract(record) for record in given)
     form = pooled(features)
     turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
-    used = tuple(replace(record, force=-record.force) for record in given) if turned else given
+    used = tuple(_usable(record, found, turned) for record, found in zip(given, features, strict=True))
     sprung = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
     joint = _joint(used, sprung, options)
     progress("the linear model", 0.6)
-    original = _original(used, form, sprung, options)
+    original = _original(used, form, joint, options)
     progress("raising the friction", 0.8)
     raised = _raised(used, original) if form is not None and len(used) == 1 else None
     floor = noise_floor(used)
-    warnings = _warnings(given, findings, turned, joint, floor)
+    warnings = _warnings(given, findings, features, turned) + _doubts(joint, floor)
     progress("done", 1.0)
     return Identification(
         records=used,
@@ -95,11 +95,11 @@ def identify(
         standard_form=form,
         original=original,
         paper_refined=raised,
-        refined=_with_friction(joint, used, "m, b, k and dry friction together, by simulation error"),
+        refined=_with_friction(joint, used, "all parameters together, by simulation error"),
         noise_floor=floor,
         missing_samples=sum(quality.missing_samples(record) for record in given),
         warnings=warnings,
-        open=joint.open_directions,
+        open=joint.open_directions + _scale_sentence(used),
     )
 
 
@@ -117,6 +117,27 @@ def _refuse(findings: Sequence[Finding]) -> None:
     for finding in findings:
         if finding.severity == "error":
             raise DataError(finding.sentence)
+
+
+def _usable(record: Record, found: Features, turned: bool) -> Record:
+    """The record that models are fitted to: from the release on, and the force turned where K is negative."""
+    if found.kind == "free_decay" and found.responses:
+        record = record.window(found.responses[0].onset, float(record.time[-1]))
+    return replace(record, force=-record.force) if turned else record
+
+
+def _forceless(records: tuple[Record, ...]) -> bool:
+    """Whether no force acts at all, so that only ratios of m, b, k and Fc are known."""
+    return not any(bool(np.any(record.force_at(record.time))) for record in records)
+
+
+def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
+    if not _forceless(records):
+        return ()
+    return (
+        "No force acts in this data, so m, b, k and Fc are known only as ratios: the numbers are those of 1 kg of "
+        "moving mass; push with a known force, or weigh the moving mass, to know them all.",
+    )
 
 
 def _plant(record: Record) -> Model:
@@ -144,15 +165,16 @@ def _joint(records: tuple[Record, ...], sprung: bool, options: Options) -> FitRe
     """All parameters by simulation error; a plain axis has an offset in place of a spring's zero."""
     base = _plant(records[0]) + CoulombFriction(0.0)
     if sprung:
-        return fit(base, records, loss=options.loss)
+        return fit(base, records, fixed={"mass": 1.0} if _forceless(records) else {}, loss=options.loss)
     return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)
 
 
 def _original(
-    records: tuple[Record, ...], form: StandardForm | None, sprung: bool, options: Options
+    records: tuple[Record, ...], form: StandardForm | None, joint: FitResult, options: Options
 ) -> ModelFit:
+    """The linear model: from the features where there are any, else fitted."""
     if form is None or form.physical is None:
-        return _linear_fit(records, sprung, options)
+        return _linear_fit(records, joint, options)
     physical = form.physical.quantities
     model = Plant(**{name: quantity.value for name, quantity in physical.items()})
     initial = tuple(record_start(record) for record in records)
@@ -164,11 +186,16 @@ def _original(
     return ModelFit(model, physical, error, initial, predicted, "from the response's features, eqs. 11 to 13")
 
 
-def _linear_fit(records: tuple[Record, ...], sprung: bool, options: Options) -> ModelFit:
-    fixed = {} if sprung else {"stiffness": 0.0}
-    result = fit(_plant(records[0]), records, fixed=fixed, loss=options.loss)
-    what = "mass, damping and stiffness" if sprung else "mass and damping"
-    return _with_friction(result, records, f"{what} fitted by simulation error, as no response gives features")
+def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options) -> ModelFit:
+    """Linear model by simulation error, from the joint refit's values: a careless start ends in a false valley."""
+    start = joint.model.without("coulomb_friction", "force_offset")
+    springless = "stiffness" not in joint.free
+    fixed = {name: joint.model[name] for name in ("mass", "stiffness") if name not in joint.free}
+    near = fit(start, records, fixed=fixed, loss=options.loss, search="near")
+    wide = fit(start, records, fixed=fixed, loss=options.loss)
+    what = "mass and damping" if springless else "mass, damping and stiffness"
+    method = f"{what} fitted by simulation error, as no response gives features"
+    return _with_friction(min(near, wide, key=lambda found: found.see), records, method)
 
 
 def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
@@ -196,20 +223,25 @@ def _with_friction(result: FitResult, records: tuple[Record, ...], method: str) 
 
 
 def _warnings(
-    records: tuple[Record, ...], findings: Sequence[Finding], turned: bool, joint: FitResult, floor: float
+    records: tuple[Record, ...], findings: Sequence[Finding], features: Sequence[Features], turned: bool
 ) -> tuple[str, ...]:
-    """What a reader must know before using the numbers."""
+    """What a reader must know about the data before using the numbers."""
     said = [note for record in records for note in record.notes]
     said += [finding.sentence for finding in findings if finding.severity == "warning"]
+    said += [remark for found in features for remark in found.remarks]
     if turned:
         said.append(
             "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
         )
-    if not joint.converged:
-        said.append(f"The joint refit did not settle: {joint.message}")
+    return tuple(dict.fromkeys(said))
+
+
+def _doubts(joint: FitResult, floor: float) -> tuple[str, ...]:
+    """What a reader must know about the joint refit."""
+    said = [] if joint.converged else [f"The joint refit did not settle: {joint.message}"]
     if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
         said.append(
-            f"The refined model leaves {joint.see / floor:.1f} times the noise floor: something is missing in it; "
+            f"The refined model leaves {joint.see / floor:.3g} times the noise floor: something is missing in it; "
             "run msd diagnose to name it."
         )
-    return tuple(dict.fromkeys(said))
+    return tuple(said)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from msd_ident import pipeline
-    from msd_ident.pipeline import Identification
+    from msd_ident.identification import Identification
     from msd_ident.record import Record
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from msd_ident.features.form import StandardForm, pool
 from msd_ident.features.onsets import Onset, held_share, onsets
-from msd_ident.features.response import Response, free_decay, step_response
+from msd_ident.features.response import Response, free_decay, step_response, with_dead_width
 from msd_ident.record import Record
 
 #: A force that is held for less than this part of the time has no steps to speak of.
@@ -59,7 +59,7 @@ def _responses(record: Record, steps: Sequence[Onset]) -> tuple[Response, ...]:
         response = step_response(record, onset, found[-1] if found else None)
         if response is not None:
             found.append(response)
-    return tuple(found)
+    return with_dead_width(tuple(found))
 
 
 def pooled(features: Sequence[Features]) -> StandardForm | None:

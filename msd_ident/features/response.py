@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -78,8 +78,6 @@ def step_response(record: Record, onset: Onset, earlier: Response | None = None)
         if shape is None or not _believable(shape, float(time[-1] - time[0]), position):
             return None
         found, rest = (shape.natural_frequency, shape.damping_ratio), shape.steady_state
-    swings = oscillation.swings(turns, rest.value, rest.std)
-    rest, initial = (_with_dead_width(value, swings) for value in (rest, initial))
     gain = _gain(initial, rest, onset.amplitude, gain_unit(record.position_unit, record.force_unit))
     return Response(
         onset=onset.time,
@@ -88,10 +86,28 @@ def step_response(record: Record, onset: Onset, earlier: Response | None = None)
         steady_state=rest,
         turns=turns,
         peaks=peaks,
-        swings=swings,
+        swings=oscillation.swings(turns, rest.value, rest.std),
         shape=shape,
         form=StandardForm(found[0], found[1], gain),
     )
+
+
+def with_dead_width(responses: tuple[Response, ...]) -> tuple[Response, ...]:
+    """The same with the uncertainty of rest values, and so of K, widened by where dry friction may hold the cart."""
+    width = max((oscillation.dead_width(response.swings) for response in responses), default=0.0) / math.sqrt(3.0)
+    return tuple(_widened(response, width) for response in responses) if width > 0.0 else responses
+
+
+def _widened(response: Response, width: float) -> Response:
+    initial, rest = (
+        Quantity(value.value, math.hypot(value.std, width), value.unit)
+        for value in (response.initial, response.steady_state)
+    )
+    form = response.form
+    if form is not None and form.static_gain is not None:
+        gain = _gain(initial, rest, response.amplitude, form.static_gain.unit)
+        form = StandardForm(form.natural_frequency, form.damping_ratio, gain)
+    return replace(response, initial=initial, steady_state=rest, form=form)
 
 
 def free_decay(record: Record) -> Response | None:
@@ -146,12 +162,7 @@ def _starts_still(record: Record, floor: float, swing: float) -> bool:
     count = 8
     u = np.arange(count) / (count - 1.0)
     slope = float(np.polynomial.polynomial.polyfit(u, record.position[:count], 3)[1])
-    return abs(slope) <= max(40.0 * floor, 0.05 * swing)
-
-
-def _with_dead_width(rest: Quantity, swings: tuple[oscillation.Swing, ...]) -> Quantity:
-    """The rest value, its uncertainty widened by where dry friction may have held the cart."""
-    return Quantity(rest.value, math.hypot(rest.std, oscillation.dead_width(swings) / math.sqrt(3.0)), rest.unit)
+    return abs(slope) <= max(40.0 * floor, 0.15 * swing)
 
 
 def _after_start(turns: tuple[Extreme, ...], time: FloatArray) -> tuple[Extreme, ...]:

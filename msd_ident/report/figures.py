@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from msd_ident.pipeline import Identification, ModelFit
+    from msd_ident.identification import Identification, ModelFit
     from msd_ident.record import FloatArray, Record
 
 INK = {"data": "#222222", "original": "#d1495b", "paper": "#edae49", "refined": "#00798c", "force": "#7a7a7a"}

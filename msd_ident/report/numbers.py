@@ -49,6 +49,8 @@ def interval(quantity: Quantity) -> str:
     """The 95 % interval as ``low … high``, or words where the data leaves the value open."""
     if not quantity.known:
         return "open"
+    if quantity.std == 0.0:
+        return "fixed"
     places = decimals(quantity.value, quantity.std)
     if abs(quantity.value) < 1e-4 and quantity.value != 0.0:
         return f"{number(quantity.low)} … {number(quantity.high)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -13,6 +14,8 @@ from msd_ident.report import numbers
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from msd_ident.features import Response
+    from msd_ident.features.oscillation import TwoPeaks
     from msd_ident.identification import Identification, ModelFit
 
 #: Parameter → (words, symbol), design names in the order in which tables list them.
@@ -41,6 +44,43 @@ def _label(name: str) -> str:
     return f"{words} {symbol}".strip()
 
 
+def features_table(identification: Identification) -> Table | None:
+    """What was read off each response (the paper's Table 1); ``None`` where there are no responses."""
+    responses = [response for features in identification.features for response in features.responses]
+    if not responses:
+        return None
+    shown = responses[:4]
+    heads = [f"at {response.onset:.3f} s" for response in shown]
+    title = "Features (Table 1)" if len(responses) <= 4 else f"Features (Table 1), the first 4 of {len(responses)}"
+    table = _table(title, "", *heads, "unit")
+    record = identification.records[0]
+    factor, unit = _length(identification)
+    for label, cells, cell_unit in _feature_rows(shown, factor, unit, record.force_unit):
+        table.add_row(label, *cells, cell_unit)
+    return table
+
+
+def _feature_rows(
+    responses: Sequence[Response], factor: float, unit: str, force_unit: str
+) -> Iterator[tuple[str, list[str], str]]:
+    peaks = [response.peaks for response in responses]
+
+    def row(read: Callable[[TwoPeaks, float], float], digits: int = 4) -> list[str]:
+        pairs = zip(peaks, responses, strict=True)
+        return [numbers.number(read(pair, r.onset), digits) if pair else "–" for pair, r in pairs]
+
+    yield "force step", [numbers.number(response.amplitude) for response in responses], force_unit
+    yield "first peak x1", row(lambda pair, start: pair.first.value * factor), unit
+    yield "second peak x2", row(lambda pair, start: pair.second.value * factor), unit
+    yield "after the step t1", row(lambda pair, start: pair.first.time - start), "s"
+    yield "after the step t2", row(lambda pair, start: pair.second.time - start), "s"
+    yield "steady state xss", [numbers.number(r.steady_state.value * factor) for r in responses], unit
+    yield "decrement δ", row(lambda pair, start: pair.logarithmic_decrement.value), "1"
+    yield "ωn of two peaks", row(lambda pair, start: pair.natural_frequency.value), "rad/s"
+    yield "ζ of two peaks", row(lambda pair, start: pair.damping_ratio.value, 3), "1"
+    yield "turning points", [str(len(response.turns)) for response in responses], ""
+
+
 def standard_form_table(identification: Identification) -> Table | None:
     """ωn, ζ, K with their intervals (the paper's Table 2); ``None`` where no response tells."""
     if identification.standard_form is None:
@@ -57,44 +97,46 @@ def _row(table: Table, name: str, quantity: Quantity) -> None:
 
 
 def parameter_table(identification: Identification) -> Table:
-    """Original model, friction raised, and joint refit side by side (the paper's Table 3)."""
+    """Original model, friction raised, and joint refit side by side, with their SEE (the paper's Table 3)."""
     fits = [("original", identification.original)]
     if identification.paper_refined is not None:
         fits.append(("friction raised", identification.paper_refined))
     fits.append(("joint refit", identification.refined))
-    table = _table("Physical parameters (Table 3)", "", *(name for name, _ in fits), "95 % interval", "unit")
-    names = list(dict.fromkeys(name for _, found in fits for name in found.parameters))
-    for name in names:
-        last = identification.refined.parameters.get(name)
-        cells = [_cell(found, name, last) for _, found in fits]
+    table = _table("Physical parameters (Table 3)", "", *(name for name, _ in fits), "unit")
+    for name in dict.fromkeys(name for _, found in fits for name in found.parameters):
         unit = next(found.parameters[name].unit for _, found in fits if name in found.parameters)
-        table.add_row(_label(name), *cells, numbers.interval(last) if last else "–", unit)
-    _see_row(table, identification, [found for _, found in fits])
+        table.add_row(_label(name), *(_cell(found, name) for _, found in fits), unit)
+    table.add_section()
+    factor, unit = _length(identification)
+    table.add_row("SEE", *(numbers.number(found.see * factor, 3) for _, found in fits), unit)
+    reductions = [numbers.number(value, 3) for value in _reductions(identification)]
+    table.add_row("SEE reduction", *["–", *reductions][-len(fits) :], "%")
     return table
 
 
-def _cell(found: ModelFit, name: str, digits_like: Quantity | None) -> str:
-    quantity = found.parameters.get(name)
-    if quantity is None:
-        return "–"
-    if not quantity.known and digits_like is not None:
-        return numbers.value(Quantity(quantity.value, digits_like.std, quantity.unit))
-    return numbers.value(quantity)
+def _reductions(identification: Identification) -> list[float]:
+    joint = [identification.see_reduction_percent]
+    return joint if identification.paper_refined is None else [identification.paper_see_reduction_percent, *joint]
 
 
-def _see_row(table: Table, identification: Identification, fits: list[ModelFit]) -> None:
-    factor, unit = (100.0, "cm") if identification.records[0].position_unit == "m" else (1.0, _unit(identification))
+def _cell(found: ModelFit, name: str) -> str:
+    return numbers.number(found.parameters[name].value, 5) if name in found.parameters else "–"
+
+
+def _length(identification: Identification) -> tuple[float, str]:
+    unit = identification.records[0].position_unit
+    return (100.0, "cm") if unit == "m" else (1.0, unit)
+
+
+def interval_table(identification: Identification) -> Table:
+    """The joint refit with its intervals, and the noise floor that no model can beat."""
+    table = _table("Joint refit", "", "value", "95 % interval", "unit")
+    for name, quantity in identification.refined.parameters.items():
+        _row(table, name, quantity)
     table.add_section()
-    floor = f"noise floor {numbers.number(identification.noise_floor * factor, 2)}"
-    table.add_row("SEE", *(numbers.number(found.see * factor, 3) for found in fits), floor, unit)
-    reductions = ["–"]
-    if identification.paper_refined is not None:
-        reductions.append(f"{identification.paper_see_reduction_percent:.1f}")
-    table.add_row("SEE reduction", *reductions, f"{identification.see_reduction_percent:.1f}", "", "%")
-
-
-def _unit(identification: Identification) -> str:
-    return identification.records[0].position_unit
+    factor, unit = _length(identification)
+    table.add_row("noise floor", numbers.number(identification.noise_floor * factor, 3), "", unit)
+    return table
 
 
 def print_identification(identification: Identification, console: Console) -> None:
@@ -105,7 +147,8 @@ def print_identification(identification: Identification, console: Console) -> No
         f"[bold]{identification.name}[/bold]: {samples} samples, {sum(r.duration for r in records):.2f} s, "
         f"{identification.missing_samples} missing"
     )
-    for table in (features_table(identification), standard_form_table(identification), parameter_table(identification)):
+    for make in (features_table, standard_form_table, parameter_table, interval_table):
+        table = make(identification)
         if table is not None:
             console.print(table)
     console.print(identification.route)
