@@ -35,9 +35,7 @@ def wrench(ns: int, force: float) -> bytes:
     return bytes(STORE.serialize_cdr(STORE.types[WRENCH](_header(ns), content), WRENCH))
 
 
-def joints(
-    ns: int, position: Sequence[float], names: Sequence[str] = ("cart",), effort: Sequence[float] = ()
-) -> bytes:
+def joints(ns: int, position: Sequence[float], names: Sequence[str] = ("cart",), effort: Sequence[float] = ()) -> bytes:
     message = STORE.types[JOINTS](_header(ns), list(names), np.array(position), np.zeros(0), np.array(effort))
     return bytes(STORE.serialize_cdr(message, JOINTS))
 

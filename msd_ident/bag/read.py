@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 
-import numpy as np
-
 from msd_ident.bag.bag import is_bag
 from msd_ident.bag.csv_file import read_csv
 from msd_ident.bag.options import SourceOptions
@@ -32,7 +30,7 @@ def read(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> Re
     record = read_bag(path, options) if is_bag(path) else read_csv(path, options)
     if options.start is not None or options.end is not None:
         record = record.window(*options.window)
-    if np.ptp(record.position) == 0:
+    if record.position.min() == record.position.max():
         raise DataError(
             f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "
             f"{record.samples} samples); expected motion: check the encoder, or choose another --position"

@@ -37,7 +37,7 @@ def write_bag(
     """
     base = record.start_ns
     earliest = min(record.time[0], record.force_time[0])
-    if base + earliest * 1e9 < 1:
+    if base + round(earliest * 1e9) < 1:
         base = 10**9 * (1 - int(np.floor(earliest)))
     ns_x, ns_f = _stamps(base, record.time), _stamps(base, record.force_time)
     latest = int(max(ns_x[-1], ns_f[-1]))
