@@ -8,6 +8,6 @@ from __future__ import annotations
 
 from msd_ident.model.effects.base import Effect, Parameter
 from msd_ident.model.model import Model, Plant
-from msd_ident.model.simulate import Simulator, Trajectory, simulate, warm_up
+from msd_ident.model.simulator import Simulator, Trajectory, simulate, warm_up
 
 __all__ = ["Effect", "Model", "Parameter", "Plant", "Simulator", "Trajectory", "simulate", "warm_up"]

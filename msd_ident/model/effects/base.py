@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "u")
 
 #: Kinds of law that an effect may have, see ``Effect``.
-KINDS = ("constant", "force", "friction", "breakaway", "input_map", "reading")
+KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map", "reading")
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ class Effect:
 
     - ``force(...)`` [N]: on the left-hand side of m x'' + b x' + k x + force = F, smooth between guards;
     - ``constant(...)`` [N]: the same for a force that depends on parameters alone;
+    - ``disturbance(t, ...)`` [N]: the same for a force that depends on time alone;
     - ``friction(...)`` [N]: dry friction while sliding, against the motion, and ``breakaway(...)`` [N] at rest;
     - ``reversal(...)``: the new values of ``memory`` when the motion turns at x (one function a memory name);
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;

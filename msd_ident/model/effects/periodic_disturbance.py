@@ -36,7 +36,9 @@ class PeriodicDisturbance(Effect):
     steady = False
 
     @staticmethod
-    def force(t: float, disturbance_amplitude: float, disturbance_frequency: float, disturbance_phase: float) -> float:
+    def disturbance(
+        t: float, disturbance_amplitude: float, disturbance_frequency: float, disturbance_phase: float
+    ) -> float:
         """Force [N] against +x."""
         return disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
 

@@ -10,9 +10,12 @@ from typing import Any
 
 from numba import njit
 
+#: Sums may be taken in another order and products joined to them; NaN and infinities keep their meaning.
+_LOOSE = {"contract", "arcp", "nsz"}
+
 #: A function of its own that makes no arrays.
-lean: Any = njit(error_model="numpy", _nrt=False)
+lean: Any = njit(error_model="numpy", fastmath=_LOOSE, _nrt=False)
 #: The same, compiled into its callers.
-inlined: Any = njit(error_model="numpy", _nrt=False, forceinline=True)
+inlined: Any = njit(error_model="numpy", fastmath=_LOOSE, _nrt=False, forceinline=True)
 #: A function that makes arrays.
-making: Any = njit(error_model="numpy")
+making: Any = njit(error_model="numpy", fastmath=_LOOSE)

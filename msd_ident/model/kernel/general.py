@@ -1,136 +1,226 @@
 """The general path: any smooth law, integrated step by step between located events.
 
-Events are the turning of the motion (v = 0), the knees of the spring, and the instant at which a cart at rest breaks
-away. A step that passes one is repeated with another length until it ends on it.
+A segment is one step of fourth order where that is accurate enough, else steps of fifth order of even lengths. Names:
+see ``rk``.
 """
 
 from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.compiled import lean
-from msd_ident.model.kernel.rk import forces_at, step_to
-from msd_ident.model.kernel.roots import first_exit
+import numpy as np
 
-#: Estimated error of a step, relative to the scales of position and velocity. The estimate is of third order; the
-#: step itself, of fourth, is better by about the step in radians.
-TOLERANCE = 2e-8
+from msd_ident.model.kernel import laws
+from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.events import knee, rest, slowest, turn
+from msd_ident.model.kernel.rk import (
+    STAGES, acceleration_at, applied, forces_at, second_acceleration, step4, step5, step_to,
+)  # fmt: skip
+from msd_ident.model.kernel.spring import piece
+
+#: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
+#: an order below the step's own, so the motion is better than this by far.
+TOLERANCE4, TOLERANCE5 = 1e-7, 2e-8
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
 EVENTS = 200
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
 STEPS_A_SEGMENT, STEPS = 400, 200_000
 _SHORTEST = 1e-10
+_NONE, _TURN, _KNEE, _AGAIN = 0, 1, 2, 3
 
 
 @lean
-def _turn(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1):
-    """Length of the step in (0, h] that ends with v = 0, given the end (v1, a1) of the step h beyond it."""
-    low, high = 0.0, h
-    tau = _hermite_root(h, s * v, s * a, s * v1, s * a1)
-    for _ in range(60):
-        _, vt, at, _, _, _, _, _ = step_to(world, p, w, place, drive, s, t, tau, x, v, a, y, u, c)
-        if s * vt > 0.0:
-            low = tau
-        else:
-            high = tau
-        new = tau - vt / at if s * at < 0.0 else 0.5 * (low + high)
-        if abs(new - tau) <= 1e-9 * h or high - low <= 1e-15 * h:
-            return min(max(new, 0.0), h)
-        tau = new if low < new < high else 0.5 * (low + high)
-    return tau
-
-
-@lean
-def _hermite_root(h, v0, a0, v1, a1):
-    """Guess of the root of v in (0, h], v0 > 0 > v1, on the cubic through both ends with their slopes."""
-    tau = v0 / (v0 - v1) if v0 > v1 else 0.5
-    p, q = a0 * h, a1 * h
-    for _ in range(3):
-        rest = 1.0 - tau
-        value = v0 * (1.0 + 2.0 * tau) * rest * rest + p * tau * rest * rest
-        value += v1 * tau * tau * (3.0 - 2.0 * tau) - q * tau * tau * rest
-        slope = 6.0 * (v1 - v0) * tau * rest + p * rest * (1.0 - 3.0 * tau) + q * tau * (3.0 * tau - 2.0)
-        if not slope < 0.0:
-            break
-        tau = min(max(tau - value / slope, 0.0), 1.0)
-    return tau * h if 0.0 < tau < 1.0 else 0.5 * h
-
-
-@lean
-def _dip(h, v0, a0, v1, a1):
-    """Time in (0, h) of the slowest motion when it slows down and speeds up again, on the same cubic."""
-    p, q = a0 * h, a1 * h
-    # v'(tau) = A tau² + B tau + p on the unit interval, with v'(0) < 0 < v'(1).
-    big, mid = 3.0 * (p + q) + 6.0 * (v0 - v1), -4.0 * p - 2.0 * q - 6.0 * (v0 - v1)
-    low, high = 0.0, 1.0
-    for _ in range(20):
-        tau = 0.5 * (low + high)
-        if (big * tau + mid) * tau + p < 0.0:
-            low = tau
-        else:
-            high = tau
-    return 0.5 * (low + high) * h
-
-
-@lean
-def _knee(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1):
-    """Length of the step in [0, h] that ends with x = edge, which the step h passes."""
-    low, high = 0.0, h
-    if s * (x - edge) >= 0.0:
-        return 0.0
-    tau = h * (edge - x) / (x1 - x)
-    for _ in range(60):
-        xt, vt, _, _, _, _, _, _ = step_to(world, p, w, place, drive, s, t, tau, x, v, a, y, u, c)
-        if s * (xt - edge) < 0.0:
-            low = tau
-        else:
-            high = tau
-        new = tau - (xt - edge) / vt if s * vt > 0.0 else 0.5 * (low + high)
-        if abs(new - tau) <= 1e-9 * h or high - low <= 1e-15 * h:
-            return min(max(new, 0.0), h)
-        tau = new if low < new < high else 0.5 * (low + high)
-    return tau
-
-
-@lean
-def _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c):
-    """Length of the step in (0, h] of a held cart after which it no longer holds, which it does not after h."""
-    low, high = 0.0, h
-    for _ in range(60):
-        tau = 0.5 * (low + high)
-        _, _, _, yt, ut, _, _, _ = step_to(held, p, w, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c)
-        if abs(forces_at(world, p, w, place, drive, 0.0, t + tau, x, 0.0, yt, ut)) > hold:
-            high = tau
-        else:
-            low = tau
-        if high - low <= 1e-15 * h:
-            break
-    return high
-
-
-@lean
-def _rest(world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c, tol_x, tol_v):
-    """One stretch of rest from t on; returns (its length, whether the cart breaks away then, y, u, c, longest)."""
-    hold = laws.breakaway(world[0], p, w, x)
+def _settle(world, p, w, place, drive, t, x, y, u):
+    """Direction in which a cart at v = 0 goes on; 0 if dry friction holds it."""
     net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
-    if abs(net) > hold:
-        return 0.0, True, y, u, c, longest
-    if not restless:
-        start, f, r, e, decay = drive
-        e_now = e * math.exp(-decay * t) if e != 0.0 else 0.0
-        wait = first_exit(left, net - e_now, r, e_now, decay, hold)
-        return wait, wait < left, y, u, c, longest
-    h = min(0.25 * left if left > 0.5 * longest else left, longest)
-    while True:
-        _, _, _, y1, u1, c1, error_x, error_v = step_to(held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
-        error = max(error_x / tol_x, error_v / tol_v)
-        if error <= 1.0 or not h > _SHORTEST * left:
+    hold = laws.breakaway(world[0], p, w, x) if world[0] & laws.DRY_BITS else 0.0
+    if abs(net) <= hold:
+        return 0.0
+    return 1.0 if net > 0.0 else -1.0
+
+
+@lean
+def _leave(world, p, w, place, drive, t, soon, x, y, u):
+    """Direction in which a cart breaks away at t: of the force then, or shortly after if it is just 0."""
+    net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
+    if net == 0.0:
+        net = forces_at(world, p, w, place, drive, 0.0, t + soon, x, 0.0, y, u)
+    return 1.0 if net > 0.0 else -1.0
+
+
+@lean
+def _place(springs, i):
+    """(slope, intercept, own slope, own intercept) of piece i of the spring."""
+    return springs[0, i], springs[1, i], springs[2, i], springs[3, i]
+
+
+@lean
+def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, end, k):
+    """The first event in a step of length h from ``start`` to ``end``, each (x, v, a, y, u, c).
+
+    Returns (event, length, x, v, a, y, u, c) with the state at the event, or at the end of the step without one.
+    ``_AGAIN``: the step begins at rest and ends beyond its next turn; a shorter one must be tried.
+    """
+    x, v, a, y, u, c = start
+    x1, v1, a1, y1, u1, c1 = end
+    event = _NONE
+    if v == 0.0 and not s * v1 > 0.0:
+        return _AGAIN, h, x1, v1, a1, y1, u1, c1
+    if s * v1 > 0.0 and s * a < 0.0 and s * a1 > 0.0:
+        dip = slowest(h, s * v, s * a, s * v1, s * a1)
+        x2, v2, a2, y2, u2, c2, _, _ = step_to(fifth, world, p, w, place, drive, s, t, dip, x, v, a, y, u, c, k)
+        if s * v2 <= 0.0:
+            h, x1, v1, a1, y1, u1, c1 = dip, x2, v2, a2, y2, u2, c2
+    if not s * v1 > 0.0:
+        event = _TURN
+        h = turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k)
+        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
+        v1 = 0.0
+    edge = high if s > 0.0 else low
+    if s * (x1 - edge) > 0.0:
+        event = _KNEE
+        h = knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k)
+        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
+        x1 = edge
+        if not s * v1 > 0.0:
+            v1 = 0.0
+    return event, h, x1, v1, a1, y1, u1, c1
+
+
+@lean
+def _segment(world, held, p, w, edges, springs, drive, length, eventful, restless, state, tolerances, k):
+    """The state at the end of one segment; NaN where the motion runs away.
+
+    state: (x, v, a, y, u, c, s, i, longest4, longest5, budget) with i the piece of the spring, the longest steps [s]
+    that either method may take now, and the number of steps left. tolerances: of position and velocity for the
+    fourth-order step, then for the fifth.
+    """
+    x, v, a, y, u, c, s, i, longest4, longest5, budget = state
+    t, events = 0.0, 0
+    place = _place(springs, i)
+    while t < length:
+        left = length - t
+        budget -= 1
+        if events > EVENTS or budget < 0:
+            if budget < 0:
+                x = math.nan
             break
-        h *= 0.5
-        longest = h
-    if abs(forces_at(world, p, w, place, drive, 0.0, t + h, x, 0.0, y1, u1)) > hold:
-        h = _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c)
-        _, _, _, y1, u1, c1, _, _ = step_to(held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c)
-        return h, True, y1, u1, c1, longest
-    return h, False, y1, u1, c1, longest
+        if eventful and s == 0.0:
+            wait, leaves, y, u, c, longest5 = rest(
+                world, held, p, w, place, drive, restless, t, left, longest5, x, y, u, c,
+                tolerances[2], tolerances[3], k,
+            )  # fmt: skip
+            t = length if wait >= left else t + wait
+            if leaves:
+                events += 1
+                s = _leave(world, p, w, place, drive, t, 1e-6 * length, x, y, u)
+                i = piece(edges, x, s)
+                place = _place(springs, i)
+                a = acceleration_at(world, p, w, place, drive, s, t, x, 0.0, y, u)
+            continue
+        fifth = left > longest4
+        if fifth:
+            h = left if left <= longest5 else left / math.ceil(left / longest5)
+            x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
+                world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k
+            )  # fmt: skip
+            error = max(error_x / tolerances[2], error_v / tolerances[3])
+        else:
+            h = left
+            x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, t, h, x, v, a, y, u, c)
+            error = max(error_x / tolerances[0], error_v / tolerances[1])
+        if not error <= 1.0:
+            shorter = h * (max(0.2, 0.9 * error**-0.2) if error < 1e12 else 0.2)
+            if fifth:
+                longest5 = shorter
+                if h < _SHORTEST * length:
+                    x = math.nan
+                    break
+            else:
+                longest4 = shorter
+            continue
+        if fifth:
+            longest4 *= 1.02
+            if error < 0.1 and longest5 < 2.0 * h:
+                longest5 = 1.5 * h
+        event = _NONE
+        if eventful and not (s * v1 > 0.0 and edges[i] <= x1 <= edges[i + 1] and (s * a >= 0.0 or s * a1 <= 0.0)):
+            event, h, x1, v1, a1, y1, u1, c1 = _first_event(
+                fifth, world, p, w, place, drive, s, t, h, edges[i], edges[i + 1],
+                (x, v, a, y, u, c), (x1, v1, a1, y1, u1, c1), k,
+            )  # fmt: skip
+            if event == _AGAIN:
+                events += 1
+                if h > 1e-6 * length and events < EVENTS:
+                    longest4, longest5 = min(longest4, 0.5 * h), 0.5 * h
+                    continue
+                v1, event = 0.0, _TURN
+        x, v, a, y, u, c = x1, v1, a1, y1, u1, c1
+        t = length if h >= left else t + h
+        if event != _NONE:
+            events += 1
+            if event == _TURN:
+                laws.remember(world[0], p, w, x, s)
+                s = _settle(world, p, w, place, drive, t, x, y, u)
+                i = piece(edges, x, s)
+            else:
+                i += 1 if s > 0.0 else -1
+            place = _place(springs, i)
+            a = acceleration_at(world, p, w, place, drive, s, t, x, v, y, u) if s != 0.0 else 0.0
+    return x, v, a, y, u, c, s, i, longest4, longest5, budget
+
+
+@making
+def general(
+    active, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
+    x, v, far, fast, out_x, out_v,
+):  # fmt: skip
+    """Positions (and velocities) at all segment boundaries.
+
+    Args:
+        active, p, w: set of effects, parameters, memory.
+        edges, springs: knees of the spring and its pieces, see ``spring.characteristic``.
+        constant: force [N] against +x.
+        second: (m2, k2, b2) of the second mass; m2 = 0 without one.
+        start, length: of each segment [s].
+        level, slope, transient, decay: force on each, see ``exact``.
+        far, fast: sizes [m] and [m/s] that errors are compared with.
+    """
+    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    eventful = (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or edges.size > 2
+    restless = (active & laws.UNSTEADY_BITS) != 0 or second[0] > 0.0
+    world = (active, m, b, constant, second[0], second[1], second[2])
+    held = (active, math.inf, b, constant, second[0], second[1], second[2])
+    tolerances = (TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast)
+    k = np.zeros(STAGES)
+    out_x[0] = x
+    if keep:
+        out_v[0] = v
+    laws.remember(active, p, w, x, 0.0)
+    s = (1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)) if eventful else 0.0
+    i = piece(edges, x, s)
+    drive = (start[0], level[0], slope[0] if steep else 0.0, transient[0] if lagged else 0.0, decay)
+    a, c = 0.0, second_acceleration(world, x, v, x, v)
+    if s != 0.0 or not eventful:
+        a = acceleration_at(world, p, w, _place(springs, i), drive, s, 0.0, x, v, x, v)
+    before = applied(drive, 0.0)
+    budget = STEPS + STEPS_A_SEGMENT * length.size
+    state = (x, v, a, x, v, c, s, i, 2.0 * length[0], 2.0 * length[0], budget)
+    for j in range(length.size):
+        drive = (start[j], level[j], slope[j] if steep else 0.0, transient[j] if lagged else 0.0, decay)
+        x, v, a, y, u, c, s, i, longest4, longest5, budget = state
+        if s != 0.0 or not eventful:
+            # Position and velocity go on smoothly, so only the force can have jumped.
+            a += (applied(drive, 0.0) - before) / m
+        state = _segment(
+            world, held, p, w, edges, springs, drive, length[j], eventful, restless,
+            (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,
+        )  # fmt: skip
+        before = applied(drive, length[j])
+        out_x[j + 1] = state[0]
+        if keep:
+            out_v[j + 1] = state[1]
+        if not abs(state[0]) < 1e12 * far:
+            out_x[j + 1 :] = math.nan
+            out_v[j + 1 :] = math.nan
+            break

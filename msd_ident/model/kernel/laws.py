@@ -117,6 +117,7 @@ def _remember() -> Any:
 
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
+disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
 force = _dispatcher("force", "t, x, v, direction, speed, spring_force", "0.0", "+=")
 friction = _dispatcher("friction", "x, speed", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x", "0.0", "=")

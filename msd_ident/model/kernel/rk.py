@@ -1,15 +1,40 @@
-"""One Runge-Kutta step of the whole equation of motion, with an estimate of its error.
+"""Runge-Kutta steps of the whole equation of motion, each with an estimate of its error.
 
-The classic fourth-order method. The slope at the end of a step is the first of the next one, and in place of the
-fourth it makes a third-order result: the difference is the estimate (weights 1/6, 1/3, 1/3, 0, 1/6).
+Two methods, both of which end with the slope that the next step begins with. The classic one of fourth order: put
+in place of its fourth slope, the slope at the end makes a third-order result, and the difference is the estimate
+(weights 1/6, 1/3, 1/3, 0, 1/6). And Dormand & Prince 1980 (J. Comput. Appl. Math. 6), of fifth order, where longer
+steps are wanted.
+
+Names, here and in ``events`` and ``general``. world: (active, m, b, constant, m2, k2, b2); p, w: parameters and memory;
+piece: (slope, intercept, own slope, own intercept) of the spring; drive: (start, f, r, e, decay) of the force on the
+segment; s: direction of motion; t: time since the segment began; x, v, a: position, velocity, acceleration of the
+cart; y, u, c: of the second mass. A held cart has an infinite mass in its ``world``, so that the second one moves alone.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import inlined, lean
+
+_C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_A = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
+        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
+        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+#: Slopes of one fifth-order step: rows v, a of the cart and u, c of the second mass.
+STAGES = (4, 7)
 
 
 @inlined
@@ -23,25 +48,27 @@ def applied(drive, t):
 
 
 @inlined
-def other_forces(world, p, w, piece, drive, s, t, x, v, y, u):
-    """Sum of all forces on the cart but dry friction [N]; t is the time since the segment began.
-
-    world: (active, m, b, constant, m2, k2, b2); p, w: parameters and memory; piece: (slope, intercept, own slope, own intercept) of the
-    spring; drive: see ``applied``; s: direction of motion; (x, v) and (y, u): the two masses.
-    """
-    active, _, b, constant, m2, k2, b2 = world
-    slope, intercept, own_slope, own_intercept = piece
-    net = applied(drive, t) - constant - intercept - slope * x - b * v
-    net -= laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own_intercept + own_slope * x)
-    if m2 > 0.0:
-        net -= k2 * (x - y) + b2 * (v - u)
-    return net
+def outer(world, p, w, drive, t):
+    """The forces [N] on the cart that do not depend on its motion."""
+    active, _, _, constant, _, _, _ = world
+    return applied(drive, t) - constant - laws.disturbance(active, p, w, drive[0] + t)
 
 
 @inlined
-def acceleration(world, p, w, piece, drive, s, t, x, v, y, u):
+def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
+    """Sum of all forces on the cart but dry friction [N]; ``outside`` is that of ``outer``."""
+    active, _, b, _, m2, k2, b2 = world
+    slope, intercept, own_slope, own_intercept = piece
+    plain = outside - intercept - (slope * x + b * v)
+    if m2 > 0.0:
+        plain -= k2 * (x - y) + b2 * (v - u)
+    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own_intercept + own_slope * x)
+
+
+@inlined
+def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     """x'' [m/s²] while sliding in direction s."""
-    net = other_forces(world, p, w, piece, drive, s, t, x, v, y, u)
+    net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
     if world[0] & laws.DRY_BITS:
         net -= s * laws.friction(world[0], p, w, x, s * v)
     return net / world[1]
@@ -58,39 +85,37 @@ def second_acceleration(world, x, v, y, u):
 
 @lean
 def forces_at(world, p, w, piece, drive, s, t, x, v, y, u):
-    """``other_forces`` as a call of its own, for places where speed does not matter."""
-    return other_forces(world, p, w, piece, drive, s, t, x, v, y, u)
+    """``net_force`` as a call of its own, for places where speed does not matter."""
+    return net_force(world, p, w, piece, drive, outer(world, p, w, drive, t), s, t, x, v, y, u)
 
 
 @lean
 def acceleration_at(world, p, w, piece, drive, s, t, x, v, y, u):
     """``acceleration`` as a call of its own."""
-    return acceleration(world, p, w, piece, drive, s, t, x, v, y, u)
+    return acceleration(world, p, w, piece, drive, outer(world, p, w, drive, t), s, t, x, v, y, u)
 
 
 @inlined
-def step(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c):
-    """(x, v, a, y, u, c) a time h later, and the error estimates of position [m] and velocity [m/s].
-
-    x, v, a: position, velocity, acceleration of the cart; y, u, c: of the second mass. A held cart has an infinite
-    mass in its ``world``, so that the second one moves alone.
-    """
+def step4(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c):
+    """(x, v, a, y, u, c) a time h later by the classic method, and the errors of position [m] and velocity [m/s]."""
     vn, an, un, cn = v, a, u, c
     sum_v, sum_a, sum_u, sum_c = v, a, u, c
     reach, weight = 0.5 * h, 2.0
+    outside = outer(world, p, w, drive, t + reach)
     for stage in range(3):
         if stage == 2:
             reach, weight = h, 1.0
+            outside = outer(world, p, w, drive, t + h)
         xn, yn = x + reach * vn, y + reach * un
         vn, un = v + reach * an, u + reach * cn
-        an = acceleration(world, p, w, piece, drive, s, t + reach, xn, vn, yn, un)
+        an = acceleration(world, p, w, piece, drive, outside, s, t + reach, xn, vn, yn, un)
         cn = second_acceleration(world, xn, vn, yn, un)
         sum_v, sum_a = sum_v + weight * vn, sum_a + weight * an
         sum_u, sum_c = sum_u + weight * un, sum_c + weight * cn
     sixth = h / 6.0
     x1, v1 = x + sixth * sum_v, v + sixth * sum_a
     y1, u1 = y + sixth * sum_u, u + sixth * sum_c
-    a1 = acceleration(world, p, w, piece, drive, s, t + h, x1, v1, y1, u1)
+    a1 = acceleration(world, p, w, piece, drive, outside, s, t + h, x1, v1, y1, u1)
     c1 = second_acceleration(world, x1, v1, y1, u1)
     error_x = sixth * (abs(vn - v1) + abs(un - u1))
     error_v = sixth * (abs(an - a1) + abs(cn - c1))
@@ -98,6 +123,47 @@ def step(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c):
 
 
 @lean
-def step_to(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c):
-    """``step`` as a call of its own, for the search of events."""
-    return step(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c)
+def step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
+    """The same by Dormand and Prince; ``k`` is room for the slopes, of shape ``STAGES``."""
+    second = world[4] > 0.0
+    k[0, 0], k[1, 0], k[2, 0], k[3, 0] = v, a, u, c
+    xn, vn, yn, un = x, v, y, u
+    for n in range(1, 7):
+        dx, dv = 0.0, 0.0
+        for j in range(n):
+            dx += _A[n, j] * k[0, j]
+            dv += _A[n, j] * k[1, j]
+        xn, vn = x + h * dx, v + h * dv
+        if second:
+            dx, dv = 0.0, 0.0
+            for j in range(n):
+                dx += _A[n, j] * k[2, j]
+                dv += _A[n, j] * k[3, j]
+            yn, un = y + h * dx, u + h * dv
+            k[2, n], k[3, n] = un, second_acceleration(world, xn, vn, yn, un)
+        at = t + _C[n] * h
+        k[0, n] = vn
+        k[1, n] = acceleration(world, p, w, piece, drive, outer(world, p, w, drive, at), s, at, xn, vn, yn, un)
+    error_x, error_v = _difference(k[0], k[1], h)
+    if second:
+        error_y, error_u = _difference(k[2], k[3], h)
+        error_x, error_v = error_x + error_y, error_v + error_u
+    return xn, vn, k[1, 6], yn, un, k[3, 6] if second else 0.0, error_x, error_v
+
+
+@inlined
+def _difference(speeds, accelerations, h):
+    """What the embedded fourth-order result differs by, in position and velocity."""
+    error_x, error_v = 0.0, 0.0
+    for j in range(7):
+        error_x += _E[j] * speeds[j]
+        error_v += _E[j] * accelerations[j]
+    return h * abs(error_x), h * abs(error_v)
+
+
+@lean
+def step_to(fifth, world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
+    """A step of either method, for the search of events."""
+    if fifth:
+        return step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k)
+    return step4(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c)

@@ -8,9 +8,8 @@ import numpy as np
 
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import lean, making
-from msd_ident.model.kernel.drive import general
 from msd_ident.model.kernel.exact import exact
-from msd_ident.model.kernel.general import TOLERANCE
+from msd_ident.model.kernel.general import general
 from msd_ident.model.kernel.spring import characteristic
 
 #: Argument lists of the entries; ``cache`` writes the entry module from them.
@@ -34,7 +33,7 @@ def plan(time, force_time, force, straight):
 
     ``pick`` is empty where the segment boundaries are the samples themselves.
     """
-    start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, 0.0)
+    start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, force, straight, 0.0)
     if start.size == time.size - 1:
         pick = np.empty(0, np.int64)
     level = np.empty(start.size)
@@ -51,7 +50,7 @@ def run(bits, rows, plan, out_x, out_v):
         bits: set of the model's effects, see ``laws.BIT``.
         rows: (r, len(laws.INDEX) + 2) all parameters of the library, those of other effects unused, then position [m]
             and velocity [m/s] at the first sample.
-        plan: the record and what ``plan`` made of it, see ``simulate.Simulator``.
+        plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         out_x: (r, n) readings of the positions [m]; NaN from where the motion leaves all bounds.
         out_v: (r, n) velocities [m/s], or (r, 0) when nobody wants them.
     """
@@ -72,7 +71,7 @@ def _simulate(bits, p, plan, x, v, out_x, out_v):
         return
     shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
     if shift != 0.0:
-        start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, shift)
+        start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, force, straight, shift)
     if bits & laws.MAP_BITS:
         mapped = np.empty_like(force)
         for i in range(force.size):
@@ -99,7 +98,7 @@ def _simulate(bits, p, plan, x, v, out_x, out_v):
         far, fast = _scales(m, b, k, time, force, x, v)
         general(
             bits, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
-            x, v, TOLERANCE * far, TOLERANCE * fast, path_x, path_v,
+            x, v, far, fast, path_x, path_v,
         )  # fmt: skip
     else:
         kinetic, hold = 0.0, 0.0

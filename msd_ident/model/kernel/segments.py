@@ -14,8 +14,8 @@ _ROUNDING = 1e-15
 
 
 @making
-def merge(time, force_time, shift):
-    """Cut [time[0], time[-1]] at all samples and at all force stamps moved by ``shift`` [s].
+def merge(time, force_time, force, straight, shift):
+    """Cut [time[0], time[-1]] at all samples and where the force, moved by ``shift`` [s], changes its course.
 
     Returns (start, length, kind, force_index, pick, lengths): start and length [s] of each of the N segments, the
     ``kind`` of its length (place in ``lengths``, -1 for an odd one), the force value that acts (-1: none yet), and
@@ -31,6 +31,8 @@ def merge(time, force_time, shift):
     i = np.searchsorted(force_time, now - shift + _ROUNDING * abs(now), side="right") - 1
     count, j = 0, 1
     while j < time.size:
+        while not straight and i >= 0 and i + 1 < force_time.size and force[i + 1] == force[i]:
+            i += 1
         stamp = force_time[i + 1] + shift if i + 1 < force_time.size else math.inf
         end = min(time[j], stamp)
         close = 4.0 * _ROUNDING * (1.0 + abs(end))
