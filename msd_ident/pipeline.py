@@ -15,7 +15,7 @@ import numpy as np
 from msd_ident import quality
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pooled
-from msd_ident.fit import FitResult, Initial, fit, noise_floor, paper_refine, see
+from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.refine import GRAVITY, record_start
 from msd_ident.identification import Identification, ModelFit
@@ -61,7 +61,9 @@ class Options:
 
 
 def identify(
-    records: Sequence[Record], options: Options = Options(), progress: Progress = _silent  # noqa: B008 - frozen
+    records: Sequence[Record],
+    options: Options = Options(),  # noqa: B008 - frozen
+    progress: Progress = _silent,
 ) -> Identification:
     """Standard form, physical parameters and friction of one experiment, which may have several records.
 
@@ -145,7 +147,8 @@ def _plant(record: Record) -> Model:
     force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
     length = max(float(np.ptp(record.position)), 1e-12)
     stiffness = force / length
-    return Plant(mass=stiffness * (record.duration / 20.0) ** 2, damping=0.1 * stiffness * record.duration, stiffness=stiffness)
+    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
+    return Plant(mass=mass, damping=damping, stiffness=stiffness)
 
 
 def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | None) -> bool:
@@ -169,9 +172,7 @@ def _joint(records: tuple[Record, ...], sprung: bool, options: Options) -> FitRe
     return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)
 
 
-def _original(
-    records: tuple[Record, ...], form: StandardForm | None, joint: FitResult, options: Options
-) -> ModelFit:
+def _original(records: tuple[Record, ...], form: StandardForm | None, joint: FitResult, options: Options) -> ModelFit:
     """The linear model: from the features where there are any, else fitted."""
     if form is None or form.physical is None:
         return _linear_fit(records, joint, options)

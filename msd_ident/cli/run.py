@@ -126,7 +126,7 @@ def work(
         lines.append({"schema": found.pop("schema"), "path": name, **found})
         if output.tables:
             show(result, console)
-    _write(lines, output)
+    write(lines, output)
     return 2 if failed else 0
 
 
@@ -143,7 +143,8 @@ def _solved(
         return solve([read(path, source) for path in group], report)
 
 
-def _write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
+def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
+    """One JSON object a line, to the file or to standard output, as ``output`` says."""
     text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
     if output.json == "-":
         sys.stdout.write(text)

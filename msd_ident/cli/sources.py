@@ -15,9 +15,7 @@ PathsArgument = Annotated[list[Path], typer.Argument(metavar="PATH…", help="ro
 ForceOption = Annotated[
     str, typer.Option("--force", metavar="TOPIC:FIELD|COLUMN|none", help="where the force is; none: a free decay")
 ]
-PositionOption = Annotated[
-    str, typer.Option("--position", metavar="TOPIC:FIELD|COLUMN", help="where the position is")
-]
+PositionOption = Annotated[str, typer.Option("--position", metavar="TOPIC:FIELD|COLUMN", help="where the position is")]
 TimeOption = Annotated[str, typer.Option("--time", metavar="COLUMN", help="time column of a CSV file")]
 ForceScaleOption = Annotated[Optional[float], typer.Option(help="force unit per unit of the source")]  # noqa: UP045
 PositionScaleOption = Annotated[

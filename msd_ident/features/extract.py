@@ -46,11 +46,12 @@ def extract(record: Record) -> Features:
         return _decay(record)
     if steps:
         count = f"{len(steps)} force step{'s' if len(steps) > 1 else ''}"
-        return Features("none", f"{count}, but no response that settles or swings: a step response does not apply.", (), None)
-    return Features(
-        "none", "The force is never held for long, so a step response does not apply; the model is fitted by simulation.",
-        (), None,
-    )  # fmt: skip
+        return _none(f"{count}, but no response that settles or swings: a step response does not apply.")
+    return _none("The force is never held for long: a step response does not apply, and the model is fitted instead.")
+
+
+def _none(why: str) -> Features:
+    return Features("none", why, (), None)
 
 
 def _responses(record: Record, steps: Sequence[Onset]) -> tuple[Response, ...]:
@@ -91,7 +92,7 @@ def _step_route(responses: tuple[Response, ...]) -> str:
 def _decay(record: Record) -> Features:
     response = free_decay(record)
     if response is None:
-        return Features("none", "No force acts and nothing swings: there is no response to read.", (), None)
+        return _none("No force acts and nothing swings: there is no response to read.")
     remarks: tuple[str, ...] = ()
     lead = response.onset - float(record.time[0])
     if lead > 0.02 * record.duration:

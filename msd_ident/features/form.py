@@ -104,5 +104,3 @@ def pool(forms: Sequence[StandardForm]) -> StandardForm | None:
         combine([form.damping_ratio for form in forms]),
         combine(gains) if gains else None,
     )
-
-

@@ -152,7 +152,10 @@ def _before(record: Record, onset: float, floor: float, swing: float) -> tuple[Q
     """Reading before the step, the median of what lies just before it, and whether the cart was at rest there."""
     count = max(5, int(0.02 * record.samples) + 1)
     tail = record.position[record.time <= onset][-count:]
-    still = float(np.ptp(tail)) <= max(8.0 * floor, 0.02 * swing) if tail.size > 2 else _starts_still(record, floor, swing)
+    if tail.size > 2:
+        still = float(np.ptp(tail)) <= max(8.0 * floor, 0.02 * swing)
+    else:
+        still = _starts_still(record, floor, swing)
     tail = tail if tail.size else record.position[:1]
     return Quantity(float(np.median(tail)), floor / math.sqrt(tail.size), record.position_unit), still
 
@@ -195,6 +198,4 @@ def _believable(shape: Shape, duration: float, position: FloatArray) -> bool:
 def _gain(initial: Quantity, rest: Quantity, amplitude: float, unit: str) -> Quantity:
     """Eq. 9, from the change of the rest value."""
     change = rest.value - initial.value
-    return Quantity(
-        equations.static_gain(change, amplitude), math.hypot(rest.std, initial.std) / abs(amplitude), unit
-    )
+    return Quantity(equations.static_gain(change, amplitude), math.hypot(rest.std, initial.std) / abs(amplitude), unit)

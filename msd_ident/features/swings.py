@@ -57,9 +57,7 @@ def _alternating(found: list[tuple[int, int]], position: FloatArray) -> list[tup
     return kept
 
 
-def _refined(
-    time: FloatArray, position: FloatArray, floor: float, found: list[tuple[int, int]], n: int
-) -> Extreme:
+def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[tuple[int, int]], n: int) -> Extreme:
     """A cubic through the neighbourhood of the turning point, by least squares, and its top."""
     index, side = found[n]
     neighbours = [abs(found[j][0] - index) for j in (n - 1, n + 1) if 0 <= j < len(found)]

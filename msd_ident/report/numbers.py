@@ -6,14 +6,12 @@ import math
 
 from msd_ident.quantity import Quantity
 
-#: SI unit → (unit in tables, factor), where people read another one than the model has.
-SHOWN = {"m/N": ("cm/N", 100.0), "m": ("cm", 100.0)}
-
 
 def shown(quantity: Quantity) -> Quantity:
-    """The same quantity in the unit that tables use (cm for m, cm/N for m/N)."""
-    unit, factor = SHOWN.get(quantity.unit, (quantity.unit, 1.0))
-    return Quantity(quantity.value * factor, quantity.std * factor, unit)
+    """The same quantity in the unit that tables use: lengths, and lengths per unit of force, in cm."""
+    if quantity.unit != "m" and not quantity.unit.startswith("m/"):
+        return quantity
+    return Quantity(100.0 * quantity.value, 100.0 * quantity.std, f"c{quantity.unit}")
 
 
 def decimals(value: float, std: float) -> int:

@@ -32,7 +32,8 @@ WORDS = {
 }
 
 
-def _table(title: str, *columns: str) -> Table:
+def new_table(title: str, *columns: str) -> Table:
+    """An empty table in the house style: first column left, the others right."""
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for index, column in enumerate(columns):
         table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
@@ -52,7 +53,7 @@ def features_table(identification: Identification) -> Table | None:
     shown = responses[:4]
     heads = [f"at {response.onset:.3f} s" for response in shown]
     title = "Features (Table 1)" if len(responses) <= 4 else f"Features (Table 1), the first 4 of {len(responses)}"
-    table = _table(title, "", *heads, "unit")
+    table = new_table(title, "", *heads, "unit")
     record = identification.records[0]
     factor, unit = _length(identification)
     for label, cells, cell_unit in _feature_rows(shown, factor, unit, record.force_unit):
@@ -85,7 +86,7 @@ def standard_form_table(identification: Identification) -> Table | None:
     """ωn, ζ, K with their intervals (the paper's Table 2); ``None`` where no response tells."""
     if identification.standard_form is None:
         return None
-    table = _table("Standard form (Table 2)", "", "value", "95 % interval", "unit")
+    table = new_table("Standard form (Table 2)", "", "value", "95 % interval", "unit")
     for name, quantity in identification.standard_form.quantities.items():
         _row(table, name, quantity)
     return table
@@ -102,7 +103,7 @@ def parameter_table(identification: Identification) -> Table:
     if identification.paper_refined is not None:
         fits.append(("friction raised", identification.paper_refined))
     fits.append(("joint refit", identification.refined))
-    table = _table("Physical parameters (Table 3)", "", *(name for name, _ in fits), "unit")
+    table = new_table("Physical parameters (Table 3)", "", *(name for name, _ in fits), "unit")
     for name in dict.fromkeys(name for _, found in fits for name in found.parameters):
         unit = next(found.parameters[name].unit for _, found in fits if name in found.parameters)
         table.add_row(_label(name), *(_cell(found, name) for _, found in fits), unit)
@@ -130,7 +131,7 @@ def _length(identification: Identification) -> tuple[float, str]:
 
 def interval_table(identification: Identification) -> Table:
     """The joint refit with its intervals, and the noise floor that no model can beat."""
-    table = _table("Joint refit", "", "value", "95 % interval", "unit")
+    table = new_table("Joint refit", "", "value", "95 % interval", "unit")
     for name, quantity in identification.refined.parameters.items():
         _row(table, name, quantity)
     table.add_section()

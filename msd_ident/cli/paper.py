@@ -1,0 +1,25 @@
+"""``msd paper``: the paper's tables from its Table 1, and what its model cannot reproduce."""
+
+from __future__ import annotations
+
+from msd_ident.cli import sources
+
+
+def paper(
+    json: sources.JsonOption = "", quiet: sources.QuietOption = False, overwrite: sources.OverwriteOption = False
+) -> int:
+    """Tables 2 and 3 of the paper from its Table 1 alone, and what no viscous + Coulomb model reproduces."""
+    from rich.console import Console
+
+    from msd_ident.cli import run
+    from msd_ident.features.paper import study
+    from msd_ident.report.paper_tables import print_paper
+
+    output = run.Output(json, quiet, overwrite)
+    output.check()
+    with run.progress(quiet) as progress:
+        found = study(progress=progress)
+    if output.tables:
+        print_paper(found, Console(highlight=False))
+    run.write([found.to_json_dict()], output)
+    return 0
