@@ -85,7 +85,7 @@ install_packages() {
         constraint=(-c "$LOCK")
     fi
     drop_cut_off_packages
-    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check --no-input "${constraint[@]}" \
+    "$VENV/bin/python" -m pip install -qq --disable-pip-version-check --no-input "${constraint[@]}" \
         -r requirements/ros-jazzy.txt -e '.[test]' >&2 ||
         fail "pip could not install the packages (its words are above); run again, or with LOCK= for the newest ones"
 }

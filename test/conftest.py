@@ -1,0 +1,77 @@
+"""What all tests share: a ROS domain of their own, the measured data, and how hypothesis draws."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+#: Domain ids whose ports are free of Linux's ephemeral range.
+DOMAINS = range(1, 101)
+#: A domain is taken while somebody listens here; the same ports as ROS's own domain_coordinator.
+FIRST_PORT = 32768
+
+# The same examples each time; `HYPOTHESIS_PROFILE=explore` draws new ones.
+settings.register_profile("steady", deadline=None, derandomize=True)
+settings.register_profile("explore", deadline=None, max_examples=500)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
+
+_claim = pytest.StashKey[socket.socket]()
+
+
+def _claim_domain() -> tuple[int, socket.socket]:
+    """A domain id that no other test process on this machine has, and the socket that holds it."""
+    for step in range(len(DOMAINS)):
+        domain = DOMAINS[(os.getpid() + step) % len(DOMAINS)]
+        holder = socket.socket()
+        try:
+            holder.bind(("", FIRST_PORT + domain))
+        except OSError:
+            holder.close()
+            continue
+        return domain, holder
+    raise RuntimeError(f"all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are taken by other tests on this machine")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give each test process its own ROS domain, before anything starts a node."""
+    domain, config.stash[_claim] = _claim_domain()
+    os.environ["ROS_DOMAIN_ID"] = str(domain)
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Free the domain."""
+    config.stash[_claim].close()
+
+
+@pytest.fixture
+def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A domain id for this test alone; contexts and processes that it starts are in it."""
+    domain, holder = _claim_domain()
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    try:
+        yield domain
+    finally:
+        holder.close()
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """The repository's root."""
+    return REPOSITORY
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Folder of the measured data, which lies beside the repository and never inside it."""
+    folder = Path(os.environ.get("MSD_SHARED_DATA", REPOSITORY.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no measured data at {folder}; MSD_SHARED_DATA names the folder")
+    return folder

@@ -1,0 +1,170 @@
+"""The house's rules, read off the imports: one way only, and each library in its room."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+#: Rooms of msd_ident, lowest first: a room knows itself and those before it.
+STOREYS = (
+    ("errors", "quantity"),
+    ("record",),
+    ("motion", "noise"),
+    ("quality",),
+    ("model",),
+    ("features",),
+    ("fit",),
+    ("diagnose",),
+    ("design",),
+    ("identification",),
+    ("pipeline",),
+    ("report",),
+    ("ros",),
+    ("cli",),
+)
+FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
+
+#: Readers and writers stand beside the storeys.
+BAG_KNOWS = {"errors", "record"}
+KNOW_BAG = {"ros", "cli"}
+
+ROS = (
+    *("rclpy", "action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "msd_interfaces"),
+    *("rcl_interfaces", "rosgraph_msgs", "rosidl_runtime_py", "sensor_msgs", "std_msgs", "std_srvs"),
+)
+
+#: Library -> the only places that may import it.
+AT_HOME = {
+    **dict.fromkeys(ROS, ("msd_ident.ros", "msd_sim.node")),
+    **dict.fromkeys(("rosbags", "mcap"), ("msd_ident.bag",)),
+    **dict.fromkeys(("matplotlib", "plotly"), ("msd_ident.report",)),
+    **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
+    "rich": ("msd_ident.cli", "msd_ident.report"),
+}
+
+LONGEST_FUNCTION = 60
+
+
+def name_of(path: Path) -> str:
+    """Dotted name of a module."""
+    parts = path.relative_to(REPOSITORY).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def modules() -> dict[str, ast.Module]:
+    """All modules of both packages, parsed."""
+    paths = [path for package in ("msd_ident", "msd_sim") for path in sorted((REPOSITORY / package).rglob("*.py"))]
+    return {name_of(path): ast.parse(path.read_text(encoding="utf-8"), str(path)) for path in paths}
+
+
+def imported(tree: ast.AST, *, at_start: bool = False) -> Iterator[str]:
+    """Dotted names that a module imports; ``from a import b`` counts as ``a.b``, which may be a module.
+
+    ``at_start`` leaves out what is imported inside functions or for type checkers only.
+    """
+    for node in _at_start(tree) if at_start else ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "relative imports hide the direction"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _at_start(node: ast.AST) -> Iterator[ast.AST]:
+    for child in ast.iter_child_nodes(node):
+        lazy = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+        typing = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test)
+        if not lazy and not typing:
+            yield child
+            yield from _at_start(child)
+
+
+def edges() -> Iterator[tuple[str, str]]:
+    """(module, what it imports) over both packages."""
+    for name, tree in modules().items():
+        yield from ((name, target) for target in imported(tree))
+
+
+def room_of(name: str) -> str:
+    """``fit`` of ``msd_ident.fit.solver``; empty for the package itself."""
+    return [*name.split("."), ""][1]
+
+
+def within(name: str, places: tuple[str, ...]) -> bool:
+    """Whether a module is one of the places or lies inside one."""
+    return any(name == place or name.startswith(f"{place}.") for place in places)
+
+
+def test_every_room_is_known() -> None:
+    rooms = {room_of(name) for name in modules() if name.startswith("msd_ident.")}
+    assert rooms <= {*FLOOR, "bag"}, "say in STOREYS where the new room stands"
+
+
+def test_imports_point_one_way() -> None:
+    upward = []
+    for name, target in edges():
+        here, there = room_of(name), room_of(target)
+        inside = name.startswith("msd_ident.") and target.startswith("msd_ident.") and here != there
+        if not inside or there not in {*FLOOR, "bag"}:
+            continue
+        if here == "bag":
+            allowed = there in BAG_KNOWS
+        elif there == "bag":
+            allowed = here in KNOW_BAG
+        else:
+            allowed = FLOOR[there] < FLOOR[here]
+        if not allowed:
+            upward.append(f"{name} imports {target}")
+    assert not upward, "\n".join(upward)
+
+
+@pytest.mark.parametrize(("package", "other"), [("msd_ident", "msd_sim"), ("msd_sim", "msd_ident")])
+def test_world_and_observer_do_not_know_each_other(package: str, other: str) -> None:
+    assert [edge for edge in edges() if within(edge[0], (package,)) and within(edge[1], (other,))] == []
+
+
+@pytest.mark.parametrize("library", AT_HOME)
+def test_library_stays_in_its_room(library: str) -> None:
+    strays = [f"{name} imports {target}" for name, target in edges() if target.split(".")[0] == library
+              and not within(name, AT_HOME[library])]  # fmt: skip
+    assert not strays, "\n".join(strays)
+
+
+def test_no_import_cycles() -> None:
+    graph: dict[str, set[str]] = {}
+    for name, tree in modules().items():
+        targets = {t if t in modules() else t.rpartition(".")[0] for t in imported(tree, at_start=True)}
+        graph[name] = {target for target in targets if target in modules() and target != name}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as cycle:
+        pytest.fail(" <- ".join(cycle.args[1]))
+
+
+def test_functions_are_short() -> None:
+    too_long = []
+    for name, tree in modules().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                lines = (node.end_lineno or node.lineno) - node.lineno + 1
+                if lines > LONGEST_FUNCTION:
+                    too_long.append(f"{name}.{node.name} has {lines} lines")
+    assert not too_long, "\n".join(too_long)
+
+
+def test_command_starts_without_heavy_libraries() -> None:
+    heavy = {"control", "matplotlib", "mcap", "numba", "plotly", "rclpy", "rosbags", "scipy"}
+    code = "import sys; from msd_ident.cli.main import main; sys.argv = ['msd', '--help']; main(); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "Usage" in done.stdout
+    assert heavy & {name.split(".")[0] for name in done.stdout.splitlines()[-1].split()} == set()
