@@ -1,0 +1,247 @@
+"""The identifier node: a live buffer, a fit when a step has settled or when asked, the estimate for everybody."""
+
+from __future__ import annotations
+
+import math
+import traceback
+from dataclasses import dataclass
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from msd_ident.bag import SourceOptions
+from msd_ident.errors import MsdError
+from msd_ident.record import Record
+from msd_ident.ros import health, names
+from msd_ident.ros.buffer import LiveBuffer
+from msd_ident.ros.inputs import Input, Sink, wanted
+from msd_ident.ros.parameters import Setting, Settings
+from msd_ident.ros.steps import Settling, StepWatcher
+from msd_ident.ros.worker import Worker
+from msd_interfaces.msg import Estimate
+from msd_interfaces.srv import Identify
+
+SETTINGS = (
+    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force"),
+    Setting(
+        "position",
+        "",
+        "TOPIC:FIELD of the position, e.g. /joint_states:position[elbow]; empty: encoder or encoder_batch",
+    ),
+    Setting("force_scale", 1.0, "force unit per unit of the message", -1e9, 1e9),
+    Setting("position_scale", 1.0, "position unit per unit of the message; negative turns the sign", -1e9, 1e9),
+    Setting("force_unit", "N", "N or N·m; any other (e.g. V) says that the gain is unknown"),
+    Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
+    Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
+    Setting("buffer_samples", 200_000, "position samples kept, oldest out", 1_000, 10_000_000),
+    Setting("queue_depth", 5_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
+    Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
+    Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
+    Setting("settle_time", 0.5, "rest after which a response counts as settled [s]", 0.05, 60.0, fixed=False),
+    Setting("settle_band", 0.02, "part of its range that a settled position may vary", 0.001, 0.5, fixed=False),
+    Setting(
+        "model",
+        "auto",
+        "plant of the fits that are not asked for",
+        choices=("auto", "spring", "no_spring"),
+        fixed=False,
+    ),
+    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
+)
+
+#: How often the graph and the steps are looked at [s].
+LOOK_PERIOD = 0.1
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be identified: the live buffer or a bag, all of it or a part [s], with which plant."""
+
+    bag_path: str = ""
+    start: float = 0.0
+    end: float = 0.0
+    model: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a request, in a sentence; the estimate when it is a success."""
+
+    success: bool
+    message: str
+    estimate: Estimate | None = None
+
+
+class Identifier:
+    """Owns the node, its buffer and its worker thread.
+
+    Args:
+        overrides: parameters that go before those of the command line.
+        node_options: further arguments of ``rclpy.node.Node`` (a context, arguments of a test).
+    """
+
+    def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
+        self.node = Node("identifier", parameter_overrides=overrides, **node_options)
+        self.settings = Settings(self.node, SETTINGS)
+        self._options()  # refuses scales of 0 at the start
+        s = self.settings
+        self.buffer = LiveBuffer(
+            s["buffer_samples"], hold=s["hold"], force_unit=s["force_unit"], position_unit=s["position_unit"]
+        )
+        self.watcher = StepWatcher(s["step_threshold"])
+        self._worker = Worker("fit")
+        self._fitting_step = False
+        self._last = Outcome(True, "no estimate yet")
+        self._log = self.node.get_logger()
+        self._make_inputs()
+        self._make_outputs()
+        self._worker.submit(self._prepare)
+
+    def close(self) -> None:
+        """Drop fits that wait; one in progress is given up with the process."""
+        self._worker.close()
+
+    def on_signal(self, number: int) -> None:
+        """No signal but the ending ones has a meaning here."""
+
+    def identify(self, request: Request) -> Outcome:
+        """Fit what is asked for, in the calling thread; nothing that the data does can raise from here."""
+        try:
+            return self._identify(request)
+        except MsdError as error:
+            return Outcome(False, str(error))
+        except Exception as error:
+            self._log.error(traceback.format_exc())
+            return Outcome(False, f"internal error, please report it: {type(error).__name__}: {error}")
+
+    def _make_inputs(self) -> None:
+        data = MutuallyExclusiveCallbackGroup()
+        sink = Sink(self.buffer, self.watcher)
+        depth = self.settings["queue_depth"]
+        self._inputs = {
+            what: [
+                Input(self.node, signal, sink, depth, data)
+                for signal in wanted(what, self.settings[what], self.settings[f"{what}_scale"])
+            ]
+            for what in ("force", "position")
+        }
+
+    def _make_outputs(self) -> None:
+        # Services wait for the worker as coroutines; the reentrant group lets others go on meanwhile.
+        group = ReentrantCallbackGroup()
+        node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
+        self._estimate = node.create_publisher(Estimate, names.ESTIMATE, names.latest_qos())
+        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        node.create_service(Identify, names.IDENTIFY, self._on_identify, callback_group=group)
+        node.create_service(Trigger, names.TRIGGER, self._on_trigger, callback_group=group)
+        # Steady timers go on when simulated time stands still.
+        node.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
+
+    def _prepare(self) -> None:
+        """Load and compile the solver while nobody waits for it."""
+        try:
+            from msd_ident import pipeline  # noqa: F401
+            from msd_ident.model import warm_up
+
+            warm_up(self._log.info)
+        except Exception:
+            self._log.error(traceback.format_exc())
+
+    async def _on_identify(self, request: Identify.Request, response: Identify.Response) -> Identify.Response:
+        asked = Request(request.bag_path, request.start, request.end, request.model)
+        outcome = await self._worker.submit(lambda: self._fit(asked), self.node.executor)
+        response.success, response.message = outcome.success, outcome.message
+        if outcome.estimate is not None:
+            response.estimate = outcome.estimate
+        return response
+
+    async def _on_trigger(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        outcome = await self._worker.submit(lambda: self._fit(Request()), self.node.executor)
+        response.success, response.message = outcome.success, outcome.message
+        return response
+
+    def _look(self) -> None:
+        for entry in (*self._inputs["force"], *self._inputs["position"]):
+            entry.look()
+        if self.settings["auto_fit"] and not self._fitting_step and self._step_settled():
+            self._fitting_step = True
+            self._worker.submit(self._fit_step)
+
+    def _step_settled(self) -> bool:
+        pending = self.watcher.pending
+        if not pending or not self.buffer.position.size:
+            return False
+        rule = Settling(self.settings["settle_time"], self.settings["settle_band"])
+        since = (self.buffer.position.newest_ns - pending[0]) / 1e9
+        return since >= rule.seconds and self.watcher.take_settled(*self.buffer.recent(since + rule.seconds), rule)
+
+    def _fit_step(self) -> None:
+        try:
+            self._fit(Request())
+        finally:
+            self._fitting_step = False
+
+    def _fit(self, request: Request) -> Outcome:
+        """Fit and tell everybody, in the worker's thread."""
+        outcome = self.identify(request)
+        if not request.bag_path:
+            self._last = outcome
+            if outcome.estimate is not None:
+                self._estimate.publish(outcome.estimate)
+        (self._log.info if outcome.success else self._log.warning)(outcome.message)
+        return outcome
+
+    def _identify(self, request: Request) -> Outcome:
+        from msd_ident import pipeline
+        from msd_ident.ros.conversions import sentence, to_estimate
+
+        options = pipeline.Options(model=request.model or self.settings["model"])
+        source = self._options(request)
+        record = self._read(request.bag_path, source) if request.bag_path else self._live(source)
+        found = pipeline.identify([record], options)
+        made_ns = self.node.get_clock().now().nanoseconds
+        estimate = to_estimate(found, request.bag_path or "live", made_ns, self._frame())
+        return Outcome(True, sentence(estimate), estimate)
+
+    def _live(self, source: SourceOptions) -> Record:
+        """The buffer as a record, its window cut as the bag reader does it."""
+        problems = [entry.signal.problem for entry in self._inputs["position"] if entry.signal and entry.signal.missing]
+        record = self.buffer.record(notes=tuple(problems))
+        return record.window(*source.window) if any(map(math.isfinite, source.window)) else record
+
+    def _read(self, path: str, source: SourceOptions) -> Record:
+        from msd_ident import bag
+
+        return bag.read(path, source)
+
+    def _options(self, request: Request = Request()) -> SourceOptions:  # noqa: B008 - frozen
+        """Signals, scales, units and window as the bag reader wants them; an end of 0 leaves it open."""
+        s = self.settings
+        return SourceOptions(
+            force=s["force"],
+            position=s["position"],
+            force_scale=s["force_scale"],
+            position_scale=s["position_scale"],
+            force_unit=s["force_unit"],
+            position_unit=s["position_unit"],
+            hold=s["hold"],
+            start=request.start if request.start or request.end else None,
+            end=request.end or None,
+        )
+
+    def _frame(self) -> str:
+        frames = [entry.signal.frame for entry in self._inputs["position"] if entry.signal]
+        return next(filter(None, frames), "")
+
+    def _diagnose(self) -> None:
+        name = self.node.get_name()
+        data = health.data_status(f"{name}: data", self.buffer, self._inputs["force"], self._inputs["position"])
+        level = DiagnosticStatus.OK if self._last.success else DiagnosticStatus.WARN
+        estimate = health.status(f"{name}: estimate", level, self._last.message, {})
+        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate))

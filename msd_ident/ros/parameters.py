@@ -1,0 +1,87 @@
+"""Parameters of the nodes: declared with a description, a range, and words that refuse nonsense."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from msd_ident.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One parameter.
+
+    Attributes:
+        name: of the parameter.
+        default: its value, which gives its type too.
+        meaning: what it does, with its unit.
+        lower: least number that is taken.
+        upper: greatest number that is taken.
+        choices: words that are taken; empty for any.
+        fixed: it can be set at the start only.
+    """
+
+    name: str
+    default: Any
+    meaning: str
+    lower: float | None = None
+    upper: float | None = None
+    choices: tuple[str, ...] = ()
+    fixed: bool = True
+
+
+class Settings:
+    """The parameters of a node: declared at once, read by name, every later change checked.
+
+    Raises:
+        UsageError: a value given at the start is nonsense.
+    """
+
+    def __init__(self, node: Node, settings: Sequence[Setting]) -> None:
+        self._node = node
+        self._settings = {setting.name: setting for setting in settings}
+        for setting in settings:
+            node.declare_parameter(setting.name, setting.default, _descriptor(setting))
+        reasons = [self._reason(name, self[name]) for name in self._settings]
+        for reason in filter(None, reasons):
+            raise UsageError(reason)
+        node.add_on_set_parameters_callback(self._checked)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._node.get_parameter(name).value
+
+    def _checked(self, parameters: list[Parameter]) -> SetParametersResult:
+        reasons = [self._reason(parameter.name, parameter.value) for parameter in parameters]
+        found = next(filter(None, reasons), "")
+        return SetParametersResult(successful=not found, reason=found)
+
+    def _reason(self, name: str, value: Any) -> str:
+        """Why a value is refused; empty when it is not."""
+        setting = self._settings.get(name)
+        if setting is None:
+            return ""
+        if setting.choices and value not in setting.choices:
+            return f"{name} is {value!r}; expected one of {', '.join(setting.choices)}"
+        if isinstance(value, float) and not math.isfinite(value):
+            return f"{name} is {value}; expected a finite number"
+        return ""
+
+
+def _descriptor(setting: Setting) -> ParameterDescriptor:
+    described = ParameterDescriptor(description=setting.meaning, read_only=setting.fixed)
+    if setting.choices:
+        described.additional_constraints = f"one of {', '.join(setting.choices)}"
+    if setting.lower is None or setting.upper is None:
+        return described
+    if isinstance(setting.default, int):
+        described.integer_range = [IntegerRange(from_value=int(setting.lower), to_value=int(setting.upper))]
+    else:
+        described.floating_point_range = [FloatingPointRange(from_value=setting.lower, to_value=setting.upper)]
+    return described

@@ -1,0 +1,231 @@
+"""The recorder node: any topics, as raw bytes, into a rosbag2 folder; start and stop by service and by signal."""
+
+from __future__ import annotations
+
+import datetime
+import signal
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.subscription import Subscription
+from std_srvs.srv import Trigger
+
+from msd_ident.errors import DataError, MsdError, UsageError
+from msd_ident.ros import health, names
+from msd_ident.ros.conversions import message_class
+from msd_ident.ros.parameters import Setting, Settings
+from msd_ident.ros.recording import Recording, Summary
+from msd_interfaces.srv import StartRecording
+
+COMPRESSIONS = ("zstd", "none")
+
+SETTINGS = (
+    Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
+    Setting("all_topics", False, "record every topic there is and those that come"),
+    Setting("bag_folder", ".", "folder below which all bags are made"),
+    Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
+    Setting("autostart", False, "start recording at once"),
+    Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
+    Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
+    Setting("queue_megabytes", 512, "messages that may wait for the disk [MiB]", 1, 65_536),
+    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
+)
+
+#: How often the graph is looked at for new topics [s].
+LOOK_PERIOD = 0.1
+
+
+class Recorder:
+    """Owns the node and the recording in progress.
+
+    Args:
+        overrides: parameters that go before those of the command line.
+        node_options: further arguments of ``rclpy.node.Node`` (a context, arguments of a test).
+
+    Raises:
+        MsdError: ``autostart`` and the bag cannot be made.
+    """
+
+    def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
+        self.node = Node("recorder", parameter_overrides=overrides, **node_options)
+        self.settings = Settings(self.node, SETTINGS)
+        self._log = self.node.get_logger()
+        self._recording: Recording | None = None
+        self._last: Summary | None = None
+        self._wanted: frozenset[str] | None = frozenset()
+        self._refused: set[str] = set()
+        self._subscriptions: dict[str, Subscription] = {}
+        node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
+        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        node.create_service(StartRecording, names.RECORDER_START, self._on_start)
+        node.create_service(Trigger, names.RECORDER_STOP, self._on_stop)
+        node.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
+        if self.settings["autostart"]:
+            self.start(self.settings["folder"])
+
+    @property
+    def summary(self) -> Summary | None:
+        """Of the recording in progress, or else of the last one."""
+        return self._recording.summary if self._recording else self._last
+
+    def on_signal(self, number: int) -> None:
+        """SIGUSR1 starts a recording with the parameters, SIGUSR2 stops it."""
+        try:
+            if number == signal.SIGUSR1:
+                self.start("")
+            elif number == signal.SIGUSR2:
+                self.stop()
+        except MsdError as error:
+            self._log.warning(str(error))
+
+    def close(self) -> None:
+        """Finish the bag in progress."""
+        if self._recording:
+            self.stop()
+
+    def start(self, folder: str, topics: Sequence[str] = (), every: bool = False, compression: str = "") -> Path:
+        """Start a recording; empty arguments are taken from the parameters. The bag's folder.
+
+        Raises:
+            UsageError: one is in progress, the folder exists or lies elsewhere, or a word is unknown.
+            SetupError: the disk does not take it.
+        """
+        if self._recording:
+            raise UsageError(f"already recording to {self._recording.folder}; expected recorder/stop first")
+        chosen = compression or self.settings["compression"]
+        if chosen not in COMPRESSIONS:
+            raise UsageError(f"compression is {chosen!r}; expected one of {', '.join(COMPRESSIONS)}")
+        every = every or (self.settings["all_topics"] and not topics)
+        wanted = list(topics or self.settings["topics"])
+        self._wanted = None if every else frozenset(self._resolved(topic) for topic in wanted)
+        path = self._place(folder)
+        self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20)
+        self._refused.clear()
+        self._look()
+        what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
+        self._log.info(f"recording {what} to {path}")
+        return path
+
+    def stop(self) -> Summary:
+        """Finish the recording; what it holds.
+
+        Raises:
+            UsageError: there is none.
+        """
+        if self._recording is None:
+            raise UsageError("no recording in progress; expected recorder/start first")
+        for subscription in self._subscriptions.values():
+            _drain(subscription)
+            self.node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+        self._last = self._recording.close()
+        self._recording = None
+        (self._log.error if self._last.error else self._log.info)(f"stopped: {self._last.sentence}")
+        return self._last
+
+    def _resolved(self, topic: str) -> str:
+        if not topic:
+            raise UsageError("a topic without a name; expected one such as force or /joint_states")
+        try:
+            return str(self.node.resolve_topic_name(topic))
+        except Exception as error:
+            raise UsageError(f"topic {topic!r}: {str(error).splitlines()[0]}; expected a ROS topic name") from None
+
+    def _place(self, folder: str) -> Path:
+        """Where the bag goes: below the recorder's bag folder, also through links and dots."""
+        root = Path(self.settings["bag_folder"]).expanduser().resolve()
+        name = folder or f"msd_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
+        path = (root / Path(name).expanduser()).resolve()
+        if root == path or root not in path.parents:
+            raise UsageError(f"{folder} is not below {root}; expected a bag there: give a name, or set bag_folder")
+        return path
+
+    def _look(self) -> None:
+        """Subscribe to wanted topics that have come."""
+        if self._recording is None:
+            return
+        for topic, types in self.node.get_topic_names_and_types():
+            chosen = topic in self._wanted if self._wanted is not None else not _hidden(topic)
+            if chosen and topic not in self._subscriptions and topic not in self._refused:
+                try:
+                    self._subscribe(self._recording, topic, types)
+                except MsdError as error:
+                    self._refused.add(topic)
+                    self._log.warning(f"{topic} is not recorded: {error}")
+
+    def _subscribe(self, recording: Recording, topic: str, types: Sequence[str]) -> None:
+        publishers = self.node.get_publishers_info_by_topic(topic)
+        if not publishers:
+            return
+        if len(types) > 1:
+            raise DataError(f"it has {len(types)} types ({', '.join(types)}); expected one")
+        offered = [publisher.qos_profile for publisher in publishers]
+        kind = message_class(types[0])
+        if not recording.add_topic(topic, types[0], [names.to_offered(profile) for profile in offered]):
+            self._log.warning(f"the definition of {types[0]} is not here; only who knows the type can read {topic}")
+        qos = names.matching_qos(offered, self.settings["queue_depth"])
+        take = self._taker(recording, topic)
+        self._subscriptions[topic] = self.node.create_subscription(kind, topic, take, qos, raw=True)
+
+    def _taker(self, recording: Recording, topic: str) -> Callable[[bytes, dict[str, Any]], None]:
+        """Callback for one topic: log time is the time of receipt, on the simulated clock if that is used."""
+        clock = self.node.get_clock() if self.node.get_parameter("use_sim_time").value else None
+
+        def take(raw: bytes, info: dict[str, Any]) -> None:
+            if clock is None:
+                received, sent = info["received_timestamp"], info["source_timestamp"]
+            else:
+                received = sent = clock.now().nanoseconds
+            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"))
+
+        return take
+
+    def _on_start(self, request: StartRecording.Request, response: StartRecording.Response) -> StartRecording.Response:
+        try:
+            path = self.start(request.folder, request.topics, request.all_topics, request.compression)
+        except MsdError as error:
+            response.success, response.message = False, str(error)
+            return response
+        waiting = sorted((self._wanted or frozenset()) - set(self._subscriptions))
+        later = f"; as soon as they come: {', '.join(waiting)}" if waiting else ""
+        response.success, response.path = True, str(path)
+        response.message = f"recording {len(self._subscriptions)} topics to {path}{later}"
+        return response
+
+    def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        try:
+            summary = self.stop()
+            response.success, response.message = not summary.error, summary.sentence
+        except MsdError as error:
+            response.success, response.message = False, str(error)
+        return response
+
+    def _diagnose(self) -> None:
+        summary = self.summary
+        level, sentence, values = DiagnosticStatus.OK, "not recording", {}
+        if summary is not None:
+            state = "recording" if self._recording else "recorded"
+            sentence = f"{state}: {summary.sentence}"
+            values = {topic: count.received for topic, count in summary.topics.items()}
+            level = DiagnosticStatus.WARN if summary.lost else level
+            level = DiagnosticStatus.ERROR if summary.error else level
+        status = health.status(f"{self.node.get_name()}: bag", level, sentence, values)
+        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), status))
+
+
+def _drain(subscription: Subscription) -> None:
+    """Take what has arrived and waits in the subscription's queue, so that a stop loses nothing."""
+    with subscription.handle:
+        while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+            subscription.callback(*taken)
+
+
+def _hidden(topic: str) -> bool:
+    """Topics that ROS tools hide: a part of the name begins with an underscore."""
+    return any(part.startswith("_") for part in topic.split("/"))

@@ -1,0 +1,58 @@
+"""Ctrl-C and friends, heard from the first moment and as often as they come. Imports nothing heavy on purpose.
+
+A handler that only takes a note cannot interrupt anything half-way: a second Ctrl-C inside a shutdown has no effect.
+"""
+
+from __future__ import annotations
+
+import queue
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from msd_ident.errors import MsdError
+
+#: Signals that end a node.
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Signals:
+    """The signals that have come, in order; ``finish`` ends the waiting as a signal does."""
+
+    def __init__(self) -> None:
+        self._queue: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self.ended = False
+
+    def take(self, number: int, frame: FrameType | None = None) -> None:
+        """Note a signal; safe at any instant."""
+        self._queue.put(number)
+        self.ended = self.ended or number in ENDING
+
+    def finish(self) -> None:
+        """End the waiting from inside: the work is done."""
+        self.take(signal.SIGTERM)
+
+    def wait(self) -> Iterator[int]:
+        """The other signals as they come, until one that ends."""
+        while True:
+            number = self._queue.get()
+            if number in ENDING:
+                return
+            yield number
+
+
+@contextmanager
+def noted_signals(*others: signal.Signals) -> Iterator[Signals]:
+    """Hear the ending signals and ``others``; only in the main thread. They stay heard until the process ends."""
+    signals = Signals()
+    for number in (*ENDING, *others):
+        signal.signal(number, signals.take)
+    yield signals
+
+
+def fail(error: MsdError) -> int:
+    """Print the error's one line; return the exit code."""
+    print(f"msd: {error}", file=sys.stderr)
+    return 2
