@@ -36,7 +36,7 @@ class Motion:
         force_span: highest minus lowest force while the position was recorded.
         half_period: median time between turning points [s], 0 when there are fewer than four.
         early: time by which the motion begins before the force first changes [s]; NaN when that cannot be said,
-            as when the record does not begin at rest.
+            as when the record does not begin at rest and without force.
         late: time by which it begins after a force step [s]; NaN likewise.
         held: number of samples for which the readings repeat themselves between jumps.
         held_size: typical number of equal readings there.
@@ -120,14 +120,15 @@ def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple
     """Times by which the motion begins before the force changes and after a force step; NaN where unknown."""
     moved = np.flatnonzero(np.abs(record.position - np.median(record.position[:5])) > threshold)
     span = _force_span(record)
-    if not moved.size or moved[0] < 10 or span == 0:
+    at_start = float(record.force_at(record.time[:1])[0])
+    # A force that acts from the first sample on may have set the cart in motion by itself.
+    if not moved.size or moved[0] < 10 or abs(at_start) > 0.005 * span or span == 0:
         return math.nan, math.nan
     begin = record.position[: moved[0] // 2]
     if np.std(begin) > 2 * floor + step:
         return math.nan, math.nan
     onset = float(record.time[moved[0]])
-    force = record.force_at(record.force_time)
-    change = np.abs(force - record.force_at(record.time[0]))
+    change = np.abs(record.force - at_start)
     inside = record.force_time > record.time[0]
     first = record.force_time[inside & (change > 0.005 * span)]
     early = float(first[0]) - onset if first.size else math.nan
