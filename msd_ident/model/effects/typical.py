@@ -61,7 +61,7 @@ def lines(record: Record, plant: Model, count: int) -> list[tuple[float, float, 
     strongest line need not be the right one: several are given.
     """
     time, _, left = unexplained_force(record, plant)
-    against = -(left - np.mean(left))
+    against = left - np.mean(left)
     size = 4 * time.size
     spectrum = np.abs(np.fft.rfft(against * np.hanning(time.size), size))
     omega = 2.0 * np.pi * np.fft.rfftfreq(size, record.period)
@@ -84,7 +84,7 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     A harmonic in x with a constant and x itself beside it, tried at 120 pitches from a fiftieth to twice the range.
     """
     _, x, left = unexplained_force(record, plant)
-    against = -left
+    against = left
     keep = slice(None, None, max(1, x.size // 4000))
     x, against = x[keep], against[keep]
     span = max(float(np.ptp(x)), 1e-9)

@@ -90,9 +90,11 @@ def knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, 
 def _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k):
     """Length of the step in (0, h] of a held cart at whose end friction no longer holds it, as it does not after h."""
     low, high = 0.0, h
+    yt, ut = y, u
     for _ in range(_SEARCHES):
         tau = 0.5 * (low + high)
-        _, _, _, yt, ut, _, _, _ = step5(held, p, w, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c, k)
+        if world[4] > 0.0:
+            _, _, _, yt, ut, _, _, _ = step5(held, p, w, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c, k)
         if abs(forces_at(world, p, w, place, drive, 0.0, t + tau, x, 0.0, yt, ut)) > hold:
             high = tau
         else:
@@ -117,8 +119,15 @@ def rest(world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c
         e_now = e * math.exp(-decay * t) if e != 0.0 else 0.0
         wait = first_exit(left, net - e_now, r, e_now, decay, hold)
         return wait, wait < left, y, u, c, longest
-    # Quarters, so that a push that rises above the friction and falls again within a sample is seen.
-    h = min(0.25 * left if left > 0.5 * longest else left, longest)
+    if world[4] == 0.0:
+        # Quarters, so that a push that rises above the friction and falls again within a segment is seen.
+        for quarter in range(1, 5):
+            h = 0.25 * quarter * left
+            if abs(forces_at(world, p, w, place, drive, 0.0, t + h, x, 0.0, y, u)) > hold:
+                h = _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k)
+                return h, True, y, u, c, longest
+        return left, False, y, u, c, longest
+    h = left if left <= longest else left / math.ceil(left / longest)
     while True:
         _, _, _, y1, u1, c1, error_x, error_v = step5(
             held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c, k

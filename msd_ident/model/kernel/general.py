@@ -88,7 +88,7 @@ def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, en
 
 
 @lean
-def _segment(world, held, p, w, edges, springs, drive, length, eventful, restless, state, tolerances, k):
+def _segment(world, held, p, w, edges, springs, drive, length, eventful, restless, quick, state, tolerances, k):
     """The state at the end of one segment; NaN where the motion runs away.
 
     state: (x, v, a, y, u, c, s, i, longest4, longest5, budget) with i the piece of the spring, the longest steps [s]
@@ -118,7 +118,7 @@ def _segment(world, held, p, w, edges, springs, drive, length, eventful, restles
                 place = _place(springs, i)
                 a = acceleration_at(world, p, w, place, drive, s, t, x, 0.0, y, u)
             continue
-        fifth = left > longest4
+        fifth = left > longest4 or (quick and abs(v) < 2.0 * abs(a) * left)
         if fifth:
             h = left if left <= longest5 else left / math.ceil(left / longest5)
             x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
@@ -188,7 +188,8 @@ def general(
     """
     steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
     eventful = (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or edges.size > 2
-    restless = (active & laws.UNSTEADY_BITS) != 0 or second[0] > 0.0
+    restless = (active & laws.RESTLESS_BITS) != 0 or second[0] > 0.0
+    quick = (active & laws.QUICK_BITS) != 0
     world = (active, m, b, constant, second[0], second[1], second[2])
     held = (active, math.inf, b, constant, second[0], second[1], second[2])
     tolerances = (TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast)
@@ -213,7 +214,7 @@ def general(
             # Position and velocity go on smoothly, so only the force can have jumped.
             a += (applied(drive, 0.0) - before) / m
         state = _segment(
-            world, held, p, w, edges, springs, drive, length[j], eventful, restless,
+            world, held, p, w, edges, springs, drive, length[j], eventful, restless, quick,
             (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,
         )  # fmt: skip
         before = applied(drive, length[j])

@@ -46,8 +46,10 @@ DRY_BITS, READING_BITS, MAP_BITS = (
     sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws()) for kind in ("friction", "reading", "input_map")
 )
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
-UNSTEADY_BITS = sum(BIT[effect.name] for effect in LIBRARY if not effect.steady)
-MEMORY_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.memory)
+#: Effects whose force may change quickly just after a turn.
+QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
+#: Effects whose force changes by itself while the cart is at rest.
+RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
 
 def bits(*names: str) -> int:
