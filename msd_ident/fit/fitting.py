@@ -15,6 +15,7 @@ from msd_ident.fit.objective import Loss, SquaredError
 from msd_ident.fit.posing import Zero, guess_vectors, pose, regressed, starting_states, wide_vectors
 from msd_ident.fit.problem import Initial, Problem
 from msd_ident.fit.result import FitResult
+from msd_ident.fit.scan import harmonic_vectors
 from msd_ident.fit.search import limits, robust, valleys
 from msd_ident.fit.solver import Outcome, minimise
 from msd_ident.model import Model
@@ -71,7 +72,9 @@ def _same_structure(model: Model, other: Model) -> Model:
 
 def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
     starts = wide_vectors(problem, models, regressed(problem))
-    return valleys(problem, floor).deepest(starts, lambda best: guess_vectors(problem, best))
+    return valleys(problem, floor).deepest(
+        starts, lambda best: [*harmonic_vectors(problem, best), *guess_vectors(problem, best)]
+    )
 
 
 def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial]) -> Outcome:

@@ -126,7 +126,7 @@ class Problem:
 
     def residual(self, vector: FloatArray, record: int) -> FloatArray:
         """Model − data (n,) of one record; large but finite where the simulation blows up."""
-        return np.asarray(self._residuals(vector[None, :], record)[0])
+        return np.asarray(self.residuals(vector[None, :], record)[0])
 
     def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's)."""
@@ -134,7 +134,7 @@ class Problem:
         simulated = [e for e in entries if e < len(self.free) or self.nuisances[e - len(self.free)].kind != "zero"]
         points = np.repeat(vector[None, :], 1 + len(simulated), axis=0)
         points[np.arange(1, len(points)), simulated] += steps[simulated]
-        rows = self._residuals(points, record)
+        rows = self.residuals(points, record)
         jacobian = np.empty((entries.size, rows.shape[1]))
         jacobian[entries.size - 1] = 1.0  # the zero, where free, is the last entry of its record
         np.subtract(rows[1:], rows[0], out=jacobian[: len(simulated)])
@@ -172,7 +172,7 @@ class Problem:
                 gradient[len(self.free) + j] = 1.0
         return self.initials(vector)[balance.record].position + offset / stiffness, gradient
 
-    def _residuals(self, points: FloatArray, record: int) -> FloatArray:
+    def residuals(self, points: FloatArray, record: int) -> FloatArray:
         """Residuals (q, n) of one record at several points (q, p)."""
         values = np.repeat(np.array(self.model.values, dtype=np.float64)[None, :], len(points), axis=0)
         values[:, list(self.free)] = points[:, : len(self.free)]

@@ -60,7 +60,7 @@ class Valleys:
         likely = [starts[int(i)] for i in np.argsort(costs)[:_REFINED]]
         best = self.settle(likely[0])
         if not self.at_floor(best):
-            others = [*likely[1:], starts[-1], *guesses(likely[0])]
+            others = [*likely[1:], starts[-1], *guesses(best.point)]
             for outcome in self._race(others):
                 best = _deeper(best, self.settle(outcome.point))
                 if self.at_floor(best):
