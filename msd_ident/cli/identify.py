@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
@@ -47,7 +47,7 @@ def identify(
     source = sources.options(
         force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
     )
-    options = pipeline.Options(model=model, loss=loss)
+    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
     output = run.Output(json, quiet, overwrite)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:

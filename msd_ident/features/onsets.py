@@ -48,14 +48,12 @@ def levels(record: Record) -> tuple[Level, ...]:
     stamps, force = _stream(record)
     tolerance = max(_FLATNESS * float(np.ptp(force)), 1e-12)
     ends = np.append(stamps[1:], max(float(record.time[-1]), float(stamps[-1])))
+    jumps = np.flatnonzero(np.abs(np.diff(force)) > tolerance) + 1
     found: list[Level] = []
-    first = 0
-    for i in range(1, force.size + 1):
-        if i < force.size and abs(force[i] - np.median(force[first : min(i, first + 50)])) <= tolerance:
-            continue
-        if first == 0 or ends[i - 1] - stamps[first] >= _SHORTEST_LEVEL * record.period:
-            found.append(Level(float(stamps[first]), float(ends[i - 1]), float(np.median(force[first:i]))))
-        first = i
+    for first, last in zip([0, *jumps.tolist()], [*jumps.tolist(), force.size], strict=True):
+        long_enough = first == 0 or ends[last - 1] - stamps[first] >= _SHORTEST_LEVEL * record.period
+        if long_enough and float(np.ptp(force[first:last])) <= 2.0 * tolerance:
+            found.append(Level(float(stamps[first]), float(ends[last - 1]), float(np.median(force[first:last]))))
     return tuple(found)
 
 

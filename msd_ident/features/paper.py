@@ -53,7 +53,8 @@ class Paper:
             f"No viscous + Coulomb model reproduces peaks and rest value: the nearest one stays "
             f"{100 * self.coulomb.distance:.3f} cm off.",
             f"The first half-swing loses {100 * lost.first:.0f} % of its amplitude, later ones "
-            f"{100 * lost.later:.1f} % each: loss that grows with amplitude, the opposite of what Coulomb friction does.",
+            f"{100 * lost.later:.1f} % each: loss that grows with "
+            "amplitude, the opposite of what Coulomb friction does.",
             f"Alone beside m, b and k these reproduce the table: {', '.join(able) or 'none'}. "
             "One step cannot say which.",
         )

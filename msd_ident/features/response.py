@@ -161,11 +161,16 @@ def _before(record: Record, onset: float, floor: float, swing: float) -> tuple[Q
 
 
 def _starts_still(record: Record, floor: float, swing: float) -> bool:
-    """Whether a record that begins with the step begins at rest: a cubic through its first samples starts level."""
-    count = 8
+    """Whether a record that begins with the step begins at rest.
+
+    A cubic through the first samples, until the cart is a twentieth of the swing away: from rest the way grows with
+    the square of the time, so the slope at the start has hardly a part in it.
+    """
+    away = np.flatnonzero(np.abs(record.position - record.position[0]) > max(0.05 * swing, 10.0 * floor))
+    count = max(8, int(away[0]) + 1) if away.size else record.samples
     u = np.arange(count) / (count - 1.0)
     slope = float(np.polynomial.polynomial.polyfit(u, record.position[:count], 3)[1])
-    return abs(slope) <= max(40.0 * floor, 0.15 * swing)
+    return abs(slope) <= 0.4 * float(np.ptp(record.position[:count]))
 
 
 def _after_start(turns: tuple[Extreme, ...], time: FloatArray) -> tuple[Extreme, ...]:

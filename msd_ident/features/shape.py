@@ -36,7 +36,8 @@ def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> Floa
     slow, fast = frequency * (-ratio + root), frequency * (-ratio - root)
     after = np.maximum(time, 0.0)
     shape = 1.0 - (fast * np.exp(slow * after) - slow * np.exp(fast * after)) / (fast - slow)
-    return np.asarray(shape.real, dtype=np.float64)
+    real: FloatArray = shape.real.astype(np.float64)
+    return real
 
 
 def fit_shape(time: FloatArray, position: FloatArray, floor: float, unit: str) -> Shape | None:
@@ -51,15 +52,15 @@ def fit_shape(time: FloatArray, position: FloatArray, floor: float, unit: str) -
 
     size = max(float(np.ptp(position)), 1e-300)
     scale = np.array([1.0, 1.0, size, size])
-    best = None
+    best: tuple[float, FloatArray, FloatArray, FloatArray] | None = None
     for ratio in _STARTS:
         start = np.array([math.log(max(1.0, 1.7 * ratio) / rise), math.log(ratio), initial, final])
         found = scipy.optimize.least_squares(residual, start, x_scale=scale, method="lm", max_nfev=400)
-        if best is None or found.cost < best.cost:
-            best = found
-    if best is None or not np.all(np.isfinite(best.x)):
+        if best is None or found.cost < best[0]:
+            best = (float(found.cost), found.x, np.asarray(found.jac, dtype=np.float64), found.fun)
+    if best is None or not np.all(np.isfinite(best[1])):
         return None
-    return _shape(best.x, best.jac, best.fun, floor, unit)
+    return _shape(best[1], best[2], best[3], floor, unit)
 
 
 def _shape(point: FloatArray, jacobian: FloatArray, residual: FloatArray, floor: float, unit: str) -> Shape:

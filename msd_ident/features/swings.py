@@ -70,7 +70,7 @@ def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[t
     u = (time[window] - centre) / scale
     degree = 3 if reach >= 4 else 2
     basis = np.vander(u, degree + 1, increasing=True)
-    coefficients, *_ = np.linalg.lstsq(basis, position[window], rcond=None)
+    coefficients: FloatArray = np.linalg.lstsq(basis, position[window], rcond=None)[0].astype(np.float64)
     top = _top(coefficients)
     row = top ** np.arange(degree + 1)
     covariance = np.linalg.inv(basis.T @ basis) * max(floor, 1e-300) ** 2
