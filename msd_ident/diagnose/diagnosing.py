@@ -1,0 +1,251 @@
+"""The diagnosis, step by step: is anything wrong, what is missing, which causes, does it predict, how sure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.diagnose import curves, dependence, evidence, identities, readings, spread, verdict
+from msd_ident.diagnose.adequacy import Adequacy, judge
+from msd_ident.diagnose.candidates import Experiment, Fitted, refine
+from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
+from msd_ident.diagnose.evidence import Ranking
+from msd_ident.diagnose.heldout import HeldOut, predict
+from msd_ident.diagnose.missing import MissingForce, missing_force
+from msd_ident.diagnose.search import NOTHING, Progress, Search
+from msd_ident.errors import UsageError
+from msd_ident.fit import FitResult, fit, see_reduction
+from msd_ident.fit.concluding import conclude
+from msd_ident.fit.solver import Outcome
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects import by_name
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.quality import Finding
+from msd_ident.record import Record
+
+_RIVALS = 8
+#: Rivals with less than this probability are not worth a line.
+_RIVAL = 1e-4
+
+
+def silent(stage: str, fraction: float, cause: str) -> None:
+    """Report to nobody."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to diagnose.
+
+    Attributes:
+        records: one experiment, of one record or several.
+        sprung: whether the plant has a spring.
+        findings, warnings: what is known about the data before any model; they go into the result.
+    """
+
+    records: tuple[Record, ...]
+    sprung: bool = True
+    findings: tuple[Finding, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def forced(self) -> bool:
+        """Whether any force acts."""
+        return any(bool(np.any(record.force_at(record.time))) for record in self.records)
+
+    @property
+    def gain_known(self) -> bool:
+        """Whether forces and positions are in units of mechanics."""
+        return (self.records[0].force_unit, self.records[0].position_unit) in (("N", "m"), ("N·m", "rad"))
+
+
+def diagnose_records(
+    records: Sequence[Record],
+    *,
+    sprung: bool = True,
+    findings: Sequence[Finding] = (),
+    warnings: Sequence[str] = (),
+    progress: Progress = silent,
+) -> Diagnosis:
+    """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
+
+    Args:
+        records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
+        sprung: False for a plain axis, whose stiffness is 0.
+        findings, warnings: of earlier stages, to be carried into the result.
+        progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
+
+    Raises:
+        UsageError: no records.
+    """
+    if not records:
+        raise UsageError("no records to diagnose; expected at least one")
+    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings))
+    progress("base model", 0.02, "")
+    experiment = prepare(task)
+    base = base_fit(task, experiment)
+    left = judge(base.residuals(), experiment.readings)
+    if left.consistent:
+        ranking = evidence.rank({NOTHING: base}, evidence.Scale())
+    else:
+        ranking = _search(experiment, base, progress)
+    return _conclude(task, experiment, base, ranking, progress)
+
+
+def prepare(task: Task) -> Experiment:
+    """The data as evidence, and what the base model has fixed."""
+    fixed = set() if task.sprung else {"stiffness"}
+    if not task.forced:
+        fixed.add("mass")  # a free decay knows ratios only: the numbers are those of 1 kg
+    force = max(float(np.max(np.abs(record.force))) for record in task.records)
+    span = max(float(np.ptp(record.position)) for record in task.records)
+    duration = max(record.duration for record in task.records)
+    stiffness = (force or 1.0) / max(span, 1e-12)
+    mass = stiffness * (duration / 20.0) ** 2 if task.forced else 1.0
+    if not task.forced:
+        stiffness = (20.0 / duration) ** 2
+    model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
+    return Experiment(readings.prepare(task.records), model, frozenset(fixed))
+
+
+def base_fit(task: Task, experiment: Experiment) -> Fitted:
+    """The base model: from a regression, and from a fit with friction and offset, as a careless start ends anywhere."""
+    fixed = tuple(experiment.fixed)
+    plain = fit(experiment.base, task.records, fixed=fixed)
+    helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), task.records, fixed=fixed, zero="known")
+    near = fit(helped.model.without("coulomb_friction", "force_offset"), task.records, fixed=fixed, search="near")
+    started = [_as_fitted(experiment, found) for found in (plain, near)]
+    return min((refine(experiment, fitted) for fitted in started), key=lambda fitted: fitted.chi)
+
+
+def _as_fitted(experiment: Experiment, found: FitResult) -> Fitted:
+    problem = experiment.problem(found.model)
+    values = dict(zip(found.model.names, found.model.values.tolist(), strict=True))
+    point = problem.vector(values, found.initial)
+    return Fitted(NOTHING, found.model, problem, point, math.inf, np.eye(point.size))
+
+
+def _search(experiment: Experiment, base: Fitted, progress: Progress) -> Ranking:
+    def at_floor(fitted: Fitted) -> bool:
+        return judge(fitted.residuals(), experiment.readings).consistent
+
+    return Search(experiment, at_floor, progress).run(base)
+
+
+def _conclude(
+    task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress
+) -> Diagnosis:
+    progress("prediction of left-out data", 0.88, "")
+    best, heldout = _predicting(experiment, base, ranking)
+    progress("verdict", 0.95, "")
+    left = (judge(base.residuals(), experiment.readings), judge(best.residuals(), experiment.readings))
+    fits = (_result(experiment, base), _result(experiment, best))
+    causes = _causes(ranking, best, fits[1]) if best.causes else ()
+    decision = verdict.decide(causes, *left)
+    missing = _missing(experiment, base)
+    unit = task.records[0].force_unit
+    characteristics = None
+    if decision == "unexplained":
+        characteristics = curves.measure(experiment.readings, base, best, fits[0].see)
+    still = _still_missing(experiment, best)
+    tied = ranking.within(evidence.DECISIVE)
+    moved = spread.between(tied) if decision == "ambiguous" else {}
+    said = task.warnings + identities.sentences(best.model, task.forced, task.gain_known)
+    said += verdict.spread_sentence(moved) + fits[1].open_directions
+    progress("done", 1.0, "")
+    return Diagnosis(
+        records=task.records,
+        findings=task.findings,
+        verdict=decision,
+        summary=verdict.summary(decision, causes, left, heldout, dependence.sentence(still, unit)),
+        causes=causes,
+        base=fits[0],
+        extended=fits[1],
+        see_reduction_percent=see_reduction(fits[0].see, fits[1].see),
+        heldout=heldout,
+        noise_floor=_floor(experiment),
+        base_adequacy=left[0],
+        adequacy=left[1],
+        missing=missing,
+        dependences=dependence.dependences(missing),
+        still_missing=still,
+        characteristics=characteristics,
+        spread=moved,
+        rivals=_rivals(ranking, best, experiment),
+        warnings=tuple(dict.fromkeys(said)),
+    )
+
+
+def _predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Fitted, HeldOut]:
+    """The likeliest set that predicts left-out data better than the base, or the base itself."""
+    for fitted in ranking.sets[:3]:
+        if not fitted.causes:
+            break
+        heldout = predict(experiment, base, fitted)
+        if heldout.better:
+            return fitted, heldout
+    return base, predict(experiment, base, base)
+
+
+def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, ...]:
+    """The causes of a set, the one first without which most is left."""
+    found = []
+    for name in best.causes:
+        parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
+        tied = evidence.alternatives(ranking, name) if best is ranking.best else ()
+        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), tied))
+    without = {fitted.causes: fitted.chi for fitted in ranking.sets}
+    return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
+
+
+def _finite(parameters: Mapping[str, object]) -> dict[str, object]:
+    """Without limits that stand at infinity, i.e. are not there."""
+    return {name: q for name, q in parameters.items() if math.isfinite(q.value)}  # type: ignore[attr-defined]
+
+
+def _result(experiment: Experiment, fitted: Fitted) -> FitResult:
+    outcome = Outcome(fitted.point, 0.5 * fitted.chi, 0, True, "Converged: refined by the diagnosis.")
+    return conclude(fitted.problem, outcome, _floor(experiment))
+
+
+def _floor(experiment: Experiment) -> float:
+    samples = sum(part.record.samples for part in experiment.readings)
+    return math.sqrt(sum(part.record.samples * part.noise**2 for part in experiment.readings) / samples)
+
+
+def _missing(experiment: Experiment, fitted: Fitted) -> tuple[MissingForce, ...]:
+    plant = (fitted.model.mass, fitted.model.damping, fitted.model.stiffness)
+    return tuple(
+        missing_force(part.record, plant, part.noise, state.zero)
+        for part, state in zip(experiment.readings, fitted.initial, strict=True)
+    )
+
+
+def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, ...]:
+    """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
+    from dataclasses import replace
+
+    plant = (best.model.mass, best.model.damping, best.model.stiffness)
+    found = []
+    for part, residual in zip(experiment.readings, best.residuals(), strict=True):
+        error = replace(part.record, position=-residual, force=np.zeros(part.record.force.size))
+        force = missing_force(error, plant, part.noise)
+        whole = missing_force(part.record, plant, part.noise)
+        found.append(
+            replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied)
+        )
+    return tuple(found)
+
+
+def _rivals(ranking: Ranking, best: Fitted, experiment: Experiment) -> tuple[Rival, ...]:
+    pieces = experiment.evidence
+    found = [
+        Rival(tuple(sorted(fitted.causes)), p, math.sqrt(fitted.chi / pieces))
+        for fitted, p in zip(ranking.sets, ranking.probability, strict=True)
+        if fitted is not best
+    ]
+    kept = [rival for rival in found if rival.probability > _RIVAL]
+    return tuple(kept or found[:3])[:_RIVALS]

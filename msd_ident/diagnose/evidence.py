@@ -1,0 +1,137 @@
+"""How strongly the data speaks for a set of causes, and what cannot be told from what.
+
+The evidence of a set is Laplace's: its likelihood at the best parameters, times the share of the plausible parameter
+space that the data leaves, det(I + S H S)^(-1/2), where H is the information matrix and S the natural size of each
+parameter. A parameter that the data does not see costs nothing and gains nothing; one that it pins down must earn its
+place. (MacKay 1992; Kass and Raftery 1995.)
+
+Where even the best set leaves more than the noise, the model is wrong somehow, and no likelihood can be taken at its
+word: chi² is then counted in units of what the best set leaves, and its correlated samples by how many are independent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.diagnose.candidates import Causes, Fitted
+from msd_ident.diagnose.readings import Readings
+from msd_ident.fit.uncertainty import autoregression
+from msd_ident.record import FloatArray
+
+#: Odds, before any data, that a given cause acts.
+PRIOR_ODDS = 1.0 / 20.0
+#: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
+DECISIVE = 3.5
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How a likelihood is to be read: ``inflation`` (>= 1) of chi², and ``independence`` (0 to 1) of its pieces."""
+
+    inflation: float = 1.0
+    independence: float = 1.0
+    pieces: float = math.inf
+
+    def log_likelihood(self, chi: float) -> float:
+        """Log likelihood but for a constant; with an unknown error scale it grows only as the logarithm."""
+        if self.inflation <= 1.0:
+            return -0.5 * chi
+        return -0.5 * self.independence * self.pieces * math.log(max(chi, 1e-300) / self.pieces)
+
+    def informed(self, information: FloatArray) -> FloatArray:
+        """The information matrix in this scale."""
+        return information * (self.independence / self.inflation)
+
+
+def scale_from(best: Fitted, readings: Sequence[Readings]) -> Scale:
+    """The scale that the best set's residual suggests."""
+    pieces = sum(part.evidence for part in readings)
+    inflation = best.chi / pieces
+    share = independence(best.residuals(), readings)
+    # A few per cent above the noise may be the noise floor's own error; beyond that the model is at fault.
+    if inflation < 1.0 + 5.0 * math.sqrt(2.0 / pieces) + 0.05:
+        return Scale(1.0, 1.0, pieces)
+    return Scale(inflation, share, pieces)
+
+
+def independence(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> float:
+    """Independent pieces of evidence for each piece that ``Readings`` counts, from the residual's correlation."""
+    total, independent = 0.0, 0.0
+    for residual, part in zip(residuals, readings, strict=True):
+        values = part.by_run(residual)
+        total += values.size
+        if values.size < 30:
+            independent += values.size
+            continue
+        coefficients, _ = autoregression(values, values.size)
+        spectrum = 1.0 / np.abs(np.fft.rfft(coefficients, 4096)) ** 2
+        independent += values.size * float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
+    return independent / total
+
+
+def log_evidence(fitted: Fitted, scale: Scale) -> float:
+    """Log evidence [nats] of a set, prior included."""
+    size = fitted.problem.scale
+    information = scale.informed(fitted.information) * np.outer(size, size)
+    information[np.diag_indices_from(information)] += 1.0
+    sign, occam = np.linalg.slogdet(information)
+    penalty = 0.5 * float(occam) if sign > 0 else 1e6
+    return scale.log_likelihood(fitted.chi) - penalty + len(fitted.causes) * math.log(PRIOR_ODDS)
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Sets by falling evidence, with their posterior probability (each in the order of ``sets``)."""
+
+    sets: tuple[Fitted, ...]
+    evidence: tuple[float, ...]
+    probability: tuple[float, ...]
+
+    @property
+    def best(self) -> Fitted:
+        """The leading set: of those that the data cannot tell from the likeliest, the simplest."""
+        return self.sets[0]
+
+    def of_cause(self, name: str) -> float:
+        """Probability that a cause acts: of all sets that hold it together."""
+        return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if name in fitted.causes)
+
+    def within(self, nats: float) -> list[Fitted]:
+        """Sets whose evidence is not more than this below the leading one."""
+        least = self.evidence[0] - nats
+        return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
+
+
+def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
+    """All sets by evidence; the simplest of those within ``DECISIVE`` of the best is put first."""
+    values = {causes: log_evidence(fitted, scale) for causes, fitted in sets.items()}
+    order = sorted(values, key=lambda causes: -values[causes])
+    top = values[order[0]]
+    near = [causes for causes in order if values[causes] >= top - DECISIVE]
+    first = min(near, key=lambda causes: (sets[causes].free_parameters, len(causes), -values[causes]))
+    order.remove(first)
+    order.insert(0, first)
+    weights = np.exp(np.array([values[causes] for causes in order]) - top)
+    weights /= weights.sum()
+    return Ranking(
+        tuple(sets[causes] for causes in order),
+        tuple(values[causes] for causes in order),
+        tuple(float(w) for w in weights),
+    )
+
+
+def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
+    """Causes that could stand for ``name`` in the leading set without the data objecting, likeliest first."""
+    rest = ranking.best.causes - {name}
+    found: list[str] = []
+    for fitted in ranking.within(DECISIVE):
+        if name in fitted.causes or not rest <= fitted.causes:
+            continue
+        for other in sorted(fitted.causes - rest):
+            if other not in found:
+                found.append(other)
+    return tuple(found)

@@ -1,0 +1,102 @@
+"""What a reading is worth: its noise, and how much independent evidence it holds.
+
+An encoder that repeats the same number for a hundred samples has said one thing, not a hundred: its rounding error is
+the same in all of them, and a model that moves within the same count is contradicted by none. So a run of equal
+readings counts as one piece of evidence, shared between its samples. Where noise dithers the encoder runs are short,
+and without an encoder every sample is a run of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident import quality
+from msd_ident.fit import noise_floor
+from msd_ident.record import FloatArray, Record
+
+#: No solver and no clock is better than this part of the motion.
+_EXACT = 2e-6
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A record as evidence.
+
+    Attributes:
+        record: the record.
+        noise: standard deviation of a reading [m].
+        weight: (n,) share of a piece of evidence that each sample holds, in (0, 1].
+        runs: (n,) number of the run that each sample belongs to.
+    """
+
+    record: Record
+    noise: float
+    weight: FloatArray
+    runs: FloatArray
+
+    @property
+    def evidence(self) -> float:
+        """Pieces of evidence in all samples."""
+        return float(self.weight.sum())
+
+    @property
+    def factor(self) -> FloatArray:
+        """(n,) weight over noise squared: what a squared residual is multiplied by."""
+        return self.weight / self.noise**2
+
+    def thinned(self, keep: int) -> Readings:
+        """Every so many samples, about ``keep`` of them, the force left as it is; itself when it has no more."""
+        stride = self.record.samples // keep
+        if stride < 2:
+            return self
+        record = replace(
+            self.record,
+            time=self.record.time[::stride],
+            position=self.record.position[::stride],
+            force_time=self.record.force_time,
+            force=self.record.force,
+        )
+        return of_record(record, self.noise)
+
+    def chi(self, residual: FloatArray) -> float:
+        """Weighted sum of squares of a residual (n,) in units of the noise: about ``evidence`` when all is right."""
+        return float(self.factor @ residual**2)
+
+    def by_run(self, residual: FloatArray) -> FloatArray:
+        """Mean residual of each run, in units of the noise."""
+        sums = np.bincount(self.runs, weights=residual)
+        return np.asarray(sums / np.bincount(self.runs) / self.noise)
+
+
+def of_record(record: Record, noise: float) -> Readings:
+    """Weights for readings with the given noise [m]."""
+    change = np.flatnonzero(np.diff(record.position) != 0.0)
+    edges = np.concatenate(([0], change + 1, [record.samples]))
+    lengths = np.diff(edges)
+    runs = np.repeat(np.arange(lengths.size), lengths)
+    return Readings(record, noise, 1.0 / np.repeat(lengths, lengths).astype(np.float64), runs)
+
+
+def prepare(records: Sequence[Record]) -> tuple[Readings, ...]:
+    """Readings of each record with the noise that its own rest phases and encoder tell, else the group's."""
+    group = noise_floor(tuple(records))
+    return tuple(of_record(record, _noise(record, group)) for record in records)
+
+
+def _noise(record: Record, group: float) -> float:
+    own = quality.noise_floor(record)
+    told = own if math.isfinite(own) and own > 0.0 else group
+    if not (math.isfinite(told) and told > 0.0):
+        told = scatter(record)
+    step = quality.encoder_step(record)
+    return max(told, step / math.sqrt(12.0), _EXACT * float(np.ptp(record.position)), 1e-300)
+
+
+def scatter(record: Record) -> float:
+    """Noise [m] from what a cubic through neighbouring samples leaves, where no rest and no encoder step tells it."""
+    fourth = np.diff(record.position, 4) / math.sqrt(70.0)
+    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))

@@ -1,0 +1,140 @@
+"""The search for the set of causes: add one, swap one, drop one, until no neighbour is better.
+
+Every cause of the library is fitted at every step. A greedy ladder is caught by its first mistake (friction looks like
+hysteresis until the spring is right); here the leading set is left only when all sets that differ from it by one cause
+have been fitted and none has more evidence.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, library
+from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
+
+_Task = TypeVar("_Task", Causes, list[Fitted])
+_Done = TypeVar("_Done")
+
+#: ``progress(stage, fraction of the work done, cause being tried)``; what it raises ends the diagnosis.
+Progress = Callable[[str, float, str], None]
+
+NOTHING: Causes = frozenset()
+LARGEST = 4
+_ROUNDS = 12
+#: The cause that most often stands beside another one: it is always tried as a companion.
+_COMPANION = "coulomb_friction"
+
+
+@dataclass
+class Search:
+    """Sets fitted so far on one experiment.
+
+    Attributes:
+        experiment: the data.
+        sets: all sets fitted, by their causes.
+        at_floor: tells whether a fitted set leaves nothing but noise: then nothing is added to it.
+        progress: told about each set.
+    """
+
+    experiment: Experiment
+    at_floor: Callable[[Fitted], bool]
+    progress: Progress
+    sets: dict[Causes, Fitted] = field(default_factory=dict)
+    tried: set[Causes] = field(default_factory=set)
+
+    def run(self, base: Fitted) -> Ranking:
+        """Search from the base model."""
+        self.sets[NOTHING] = base
+        self.tried.add(NOTHING)
+        self._fit([frozenset({name}) for name in library()], 0.05, 0.35)
+        leader = self.ranking().best
+        if not self.at_floor(leader):
+            companions = [causes for causes in (leader.causes, frozenset({_COMPANION})) if causes]
+            self._fit([pair for causes in companions for pair in _grown(causes)], 0.35, 0.6)
+        for turn in range(_ROUNDS):
+            best = self.ranking().best
+            share = min(0.6 + 0.03 * turn, 0.85)
+            if self._fit(self._swapped(best.causes), share, share + 0.015):
+                continue
+            if self.at_floor(best) or not self._fit(_grown(best.causes), share + 0.015, share + 0.03):
+                break
+        return self.ranking()
+
+    def scale(self) -> Scale:
+        """How likelihoods are to be read, by what the best set leaves."""
+        closest = min(self.sets.values(), key=lambda fitted: fitted.chi)
+        return scale_from(closest, self.experiment.readings)
+
+    def ranking(self) -> Ranking:
+        """All sets by evidence."""
+        return rank(self.sets, self.scale())
+
+    def _swapped(self, causes: Causes) -> list[Causes]:
+        """Sets with one cause dropped, or replaced by another."""
+        found = []
+        for name in sorted(causes):
+            rest = causes - {name}
+            found.append(rest)
+            found += [rest | {other} for other in library() if other not in causes]
+        return found
+
+    def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
+        """Fit those of the sets that are new; False when none was."""
+        new = [causes for causes in dict.fromkeys(wanted) if causes not in self.tried and causes_that_fit(causes)]
+        self.tried.update(new)
+        if not new:
+            return False
+        middle = 0.5 * (start + end)
+        begun = [found for found in self._each(self._begin, new, (start, middle)) if found]
+        begun.sort(key=lambda found: found[0].chi)
+        for fitted in self._each(self._finish, begun, (middle, end)):
+            self.sets[fitted.causes] = fitted
+        return True
+
+    def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
+        """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""
+        with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
+            jobs = {pool.submit(work, task): i for i, task in enumerate(tasks)}
+            results: dict[int, _Done] = {}
+            try:
+                for done, job in enumerate(as_completed(jobs), start=1):
+                    results[jobs[job]] = job.result()
+                    fraction = share[0] + (share[1] - share[0]) * done / len(tasks)
+                    self.progress("search", fraction, _named(tasks[jobs[job]]))
+            except BaseException:
+                pool.shutdown(wait=True, cancel_futures=True)
+                raise
+        return [results[i] for i in range(len(tasks))]
+
+    def _begin(self, causes: Causes) -> list[Fitted]:
+        return begin(self.experiment, causes, self._parents(causes))
+
+    def _finish(self, begun: list[Fitted]) -> Fitted:
+        fitted = finish(self.experiment, begun, self._least)
+        self.sets[fitted.causes] = fitted
+        return fitted
+
+    def _least(self) -> float:
+        return min(fitted.chi for fitted in list(self.sets.values()))
+
+    def _parents(self, causes: Causes) -> list[Fitted]:
+        """The best two fitted sets that lack just one of the causes, or else the base."""
+        known = dict(self.sets)
+        smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
+        smaller.sort(key=lambda fitted: fitted.chi)
+        return smaller[:2] or [known[NOTHING]]
+
+
+def _named(task: Causes | list[Fitted]) -> str:
+    causes = task if isinstance(task, frozenset) else task[0].causes
+    return " + ".join(sorted(causes))
+
+
+def _grown(causes: Causes) -> list[Causes]:
+    if len(causes) >= LARGEST:
+        return []
+    return [causes | {name} for name in library() if name not in causes]
