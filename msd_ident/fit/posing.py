@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 
-from msd_ident import quality
 from msd_ident.errors import UsageError
 from msd_ident.fit.objective import SquaredError
 from msd_ident.fit.problem import Balance, Initial, Nuisance, Problem, build
@@ -45,15 +44,16 @@ def pose(
         raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
     springless = "stiffness" in kept and model["stiffness"] == 0.0 and not set(_PLACED) & set(model.names)
     nuisances = []
-    for i, record in enumerate(records):
+    at_rest = [starts_at_rest(record) for record in records]
+    for i, rests in enumerate(at_rest):
         nuisances.append(Nuisance(i, "initial position"))
-        if not starts_at_rest(record):
+        if not rests:
             nuisances.append(Nuisance(i, "initial velocity"))
         if zero == "free" and not springless:
             nuisances.append(Nuisance(i, "zero"))
     if kept >= set(model.names):
         raise UsageError("every parameter is fixed; expected at least one to fit")
-    resting = [r for r, record in enumerate(records) if starts_unpushed(record)]
+    resting = [r for r, record in enumerate(records) if starts_unpushed(record, at_rest[r])]
     problem = build(model, records, kept, tuple(nuisances))
     return (
         problem if zero == "known" or springless else balanced(problem, model, 1e-4 * problem.typical.length, resting)
@@ -68,12 +68,12 @@ def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int
     return replace(problem, balances=tuple(Balance(r, spread, noise) for r in resting))
 
 
-def starts_unpushed(record: Record) -> bool:
+def starts_unpushed(record: Record, at_rest: bool) -> bool:
     """Whether the record begins at rest with no force on the cart, or at the very instant of its first push."""
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
-    if starts_at_rest(record):
+    if at_rest:
         return True
     early = record.force_time[pushes[0]] <= record.time[0] + record.period
     count = max(4, record.samples // 500)
@@ -85,12 +85,12 @@ def starts_unpushed(record: Record) -> bool:
 def starts_at_rest(record: Record) -> bool:
     """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
 
-    At least ten samples and a hundredth of the record must stay within one encoder step or three times their noise.
+    At least ten samples and a hundredth of the record must stay within one encoder step, or be noise without a slope.
     """
     count = max(10, record.samples // 100)
     head = record.position[:count]
-    steady = max(1.01 * quality.encoder_step(record), 1e-4 * float(np.ptp(record.position)))
-    if float(np.ptp(head)) <= steady:
+    spread = float(np.ptp(head))
+    if spread <= 1e-4 * float(np.ptp(record.position)) or np.unique(head).size <= 2:
         return True
     time = record.time[:count] - record.time[:count].mean()
     slope = float(time @ head) / float(time @ time)

@@ -163,14 +163,17 @@ class Problem:
 
     def imbalance(self, vector: FloatArray, balance: Balance) -> tuple[float, FloatArray]:
         """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
+        gradient = np.zeros(vector.size)
+        start = len(self.free) + self.nuisances.index(Nuisance(balance.record, "initial position"))
+        gradient[start] = 1.0
+        if "offset_force" not in self.model.names:
+            return float(vector[start]), gradient
         values = dict(zip(self.model.names, self.values(vector).tolist(), strict=True))
-        stiffness, offset = max(values["stiffness"], 1e-9), values.get("offset_force", 0.0)
+        stiffness, offset = max(values["stiffness"], 1e-9), values["offset_force"]
         slopes = {"offset_force": 1.0 / stiffness, "stiffness": -offset / stiffness**2}
-        gradient = np.array([slopes.get(self.model.names[i], 0.0) for i in self.free] + [0.0] * len(self.nuisances))
-        for j, nuisance in enumerate(self.nuisances):
-            if nuisance.record == balance.record and nuisance.kind == "initial position":
-                gradient[len(self.free) + j] = 1.0
-        return self.initials(vector)[balance.record].position + offset / stiffness, gradient
+        for place, index in enumerate(self.free):
+            gradient[place] = slopes.get(self.model.names[index], 0.0)
+        return float(vector[start]) + offset / stiffness, gradient
 
     def residuals(self, points: FloatArray, record: int) -> FloatArray:
         """Residuals (q, n) of one record at several points (q, p)."""

@@ -32,7 +32,7 @@ LINEAR = (
     "quadratic_stiffness",
 )
 _NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient")
-_WIDTHS = (5, 10, 20, 40, 80, 160, 320)
+_WIDTHS = (6, 14, 32, 72, 160, 350)
 _MOST_PLACES = 4000
 
 
@@ -73,33 +73,45 @@ class Regression:
 def candidates(records: tuple[Record, ...], regression: Regression) -> list[Start]:
     """One start for each bump width that the records allow; empty when the regression has nothing to say."""
     shortest = min(record.samples for record in records)
-    steady = all(float(np.ptp(record.force_at(record.time))) == 0.0 for record in records)
+    steady = regression.zero_free and all(float(np.ptp(record.force_at(record.time))) == 0.0 for record in records)
+    # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
+    held = [steady and relaxed for relaxed in regression.relaxed]
+    levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
+    grids = [_uniform(record, level) for record, level in zip(records, levels, strict=True)]
+    states = [starting_state(record) for record in records]
+    names = [name for name in LINEAR if name in regression.given]
     found = []
     for half in _WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
-        # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
-        held = [steady and regression.zero_free and relaxed for relaxed in regression.relaxed]
-        levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
-        rows = [_rows(record, half, level) for record, level in zip(records, levels, strict=True)]
-        values = _regress(rows, regression, held)
+        values = _regress([_rows(grid, half, names) for grid in grids], regression, held)
         if values is None:
             continue
         zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
-        initial = tuple(_initial(record, half, zero) for record, zero in zip(records, zeros, strict=True))
+        initial = tuple((x - zero, v, zero) for (x, v), zero in zip(states, zeros, strict=True))
         shared = {name: values.get(name, value) for name, value in regression.given.items()}
         found.append(Start(shared, initial))
     return found
 
 
-def _uniform(record: Record) -> tuple[float, FloatArray, FloatArray]:
-    """Period, position and force on a uniform grid; a held force counts half before and half after its step."""
+@dataclass(frozen=True)
+class _Grid:
+    """Position (less a level) and force of a record on uniform instants."""
+
+    period: float
+    position: FloatArray
+    force: FloatArray
+
+
+def _uniform(record: Record, level: float) -> _Grid:
+    """A record on a uniform grid; a held force counts half before and half after its step."""
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)
-    position = np.interp(time, record.time, record.position)
+    position = np.interp(time, record.time, record.position) - level
     if record.hold == "linear":
-        return period, position, record.force_at(time)
-    return period, position, 0.5 * (record.force_at(time + 1e-3 * period) + record.force_at(time - 1e-3 * period))
+        return _Grid(period, position, record.force_at(time))
+    force = 0.5 * (record.force_at(time + 1e-3 * period) + record.force_at(time - 1e-3 * period))
+    return _Grid(period, position, force)
 
 
 def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
@@ -110,9 +122,8 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     return np.asarray((position[after] - position[before]) / (period * (after - before)))
 
 
-def _rows(record: Record, half: int, level: float) -> _Rows:
-    period, position, force = _uniform(record)
-    position = position - level
+def _rows(grid: _Grid, half: int, names: Collection[str]) -> _Rows:
+    period, position = grid.period, grid.position
     velocity = _velocity(position, period, max(half // 2, 2))
     slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
     direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
@@ -124,23 +135,28 @@ def _rows(record: Record, half: int, level: float) -> _Rows:
     bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
     stride = max(half // 2, -(-position.size // _MOST_PLACES))
 
-    def over(signal: FloatArray, weight: FloatArray) -> FloatArray:
-        return np.asarray(sliding_window_view(signal, 2 * half + 1)[::stride] @ weight)
+    def over(signal: FloatArray, *weights: FloatArray) -> FloatArray:
+        return np.asarray(sliding_window_view(signal, 2 * half + 1)[::stride] @ np.stack(weights, axis=1))
 
     # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-    moving = over(np.abs(direction), bump) > 0.7 * float(bump.sum())
-    columns = {
-        "mass": over(position, bend),
-        "damping": -over(position, slope),
-        "stiffness": over(position, bump),
-        "coulomb_force": over(direction, bump),
-        "offset_force": np.full(moving.size, float(bump.sum())),
-        "drag_coefficient": over(velocity * np.abs(velocity), bump),
-        "cubic_stiffness": over(position**3, bump),
-        "quadratic_stiffness": over(position**2, bump),
-    }
-    kept = {name: column[moving] for name, column in columns.items()}
-    return _Rows(kept, kept["offset_force"], over(force, bump)[moving])
+    moving = over(np.abs(direction), bump)[:, 0] > 0.7 * float(bump.sum())
+    motion = over(position, bend, -slope, bump)[moving]
+    columns = {"mass": motion[:, 0], "damping": motion[:, 1], "stiffness": motion[:, 2]}
+    constant = np.full(motion.shape[0], float(bump.sum()))
+    columns["offset_force"] = constant
+    for name in names:
+        if name not in columns:
+            columns[name] = over(_signal(name, position, velocity, direction), bump)[moving, 0]
+    return _Rows(columns, constant, over(grid.force, bump)[moving, 0])
+
+
+def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray) -> FloatArray:
+    """What a parameter's force is proportional to."""
+    if name == "coulomb_force":
+        return direction
+    if name == "drag_coefficient":
+        return velocity * np.abs(velocity)
+    return position**3 if name == "cubic_stiffness" else position**2
 
 
 def _regress(rows: list[_Rows], regression: Regression, held: list[bool]) -> dict[str, float] | None:
@@ -193,11 +209,6 @@ def _solve(
 def _zeros(values: Mapping[str, float], count: int) -> list[float]:
     stiffness = values.get("stiffness", 0.0)
     return [-values.get(f"constant {i}", 0.0) / stiffness if stiffness > 0.0 else 0.0 for i in range(count)]
-
-
-def _initial(record: Record, half: int, zero: float) -> tuple[float, float, float]:
-    position, velocity = starting_state(record, 2 * half + 1)
-    return position - zero, velocity, zero
 
 
 def starting_state(record: Record, count: int = 15) -> tuple[float, float]:
