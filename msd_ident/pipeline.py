@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident import quality
+from msd_ident.diagnose import Diagnosis, diagnose_records
+from msd_ident.diagnose import Progress as DiagnosisProgress
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pooled
 from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
@@ -102,6 +104,37 @@ def identify(
         missing_samples=sum(quality.missing_samples(record) for record in given),
         warnings=warnings,
         open=joint.open_directions + _scale_sentence(used),
+    )
+
+
+def _silent_diagnosis(stage: str, fraction: float, cause: str) -> None:
+    """Report to nobody."""
+
+
+def diagnose(
+    records: Sequence[Record],
+    options: Options = Options(),  # noqa: B008 - frozen
+    progress: DiagnosisProgress = _silent_diagnosis,
+) -> Diagnosis:
+    """What mass, damping and stiffness get wrong about one experiment, and what repairs it.
+
+    Raises:
+        DataError, UsageError: as ``identify``.
+    """
+    given = _checked(records)
+    progress("looking at the data", 0.01, "")
+    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse(findings)
+    features = tuple(extract(record) for record in given)
+    form = pooled(features)
+    turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
+    used = tuple(_usable(record, found, turned) for record, found in zip(given, features, strict=True))
+    return diagnose_records(
+        used,
+        sprung=_sprung(used, options, form),
+        findings=findings,
+        warnings=_warnings(given, findings, features, turned),
+        progress=progress,
     )
 
 

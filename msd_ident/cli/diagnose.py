@@ -1,0 +1,63 @@
+"""``msd diagnose``: what the simulation gets wrong, the name of the cause, the extended model and its gain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from msd_ident.cli import sources
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident import pipeline
+    from msd_ident.diagnose import Diagnosis
+    from msd_ident.record import Record
+
+
+def diagnose(
+    paths: sources.PathsArgument,
+    force: sources.ForceOption = "",
+    position: sources.PositionOption = "",
+    time: sources.TimeOption = "",
+    force_scale: sources.ForceScaleOption = None,
+    position_scale: sources.PositionScaleOption = None,
+    time_scale: sources.TimeScaleOption = None,
+    force_unit: sources.ForceUnitOption = "",
+    position_unit: sources.PositionUnitOption = "",
+    hold: sources.HoldOption = "zero",
+    start: sources.StartOption = None,
+    end: sources.EndOption = None,
+    model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
+    together: sources.TogetherOption = False,
+    json: sources.JsonOption = "",
+    report: Annotated[Optional[Path], typer.Option(help="page to write the report to (HTML)")] = None,  # noqa: UP045
+    quiet: sources.QuietOption = False,
+    overwrite: sources.OverwriteOption = False,
+) -> int:
+    """Diagnose: what the model lacks, how sure that is, what it costs, what was gained, what is still open."""
+    from msd_ident import pipeline
+    from msd_ident.cli import run
+    from msd_ident.report import diagnosis as tables
+
+    source = sources.options(
+        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
+    )
+    options = pipeline.Options(model=model)
+    output = run.Output(json, quiet, overwrite)
+    if report is not None:
+        run.check_target(report, overwrite)
+
+    def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
+        def tell(stage: str, fraction: float, cause: str) -> None:
+            progress(f"{stage}: {cause}" if cause else stage, fraction)
+
+        return pipeline.diagnose(records, options, tell)
+
+    def show(found: Diagnosis, console: Console) -> None:
+        tables.print_diagnosis(found, console)
+
+    return run.work(paths, source, together, output, solve, show)

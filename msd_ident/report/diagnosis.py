@@ -1,0 +1,87 @@
+"""Terminal tables of a diagnosis: the verdict in words first, then causes, models, gain and what is still open."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from msd_ident.report import numbers
+from msd_ident.report.tables import new_table
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from msd_ident.diagnose import Diagnosis
+
+_COLOURS = {"adequate": "green", "explained": "green", "ambiguous": "yellow", "unexplained": "red"}
+
+
+def causes_table(diagnosis: Diagnosis) -> Table | None:
+    """The causes by name, probability, parameters and ties; ``None`` without any."""
+    if not diagnosis.causes:
+        return None
+    table = new_table("Causes", "name", "probability", "parameter", "value", "95 % interval", "tied with")
+    for cause in diagnosis.causes:
+        lead = (cause.name, f"{min(cause.probability, 0.999):.3f}")
+        tied = ", ".join(cause.tied_with)
+        for name, quantity in cause.parameters.items():
+            unit = quantity.unit if quantity.unit != "1" else ""
+            table.add_row(*lead, name, f"{numbers.value(quantity)} {unit}".strip(), numbers.interval(quantity), tied)
+            lead, tied = ("", ""), ""
+    return table
+
+
+def models_table(diagnosis: Diagnosis) -> Table:
+    """Base and extended model side by side."""
+    table = new_table("Models", "", "base", "95 % interval", "extended", "95 % interval", "unit")
+    for name, quantity in diagnosis.base.quantities.items():
+        other = diagnosis.extended.quantities[name]
+        cells = (numbers.value(quantity), numbers.interval(quantity), numbers.value(other), numbers.interval(other))
+        table.add_row(name, *cells, quantity.unit)
+    unit = diagnosis.records[0].position_unit
+    floors = (diagnosis.base_adequacy.ratio, diagnosis.adequacy.ratio)
+    table.add_row("SEE", numbers.number(diagnosis.base.see), "", numbers.number(diagnosis.extended.see), "", unit)
+    table.add_row("left, in noise floors", *(part for f in floors for part in (numbers.number(f, 3), "")), "")
+    held = diagnosis.heldout
+    table.add_row("SEE on left-out data", numbers.number(held.see_base), "", numbers.number(held.see_extended), "", unit)
+    return table
+
+
+def rivals_table(diagnosis: Diagnosis) -> Table | None:
+    """Other explanations that were fitted, and what they leave."""
+    if not diagnosis.rivals or diagnosis.verdict == "adequate":
+        return None
+    table = new_table("Other explanations", "causes", "probability", "left, in noise floors")
+    for rival in diagnosis.rivals:
+        probability = f"{rival.probability:.4f}" if rival.probability > 1e-4 else "< 0.0001"
+        table.add_row(" + ".join(rival.causes) or "none", probability, numbers.number(rival.floors, 3))
+    return table
+
+
+def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
+    """Everything that a lab needs to act on a diagnosis."""
+    name = " + ".join(record.name for record in diagnosis.records)
+    colour = _COLOURS[diagnosis.verdict]
+    console.print(f"[bold]{name}[/bold]: [bold {colour}]{diagnosis.verdict}[/bold {colour}]")
+    console.print(diagnosis.summary)
+    console.print()
+    for table in (causes_table(diagnosis), models_table(diagnosis), rivals_table(diagnosis)):
+        if table is not None:
+            console.print(table)
+    unit = diagnosis.records[0].position_unit
+    console.print(f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit}; {_gain(diagnosis)}")
+    for sentence in diagnosis.warnings:
+        console.print(f"[yellow]note:[/yellow] {sentence}")
+
+
+def _gain(diagnosis: Diagnosis) -> str:
+    held = diagnosis.heldout
+    low, high = held.interval_percent
+    reduction = diagnosis.see_reduction_percent
+    if not math.isfinite(held.reduction_percent):
+        return f"SEE reduced by {reduction:.1f} % in sample"
+    return (
+        f"SEE reduced by {reduction:.1f} % in sample (eq. 15), by {held.reduction_percent:.1f} % "
+        f"({low:.1f} to {high:.1f} %) on left-out data"
+    )
