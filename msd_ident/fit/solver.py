@@ -106,6 +106,8 @@ def _step(normal: Normal, damping: float, point: FloatArray, limits: Limits) -> 
     step = np.zeros(point.size)
     for _ in range(point.size):
         step[~free] = np.clip(point + step, limits.lower, limits.upper)[~free] - point[~free]
+        if not free.any():
+            break
         step[free] = _solve(normal, damping, step, free)
         outside = free & ((point + step < limits.lower) | (point + step > limits.upper))
         if not outside.any():
