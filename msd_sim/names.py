@@ -1,0 +1,21 @@
+"""Names and qualities of service of the rig's topics, written once. Relative names: launch files give the namespace."""
+
+from __future__ import annotations
+
+NODE = "rig"
+FORCE = "force"
+ENCODER = "encoder"
+ENCODER_BATCH = "encoder_batch"
+RESET = "rig/reset"
+CLOCK = "/clock"
+
+#: Name of the cart's joint in JointState messages, unless the parameter ``joint_name`` says otherwise.
+JOINT = "cart"
+
+#: Depth of reliable queues: a subscriber may stall for a second at 1 kHz and lose nothing. Never keep-all here: it
+#: would block the rig behind a subscriber that hangs.
+DEPTH = 1000
+CLOCK_DEPTH = 10
+
+#: Above this many samples per second of the wall's time they go out in batches.
+MOST_SINGLE = 2000.0
