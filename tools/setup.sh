@@ -91,7 +91,7 @@ install_packages() {
 }
 
 build_interfaces() {
-    local build=$ROOT/build/msd_interfaces log=$ROOT/build/msd_interfaces.log
+    local build=$ROOT/build/venv/msd_interfaces log=$ROOT/build/venv/msd_interfaces.log
     mkdir -p "$build"
     # Settings of another .venv or of a cut-off run must not survive.
     rm -f "$build/CMakeCache.txt"
@@ -104,16 +104,15 @@ build_interfaces() {
 }
 
 # What `colcon build` would lay out, as links: ros2 run, ros2 launch and launch_ros find nodes, launch files and parameters.
+# Links to files, since ros2 launch does not look into folders that are links.
 link_share() {
-    local share=$VENV/share/msd_ident node
-    mkdir -p "$share" "$VENV/share/ament_index/resource_index/packages" "$VENV/lib/msd_ident"
-    ln -sfn "$ROOT/resource/msd_ident" "$VENV/share/ament_index/resource_index/packages/msd_ident"
-    ln -sfn "$ROOT/launch" "$share/launch"
-    ln -sfn "$ROOT/config" "$share/config"
-    ln -sfn "$ROOT/package.xml" "$share/package.xml"
-    for node in msd rig identifier recorder replayer; do
-        ln -sfn "../../bin/$node" "$VENV/lib/msd_ident/$node"
-    done
+    local share=$VENV/share/msd_ident index=$VENV/share/ament_index/resource_index/packages nodes=$VENV/lib/msd_ident
+    mkdir -p "$index" "$nodes" "$share/launch" "$share/config"
+    ln -sf "$ROOT/resource/msd_ident" "$index/"
+    ln -sf "$ROOT/package.xml" "$share/"
+    ln -sf "$ROOT"/launch/*.py "$share/launch/"
+    ln -sf "$ROOT"/config/*.yaml "$share/config/"
+    ln -sf ../../bin/{msd,rig,identifier,recorder,replayer} "$nodes/"
 }
 
 set_up() {
@@ -121,6 +120,7 @@ set_up() {
     packages=$( (echo "$ROOT $LOCK"; cat setup.py setup.cfg package.xml requirements/*.txt) | inputs -)
     interfaces=$( (echo "$packages"; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
     if done_with packages "$packages" && done_with interfaces "$interfaces" && [ -x "$VENV/bin/msd" ]; then
+        link_share  # files may be new
         return
     fi
     mkdir -p build

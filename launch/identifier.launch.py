@@ -1,0 +1,36 @@
+"""The identifier alone, beside a real robot: any topic and field can be the force or the position.
+
+    ros2 launch msd_ident identifier.launch.py params:=/path/to/robot.yaml
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    """Arguments, then the node."""
+    default = PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"])
+    on_clock = {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument("namespace", default_value="msd", description="namespace of the node and its topics"),
+            DeclareLaunchArgument(
+                "params", default_value=default, description="YAML file: sources of force and position, and the rest"
+            ),
+            DeclareLaunchArgument(
+                "use_sim_time", default_value="false", choices=["true", "false"], description="follow /clock"
+            ),
+            Node(
+                package="msd_ident",
+                executable="identifier",
+                name="identifier",
+                namespace=LaunchConfiguration("namespace"),
+                parameters=[LaunchConfiguration("params"), on_clock],
+                output="screen",
+            ),
+        ]
+    )
