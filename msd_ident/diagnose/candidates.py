@@ -22,7 +22,7 @@ from msd_ident.record import FloatArray, Record
 
 Causes = frozenset[str]
 
-_FIRST, _CHUNK, _CHUNKS = 3, 6, 6
+_FIRST, _CHUNK, _CHUNKS = 3, 5, 8
 _KEPT = 2
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further.
 _HOPELESS = 4.0
@@ -63,7 +63,7 @@ class Experiment:
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Where inner parameters of the laws make sense."""
-        return resolvable.ranges(self.records, self.base.stiffness)
+        return resolvable.ranges(self.records, self.base)
 
     def problem(self, model: Model) -> Problem:
         """The fitting problem of a model on these records."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -87,6 +87,7 @@ def diagnose_records(
     progress("base model", 0.02, "")
     experiment = prepare(task)
     base = base_fit(task, experiment)
+    experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
         ranking = evidence.rank({NOTHING: base}, evidence.Scale())
@@ -226,8 +227,6 @@ def _missing(experiment: Experiment, fitted: Fitted) -> tuple[MissingForce, ...]
 
 def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, ...]:
     """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
-    from dataclasses import replace
-
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
     found = []
     for part, residual in zip(experiment.readings, best.residuals(), strict=True):

@@ -12,11 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.fit.problem import Problem
+from msd_ident.model import Model
 from msd_ident.record import Record
 
 
-def ranges(records: Sequence[Record], stiffness: float) -> dict[str, tuple[float, float]]:
-    """Range of each inner parameter by name, in the records' units; ``stiffness`` [N/m] of the base model."""
+def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
+    """Range of each inner parameter by name, in the records' units; ``plant`` is roughly the base model."""
+    mass, stiffness = plant.mass, plant.stiffness
     reach = max(float(np.max(np.abs(record.position))) for record in records)
     span = max(float(np.ptp(record.position)) for record in records)
     duration = max(record.duration for record in records)
@@ -24,7 +26,11 @@ def ranges(records: Sequence[Record], stiffness: float) -> dict[str, tuple[float
     speed = max(_top_speed(record) for record in records)
     force = max(float(np.max(np.abs(record.force))) for record in records) or stiffness * span
     fastest = 0.6 * np.pi / period
+    rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
     return {
+        "second_mass": (0.01 * mass, 5.0 * mass),
+        "second_stiffness": (1e-3 * mass * rate**2, 100.0 * mass * rate**2),
+        "second_damping": (0.0, mass * rate),
         "disturbance_frequency": (np.pi / duration, fastest),
         "cogging_pitch": (0.02 * span, 4.0 * span),
         "hysteresis_length": (1e-3 * span, 2.0 * span),
@@ -48,7 +54,7 @@ def _top_speed(record: Record) -> float:
 
 
 def within(problem: Problem, limits: dict[str, tuple[float, float]]) -> Problem:
-    """The problem with its bounds narrowed to these ranges; masses of a second mode stay below a few of the first."""
+    """The problem with its bounds narrowed to these ranges."""
     lower, upper = problem.lower.copy(), problem.upper.copy()
     for place, index in enumerate(problem.free):
         low, high = limits.get(problem.model.names[index], (-np.inf, np.inf))

@@ -1,0 +1,134 @@
+"""Figures of a blind study."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.blind.cases import Outcome
+
+#: An effect counts as visible when the truth without it leaves this many noise floors.
+VISIBLE = 3.0
+FAINT = 20.0
+BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One line of the table: what, how many of how many, must and aim in per cent."""
+
+    what: str
+    good: int
+    total: int
+    must: str
+    aim: str
+
+    @property
+    def percent(self) -> float:
+        """Share in per cent."""
+        return 100.0 * self.good / self.total if self.total else math.nan
+
+
+def main_experiment(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Two amplitudes, both directions, 1 kHz."""
+    return [o for o in outcomes if o.case.experiment == "steps" and o.case.rate == 1000.0]
+
+
+def visible(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Known effects that can be seen."""
+    return [o for o in outcomes if o.case.hidden and not o.odd and o.without_floors >= VISIBLE]
+
+
+def named_first(outcome: Outcome) -> bool:
+    """The hidden cause leads, or is tied with the one that does."""
+    if not outcome.named:
+        return False
+    first, _, ties = outcome.named[0]
+    return outcome.case.hidden == first or (outcome.case.hidden in ties and len(ties) <= 2)
+
+
+def found_both(outcome: Outcome) -> bool:
+    """All effects of the rig are named, whatever else is."""
+    return all(outcome.counts_as(name) for name in outcome.truth)
+
+
+def confident_and_wrong(outcome: Outcome) -> bool:
+    """An explanation is claimed with certainty while what is left says otherwise."""
+    sure = any(p > 0.9 for _, p, _ in outcome.named)
+    return outcome.verdict == "explained" and sure and outcome.extended_floors > 2.0
+
+
+def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
+    """The issue's table, on the main experiment."""
+    chosen = main_experiment(outcomes)
+    seen = visible(chosen)
+    single = [o for o in seen if not o.case.beside]
+    double = [o for o in seen if o.case.beside]
+    faint = [o for o in seen if o.without_floors <= FAINT]
+    clean = [o for o in outcomes if o.case.hidden is None]
+    odd = [o for o in chosen if o.odd and o.base_floors >= VISIBLE]
+    return [
+        Figure("single cause named first or tied", sum(map(named_first, single)), len(single), ">= 95", "99"),
+        Figure("hidden cause and Coulomb both named", sum(map(found_both, double)), len(double), ">= 90", "97"),
+        Figure("cause invented on clean data", sum(bool(o.named) for o in clean), len(clean), "<= 1", "0.1"),
+        Figure("oddity: confident and wrong", sum(map(confident_and_wrong, odd)), len(odd), "<= 5", "0"),
+        Figure("oddity: called unexplained", sum(o.verdict == "unexplained" for o in odd), len(odd), "", ""),
+        Figure("exact set, single", sum(o.exact for o in single), len(single), ">= 90", "98"),
+        Figure("exact set, beside Coulomb", sum(o.exact for o in double), len(double), ">= 85", "95"),
+        Figure("faint (3 to 20 floors), named", sum(found_both(o) for o in faint), len(faint), ">= 90", "97"),
+        Figure("right and unambiguous", sum(o.exact and o.verdict == "explained" for o in seen), len(seen), "", ""),
+    ]
+
+
+def heldout(outcomes: Sequence[Outcome]) -> float:
+    """Median SEE on left-out data over the noise where the cause is right."""
+    right = [o.heldout_floors for o in visible(main_experiment(outcomes)) if o.exact]
+    return float(np.median(right)) if right else math.nan
+
+
+def removed(outcomes: Sequence[Outcome]) -> float:
+    """Median share of the removable error that was removed, over all visible effects."""
+    shares = [o.removed for o in visible(outcomes) if math.isfinite(o.removed)]
+    return float(np.median(shares)) if shares else math.nan
+
+
+def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int, float, float]]:
+    """Rows (low, high, count, mean stated probability, share that was right) over all causes named, oddities aside."""
+    pairs = [
+        (p, name in o.truth) for o in outcomes if not o.odd and o.verdict != "unexplained" for name, p, _ in o.named
+    ]
+    rows = []
+    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+        inside = [(p, right) for p, right in pairs if low <= p < high]
+        if inside:
+            stated = float(np.mean([p for p, _ in inside]))
+            observed = float(np.mean([right for _, right in inside]))
+            rows.append((low, min(high, 1.0), len(inside), stated, observed))
+    return rows
+
+
+def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
+    """For each visible hidden effect, what was named in its place (Coulomb beside it left out)."""
+    table: dict[str, Counter[str]] = {}
+    for o in visible(outcomes):
+        hidden = str(o.case.hidden)
+        others = set(o.names) - (set(o.truth) - {hidden})
+        answer = hidden if o.counts_as(hidden) else " + ".join(sorted(others)) or o.verdict
+        table.setdefault(hidden, Counter())[answer] += 1
+    return table
+
+
+def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
+    """For each effect, the least visibility (noise floors without it) from which on it was always found."""
+    found: dict[str, float] = {}
+    known = [o for o in main_experiment(outcomes) if o.case.hidden and not o.odd]
+    for name in sorted({str(o.case.hidden) for o in known}):
+        missed = [o.without_floors for o in known if o.case.hidden == name and not o.counts_as(name)]
+        hit = [o.without_floors for o in known if o.case.hidden == name and o.counts_as(name)]
+        above = [value for value in hit if value > max(missed, default=0.0)]
+        found[name] = min(above, default=math.inf)
+    return found
