@@ -47,7 +47,19 @@ def main() -> int:
         return fail(error)
     except typer.Abort:
         return fail(UsageError("interrupted"))
+    except Exception as error:
+        # typer's own refusals, of a class that is click's or its own copy of click's, depending on its version.
+        message = getattr(error, "format_message", None)
+        if message is None:
+            raise
+        if not message():  # ``msd`` alone has printed its help already.
+            return 2
+        return fail(UsageError(_one_line(message())))
     return int(outcome or 0)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split()) + " (msd --help, msd COMMAND --help)"
 
 
 if __name__ == "__main__":
