@@ -16,7 +16,7 @@ from msd_sim.errors import RigError
 FloatArray = npt.NDArray[np.float64]
 
 #: Step amplitude 0.15 at 69.5 N per unit (eq. 8).
-PAPER_FORCE = 0.15 * 69.5
+PAPER_FORCE = 10.425
 
 
 @dataclass(frozen=True)

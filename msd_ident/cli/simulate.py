@@ -1,0 +1,140 @@
+"""``msd simulate``: an experiment on a simulated rig, without ROS, as a CSV file or a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from msd_ident.cli import sources
+from msd_ident.errors import SetupError, UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.record import Record
+
+#: Entry points that simulate: a mapping in, an object with time, force_time, force, position, hold and truth out.
+RIGS = "msd.rigs"
+
+RigOption = Annotated[str, typer.Option("--rig", metavar="NAME|FILE", help="a rig by name, or its YAML file")]
+ExperimentOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME[:OPTION=NUMBER,…]", help="what is done to it, e.g. paper, steps, release, sweep:force=2"
+    ),
+]
+OutOption = Annotated[Path, typer.Option("--out", metavar="FILE.csv|FOLDER", help="CSV file, or folder for a bag")]
+EffectOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(
+        "--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="something wrong with the rig, e.g. backlash; repeatable"
+    ),
+]
+SetOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option("--set", metavar="PARAMETER=NUMBER", help="a parameter of the rig, e.g. mass=2 or encoder.noise=1e-5"),
+]
+ReplaceOption = Annotated[bool, typer.Option("--force", "--overwrite", help="replace files that exist")]
+
+
+def simulate(
+    out: OutOption,
+    rig: RigOption = "ecp",
+    experiment: ExperimentOption = "paper",
+    effect: EffectOption = None,
+    parameter: SetOption = None,
+    seed: Annotated[Optional[int], typer.Option(help="of the encoder's noise")] = None,  # noqa: UP045
+    rate: Annotated[Optional[float], typer.Option(help="samples per second")] = None,  # noqa: UP045
+    duration: Annotated[Optional[float], typer.Option(help="seconds, instead of the experiment's own")] = None,  # noqa: UP045
+    json: Annotated[str, typer.Option("--json", metavar="FILE|-", help="the hidden truth as a JSON object")] = "",
+    quiet: sources.QuietOption = False,
+    overwrite: ReplaceOption = False,
+) -> int:
+    """Run an experiment on a simulated rig and write what its encoder says."""
+    from msd_ident import bag
+    from msd_ident.cli import run
+
+    output = run.Output(json, quiet, overwrite)
+    output.check()
+    if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
+        raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")
+    if out.exists() and not overwrite:
+        raise UsageError(f"{out} exists; expected a new name: give another one, or --force to replace it")
+    name, options = _named_numbers("--experiment", experiment)
+    spec: dict[str, Any] = {"rig": rig, "experiment": {"name": name, **options}}
+    spec["effects"] = dict(_named_numbers("--effect", text) for text in effect or ())
+    for text in parameter or ():
+        spec |= _numbers("--set", text)
+    spec |= {k: v for k, v in (("seed", seed), ("rate", rate), ("duration", duration)) if v is not None}
+    try:
+        simulated = _rig()(spec)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    record = _record(simulated, out.stem)
+    if out.suffix == ".csv":
+        bag.write_csv(_one_clock(record), out, overwrite)
+    else:
+        bag.write_bag(record, out, overwrite)
+    run.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
+    if output.tables:
+        print(f"{out}: {record.samples} samples in {record.duration:.3f} s, experiment {name} on rig {rig}")
+    return 0
+
+
+def _rig() -> Callable[[Mapping[str, Any]], Any]:
+    """The first simulator that is installed: the world is reached by its entry point, never imported."""
+    from importlib.metadata import entry_points
+
+    for point in entry_points(group=RIGS):
+        try:
+            found: Callable[[Mapping[str, Any]], Any] = point.load()
+        except ImportError as error:
+            raise SetupError(
+                f"{point.value} cannot be loaded ({error}); expected it with this package: install again"
+            ) from None
+        return found
+    raise SetupError(f"no simulated rig is installed; expected an entry point in {RIGS}: install this package with pip")
+
+
+def _named_numbers(option: str, text: str) -> tuple[str, dict[str, float]]:
+    """("backlash", {"backlash_half_width": 0.002}) from ``backlash:backlash_half_width=0.002``."""
+    name, _, rest = text.partition(":")
+    if not name:
+        raise UsageError(f"{option} {text!r} has no name; expected NAME or NAME:PARAMETER=NUMBER,PARAMETER=NUMBER")
+    return name, _numbers(option, rest)
+
+
+def _numbers(option: str, text: str) -> dict[str, float]:
+    numbers = {}
+    for part in filter(None, text.split(",")):
+        name, _, value = part.partition("=")
+        try:
+            numbers[name.strip()] = float(value)
+        except ValueError:
+            raise UsageError(f"{option}: {part!r} is no setting; expected PARAMETER=NUMBER, e.g. mass=1.5") from None
+    return numbers
+
+
+def _record(simulated: Any, name: str) -> Record:
+    from msd_ident.record import Record
+
+    return Record(
+        time=simulated.time,
+        position=simulated.position,
+        force_time=simulated.force_time,
+        force=simulated.force,
+        hold=simulated.hold,
+        name=name,
+    )
+
+
+def _one_clock(record: Record) -> Record:
+    """The record with the force at each position's stamp, wherever that says the same: a table without gaps."""
+    import numpy as np
+
+    from msd_ident.record import from_samples
+
+    if record.hold == "zero" and np.isin(record.force_time, record.time).all():
+        return from_samples(record.time, record.force_at(record.time), record.position, name=record.name)
+    return record
