@@ -31,6 +31,7 @@ class Motion:
 
     Attributes:
         span: highest minus lowest position.
+        rest_span: span that noise and rounding may have without any motion.
         step: encoder step, 0 when there is none.
         floor: standard deviation of the measurement noise.
         force_span: highest minus lowest force while the position was recorded.
@@ -44,6 +45,7 @@ class Motion:
     """
 
     span: float
+    rest_span: float
     step: float
     floor: float
     force_span: float
@@ -53,6 +55,11 @@ class Motion:
     held: int
     held_size: int
     standstills: tuple[Standstill, ...]
+
+    @property
+    def still(self) -> bool:
+        """Whether the readings scatter no more than noise and rounding make those of a cart at rest."""
+        return self.span <= self.rest_span
 
     @property
     def mass(self) -> float:
@@ -75,6 +82,7 @@ def observe(record: Record, step: float, floor: float) -> Motion:
     held, held_size = _held(position, step)
     return Motion(
         span=span,
+        rest_span=2 * floor * (1 + math.sqrt(2 * math.log(record.samples))) + 2 * step,
         step=step,
         floor=floor,
         force_span=_force_span(record),
@@ -111,9 +119,9 @@ def turning_points(position: FloatArray, swing: float) -> np.ndarray[tuple[int],
 
 def _force_span(record: Record) -> float:
     """Span of the force from the first to the last position sample, the 0 before its first stamp included."""
-    inside = (record.force_time > record.time[0]) & (record.force_time <= record.time[-1])
-    values = np.concatenate([record.force_at(record.time[[0, -1]]), record.force[inside]])
-    return float(np.ptp(values))
+    inside = (record.force_time >= record.time[0]) & (record.force_time <= record.time[-1])
+    before = record.force_at([np.nextafter(record.time[0], -np.inf), record.time[-1]])
+    return float(np.ptp(np.concatenate([before, record.force[inside]])))
 
 
 def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple[float, float]:

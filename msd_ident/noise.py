@@ -14,7 +14,7 @@ _UNIFORM = 1.0 / math.sqrt(12.0)
 #: From the median of absolute values to the standard deviation of a normal distribution.
 _MAD = 1.482602218505602
 #: Neighbours on each side from which a sample is interpolated.
-_REACH = 3
+_REACH = 4
 
 
 def encoder_step(record: Record) -> float:
@@ -27,20 +27,21 @@ def encoder_step(record: Record) -> float:
     rounding = 16 * np.finfo(np.float64).eps * float(np.max(np.abs(levels)))
     gaps = np.diff(levels)
     gaps = gaps[gaps > rounding]
-    if gaps.size < 2:
-        return float(gaps[0]) if gaps.size else 0.0
-    step = float(np.min(gaps))
-    near = gaps[gaps < 8.5 * step]
-    if near.size < 0.05 * gaps.size:
+    if not gaps.size:
         return 0.0
-    # Printed readings are rounded to so many digits: average over many gaps before looking at the wide ones.
-    step = float(np.sum(near) / np.sum(np.rint(near / step)))
-    multiples = gaps / step
-    # A wide gap leaves room for the error of the step, and proves nothing by being near a multiple.
-    tested = multiples < 100
-    misfit = np.abs(multiples - np.rint(multiples))[tested]
-    on_grid = float(np.mean(misfit < 0.1))
-    return step if on_grid > 0.95 else 0.0
+    step, reach = float(np.min(gaps)), 8.5
+    while True:
+        # Printed readings are rounded to so many digits. The wider the gaps, the better is the step known from them,
+        # and the better it must be known for the next: begin with the narrow ones and double the width.
+        near = gaps[gaps < reach * step]
+        counts = np.rint(near / step)
+        step = float(np.sum(near) / np.sum(counts))
+        on_grid = float(np.mean(np.abs(near / step - counts) < 0.1))
+        if on_grid < 0.95 and (near.size >= 20 or near.size == gaps.size):
+            return 0.0
+        if near.size == gaps.size:
+            return step
+        reach *= 2
 
 
 def noise_floor(record: Record) -> float:
@@ -84,7 +85,7 @@ def _interpolation_error(record: Record, step: float) -> tuple[FloatArray, npt.N
     usable = power < 10.0
     error = ((position[middle] - estimate) / np.sqrt(power))[usable]
     travel = np.abs(shifted(position, _REACH) - shifted(position, -_REACH))[usable]
-    return error, travel >= max(3 * step, np.finfo(np.float64).tiny)
+    return error, travel > 2.5 * step
 
 
 def _variance(residual: FloatArray, quantisation: float) -> float:

@@ -28,7 +28,7 @@ _JITTER_TOLD, _JITTER_BAD = 0.05, 0.2
 #: Fewest samples an oscillation that is not a warning.
 _FEW_SAMPLES = 12
 #: Spans of the position [m] and mass [kg] beyond which a rig on a table is measured in another unit.
-_FARTHEST, _NEAREST = 3.0, 3e-5
+_FARTHEST, _NEAREST = 3.0, 1e-4
 _LIGHTEST = 1e-3
 
 
@@ -85,15 +85,14 @@ def _excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             "check the encoder and the choice of the signal",
         )
         return
-    still = motion.span < max(6 * motion.floor, 2.5 * motion.step)
-    if still and motion.force_span == 0:
+    if motion.still and motion.force_span == 0:
         yield Finding(
             "error",
             "no_excitation",
             f"the force never changes and the position only by {motion.span:.3g} {unit}, which is noise: "
             "apply a force step or release the cart from a displacement",
         )
-    elif still:
+    elif motion.still:
         yield Finding(
             "error",
             "no_motion",
@@ -105,7 +104,7 @@ def _excitation(record: Record, motion: Motion) -> Iterator[Finding]:
         yield Finding(
             "info",
             "free_decay",
-            f"the force is {held} all the time: a free decay, which gives ratios of the parameters and no mass",
+            f"the force is {held} all the time: a free decay, which gives the parameters relative to each other only",
         )
 
 
@@ -188,15 +187,17 @@ def _frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
 
 
 def _resolution(record: Record, motion: Motion) -> Iterator[Finding]:
+    if motion.still:
+        return
     steps = motion.span / motion.step if motion.step else np.inf
-    if 2.5 <= steps < 20:
+    if steps < 20:
         yield Finding(
             "warning",
             "coarse_encoder",
             f"the whole motion is only {steps:.0f} encoder steps of {motion.step:.3g} {record.position_unit}: "
             "push harder or use a finer encoder",
         )
-    elif 6 * motion.floor <= motion.span < 30 * motion.floor:
+    elif motion.span < 30 * motion.floor:
         yield Finding(
             "warning",
             "noisy_position",
@@ -253,7 +254,7 @@ def _clocks(record: Record, motion: Motion) -> Iterator[Finding]:
 
 def _units(record: Record, motion: Motion) -> Iterator[Finding]:
     """Millimetres taken for metres, or the other way round."""
-    if record.position_unit != "m" or motion.span == 0:
+    if record.position_unit != "m" or motion.still:
         return
     light = record.force_unit == "N" and motion.mass < _LIGHTEST
     if motion.span > _FARTHEST or light:
@@ -288,7 +289,8 @@ def _taking_turns(intervals: FloatArray, period: float) -> tuple[float, float]:
     """Rates of two publishers: one of them cuts intervals of the other in two parts."""
     pairs = intervals[:-1] + intervals[1:]
     whole = float(np.median(pairs))
-    if np.std(intervals) > 0.2 * np.mean(intervals) and np.mean(np.abs(pairs - whole) < 0.02 * whole) > 0.9:
+    uneven = np.mean(np.abs(intervals - whole / 2) > 0.05 * whole) > 0.8
+    if uneven and np.mean(np.abs(pairs - whole) < 0.02 * whole) > 0.8:
         return whole, whole
     short = intervals < (1 - _REGULAR) * period
     cut = short[:-1] & short[1:] & (np.abs(pairs - period) < 0.1 * period)
