@@ -36,20 +36,20 @@ class Ring:
 
     def append(self, ns: int, value: float) -> None:
         """Take one sample."""
+        self.newest_ns = max(ns, self.newest_ns) if self.size else ns
         self._ns[self._next] = ns
         self._values[self._next] = value
         self._next = (self._next + 1) % self.capacity
         self.size = min(self.size + 1, self.capacity)
-        self.newest_ns = max(ns, self.newest_ns) if self.size > 1 else ns
 
     def extend(self, ns: StampArray, values: FloatArray) -> None:
         """Take samples in the order given; of more than fit, the last ones."""
-        ns, values = ns[-self.capacity :], values[-self.capacity :]
         if not ns.size:
             return
+        self.newest_ns = max(int(ns.max()), self.newest_ns) if self.size else int(ns.max())
+        ns, values = ns[-self.capacity :], values[-self.capacity :]
         at = (self._next + np.arange(ns.size)) % self.capacity
         self._ns[at], self._values[at] = ns, values
-        self.newest_ns = max(int(ns.max()), self.newest_ns) if self.size else int(ns.max())
         self._next = int(at[-1] + 1) % self.capacity
         self.size = min(self.size + int(ns.size), self.capacity)
 

@@ -39,7 +39,7 @@ SETTINGS = (
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
     Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
     Setting("buffer_samples", 200_000, "position samples kept, oldest out", 1_000, 10_000_000),
-    Setting("queue_depth", 5_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
+    Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
     Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
     Setting("settle_time", 0.5, "rest after which a response counts as settled [s]", 0.05, 60.0, fixed=False),
@@ -105,6 +105,11 @@ class Identifier:
     def close(self) -> None:
         """Drop fits that wait; one in progress is given up with the process."""
         self._worker.close()
+
+    @property
+    def failure(self) -> str:
+        """Nothing that happens to a fit ends the node."""
+        return ""
 
     def on_signal(self, number: int) -> None:
         """No signal but the ending ones has a meaning here."""
@@ -199,7 +204,7 @@ class Identifier:
 
     def _identify(self, request: Request) -> Outcome:
         from msd_ident import pipeline
-        from msd_ident.ros.conversions import sentence, to_estimate
+        from msd_ident.ros.results import sentence, to_estimate
 
         options = pipeline.Options(model=request.model or self.settings["model"])
         source = self._options(request)

@@ -32,6 +32,10 @@ TYPES: Final = {
 LEAST_DEPTH: Final = 1000
 
 
+#: Messages that a replay keeps for a subscriber that stalls.
+REPLAY_DEPTH: Final = 10_000
+
+
 def force_qos(depth: int = LEAST_DEPTH) -> QoSProfile:
     """Late joiners know the present force."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -73,7 +77,7 @@ def to_offered(profile: QoSProfile) -> OfferedQos:
     )
 
 
-def from_offered(profiles: tuple[OfferedQos, ...], least_depth: int = LEAST_DEPTH) -> QoSProfile:
+def from_offered(profiles: tuple[OfferedQos, ...], least_depth: int = REPLAY_DEPTH) -> QoSProfile:
     """Profile of a publisher that replays what these offered.
 
     The depth, which no subscriber sees, is at least ``least_depth``, so that a fast replay loses nothing. Of

@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
+from msd_ident.bag.writer import Compression
 from msd_ident.errors import DataError, MsdError, UsageError
 from msd_ident.ros import health, names
 from msd_ident.ros.conversions import message_class
@@ -22,7 +23,7 @@ from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.recording import Recording, Summary
 from msd_interfaces.srv import StartRecording
 
-COMPRESSIONS = ("zstd", "none")
+COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
 
 SETTINGS = (
     Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
@@ -74,6 +75,11 @@ class Recorder:
         """Of the recording in progress, or else of the last one."""
         return self._recording.summary if self._recording else self._last
 
+    @property
+    def failure(self) -> str:
+        """Why the last recording is not complete; empty when it is."""
+        return self._last.error if self._last else ""
+
     def on_signal(self, number: int) -> None:
         """SIGUSR1 starts a recording with the parameters, SIGUSR2 stops it."""
         try:
@@ -98,9 +104,7 @@ class Recorder:
         """
         if self._recording:
             raise UsageError(f"already recording to {self._recording.folder}; expected recorder/stop first")
-        chosen = compression or self.settings["compression"]
-        if chosen not in COMPRESSIONS:
-            raise UsageError(f"compression is {chosen!r}; expected one of {', '.join(COMPRESSIONS)}")
+        chosen = _compression(compression or self.settings["compression"])
         every = every or (self.settings["all_topics"] and not topics)
         wanted = list(topics or self.settings["topics"])
         self._wanted = None if every else frozenset(self._resolved(topic) for topic in wanted)
@@ -217,6 +221,13 @@ class Recorder:
             level = DiagnosticStatus.ERROR if summary.error else level
         status = health.status(f"{self.node.get_name()}: bag", level, sentence, values)
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), status))
+
+
+def _compression(word: str) -> Compression:
+    for known in COMPRESSIONS:
+        if word == known:
+            return known
+    raise UsageError(f"compression is {word!r}; expected one of {', '.join(COMPRESSIONS)}")
 
 
 def _drain(subscription: Subscription) -> None:

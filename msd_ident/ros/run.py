@@ -24,6 +24,10 @@ class Owned(Protocol):
     def node(self) -> Node:
         """The node that is spun."""
 
+    @property
+    def failure(self) -> str:
+        """Why the work could not be done; empty when it was."""
+
     def on_signal(self, number: int) -> None:
         """Called in the executor for a signal that does not end the node."""
 
@@ -85,7 +89,7 @@ def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None 
             spinner.stop()
             owner.close()
             owner.node.destroy_node()
-        return 1 if spinner.failed else 0
+        return 1 if spinner.failed or owner.failure else 0
     finally:
         rclpy.try_shutdown()
 

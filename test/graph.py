@@ -1,0 +1,76 @@
+"""ROS nodes inside a test: a context of its own, a thread that spins, waiting on conditions and never on time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import rclpy
+from rclpy.node import Node
+
+from msd_ident.ros.run import Spinner
+
+
+class Graph:
+    """Nodes of one test, spun together, taken down in order."""
+
+    def __init__(self, domain: int) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        self._spinners: list[Spinner] = []
+        self._owners: list[Any] = []
+        self.node = Node("tester", context=self.context)
+        self.spin(self.node)
+
+    def spin(self, node: Node) -> Spinner:
+        """Spin a node in a thread."""
+        self._spinners.append(Spinner(node))
+        return self._spinners[-1]
+
+    def add(self, owner: Any) -> Any:
+        """Spin the node of an owner, and close both at the end."""
+        self._owners.append(owner)
+        self.spin(owner.node)
+        return owner
+
+    def call(self, kind: Any, name: str, request: Any, seconds: float = 30.0) -> Any:
+        """Call a service and wait for the answer."""
+        client = self.node.create_client(kind, name)
+        try:
+            assert client.wait_for_service(seconds), f"no service {name}"
+            future = client.call_async(request)
+            until(future.done, f"answer of {name}", seconds)
+            return future.result()
+        finally:
+            self.node.destroy_client(client)
+
+    def close(self) -> None:
+        """Take everything down."""
+        for spinner in reversed(self._spinners):
+            spinner.stop()
+        for owner in reversed(self._owners):
+            owner.close()
+            owner.node.destroy_node()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+@contextmanager
+def graph(domain: int) -> Iterator[Graph]:
+    """A graph for the block."""
+    made = Graph(domain)
+    try:
+        yield made
+        assert not any(spinner.failed for spinner in made._spinners), "a callback raised, see stderr"
+    finally:
+        made.close()
+
+
+def until(condition: Callable[[], Any], what: str, seconds: float = 20.0) -> None:
+    """Wait until a condition holds; fail, naming it, when it does not in time."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"waited {seconds:g} s for {what}"
+        time.sleep(0.005)

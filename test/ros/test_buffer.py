@@ -1,0 +1,99 @@
+"""The live buffer: what goes in comes out in order, the oldest leave first, the record is the bag reader's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS 2 here")
+
+from bagmaker import START_NS, ringing, stamps  # noqa: E402
+from hypothesis import given  # noqa: E402
+from hypothesis import strategies as st  # noqa: E402
+
+from msd_ident.errors import DataError, UsageError  # noqa: E402
+from msd_ident.record import from_stamps  # noqa: E402
+from msd_ident.ros.buffer import LiveBuffer, Ring  # noqa: E402
+
+chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
+
+
+@given(capacity=st.integers(1, 40), chunks=chunks, single=st.booleans(), last=st.integers(0, 50))
+def test_a_ring_holds_the_latest_samples_in_order_of_arrival(
+    capacity: int, chunks: list[list[int]], single: bool, last: int
+) -> None:
+    ring = Ring(capacity)
+    for chunk in chunks:
+        if single:
+            for ns in chunk:
+                ring.append(ns, ns / 2)
+        else:
+            ring.extend(np.array(chunk, dtype=np.int64), np.array(chunk) / 2)
+    everything = [ns for chunk in chunks for ns in chunk]
+    expected = everything[-capacity:]
+    ns, values = ring.samples()
+    assert ns.tolist() == expected and values.tolist() == [ns / 2 for ns in expected]
+    assert ring.samples(last)[0].tolist() == (expected[-last:] if last else [])
+    assert not everything or ring.newest_ns == max(everything)
+
+
+def test_a_buffer_without_room_is_refused() -> None:
+    with pytest.raises(UsageError, match="a buffer of 0 samples; expected at least 1"):
+        Ring(0)
+
+
+def test_the_record_is_the_one_of_from_stamps() -> None:
+    ns = np.array(stamps(300), dtype=np.int64)
+    x = ringing(ns.tolist())
+    buffer = LiveBuffer(1000, hold="linear", force_unit="V", position_unit="rad")
+    buffer.add_force(int(ns[0]), 0.0)
+    buffer.add_force(int(ns[100]), 10.0)
+    for at, value in zip(ns[:120].tolist(), x[:120].tolist(), strict=True):
+        buffer.add_position(at, value)
+    buffer.add_positions(ns[120:], x[120:])
+    expected = from_stamps(ns, x, ns[[0, 100]], [0.0, 10.0], hold="linear", force_unit="V", position_unit="rad")
+    record = buffer.record()
+    for name in ("time", "position", "force_time", "force"):
+        assert np.array_equal(getattr(record, name), getattr(expected, name))
+    assert (record.hold, record.force_unit, record.position_unit) == ("linear", "V", "rad")
+    assert (record.start_ns, record.name) == (START_NS, "live")
+
+
+def test_late_samples_and_duplicates_are_counted_and_mended() -> None:
+    ns = stamps(100)
+    buffer = LiveBuffer(1000)
+    buffer.add_force(ns[0], 1.0)
+    for at in [*ns[:50], ns[20], ns[49], ns[51], ns[50], *ns[52:]]:
+        buffer.add_position(at, float(at - START_NS))
+    assert (buffer.counts.positions, buffer.counts.late, buffer.counts.duplicates) == (102, 2, 1)
+    record = buffer.record()
+    assert record.samples == 100
+    assert any("duplicate stamps" in note for note in record.notes)
+
+
+def test_a_clock_set_back_begins_a_new_recording_with_the_force_that_holds() -> None:
+    ns = stamps(4000)
+    buffer = LiveBuffer(10_000)
+    buffer.add_force(ns[0] - 5, 2.0)
+    buffer.add_force(ns[2000], 7.0)
+    for at in ns:
+        buffer.add_position(at, 0.5)
+    for at in ns[:200]:
+        buffer.add_position(at, float(at - START_NS))
+    assert buffer.counts.restarts == 1
+    record = buffer.record()
+    assert record.samples == 200 and record.force.tolist() == [2.0]
+
+
+def test_an_empty_buffer_says_what_is_missing() -> None:
+    with pytest.raises(DataError, match="no position samples; expected at least one"):
+        LiveBuffer(100).record()
+
+
+def test_recent_gives_the_last_seconds_by_stamp() -> None:
+    buffer = LiveBuffer(10_000)
+    ns = np.array(stamps(1000), dtype=np.int64)
+    buffer.add_positions(ns, np.arange(1000.0))
+    assert buffer.recent(0.1)[1].tolist() == list(range(899, 1000))
+    buffer.clear()
+    assert buffer.recent(1.0)[0].size == 0 and buffer.counts.positions == 1000
