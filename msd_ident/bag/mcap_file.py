@@ -206,7 +206,7 @@ class McapFile:
     def _load(self, segment: _Segment) -> tuple[list[StoredMessage], bool]:
         """Messages of a segment, and whether all of it could be read."""
         if not segment.chunked:
-            message = _message(self._data[segment.begin : segment.end])
+            message = _message(self._data[segment.begin : segment.end], 0, segment.end - segment.begin)
             return ([message], True) if message else ([], False)
         raw, complete = _unpack(self._data[segment.begin : segment.end], segment.whole)
         messages = []
@@ -214,7 +214,7 @@ class McapFile:
         for opcode, begin, end in _frames(raw, 0, len(raw)):
             position = end
             if opcode == Opcode.MESSAGE:
-                message = _message(raw[begin:end])
+                message = _message(raw, begin, end)
                 if message:
                     messages.append(message)
             elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
@@ -233,13 +233,14 @@ def _frames(data: bytes | mmap, position: int, stop: int) -> Iterator[tuple[int,
         yield opcode, begin, position
 
 
-def _message(body: bytes) -> StoredMessage | None:
-    if len(body) < _MESSAGE.size:
+def _message(data: bytes, begin: int, end: int) -> StoredMessage | None:
+    """Message from the body of a record, ``None`` for one that is too short or later than any clock says."""
+    if end - begin < _MESSAGE.size:
         return None
-    channel, _, log_time, publish_time = _MESSAGE.unpack_from(body)
+    channel, _, log_time, publish_time = _MESSAGE.unpack_from(data, begin)
     if log_time >= _LATEST_NS:
         return None
-    return StoredMessage(channel, log_time, publish_time, body[_MESSAGE.size :])
+    return StoredMessage(channel, log_time, publish_time, data[begin + _MESSAGE.size : end])
 
 
 def _parse(opcode: int, body: bytes) -> McapRecord | None:

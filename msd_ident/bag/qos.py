@@ -99,6 +99,7 @@ def _nanoseconds(value: object) -> int:
     if not isinstance(value, Mapping):
         return INFINITE_NS
     sec, nsec = value.get("sec"), value.get("nsec")
-    if not isinstance(sec, int) or not isinstance(nsec, int):
+    # Before RMW_DURATION_INFINITE each middleware had a largest number of its own, from 2**31 - 1 s on.
+    if not isinstance(sec, int) or not isinstance(nsec, int) or sec >= 2**31 - 1:
         return INFINITE_NS
-    return min(sec * 10**9 + nsec, INFINITE_NS)
+    return sec * 10**9 + nsec

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import resource
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from bagmaker import BATCH, JOINTS, START_NS, WRENCH, joints, stamps, step_experiment, wrench
@@ -13,7 +16,7 @@ from mcap.reader import make_reader
 from rosbags.interfaces import QosDurability
 from rosbags.rosbag2 import Reader
 
-from msd_ident.bag import BagWriter, OfferedQos, open_bag, qos_from_yaml, qos_to_yaml
+from msd_ident.bag import BagWriter, OfferedQos, SourceOptions, open_bag, qos_from_yaml, qos_to_yaml, read
 from msd_ident.bag.definitions import Definitions
 from msd_ident.errors import SetupError, UsageError
 
@@ -161,6 +164,35 @@ def test_metadata_is_there_from_the_start_and_kept_up(tmp_path: Path) -> None:
     assert not list((tmp_path / "bag").glob("*.part"))
 
 
+RECORDER = """
+import itertools, sys
+from bagmaker import JOINTS, joints, stamps
+from msd_ident.bag import BagWriter
+
+writer = BagWriter(sys.argv[1], flush_seconds=0.05)
+writer.add_topic("/msd/encoder", JOINTS)
+for i, t in enumerate(stamps(10**6)):
+    writer.write("/msd/encoder", joints(t, [1e-3 * i]), t)
+    if i == 2000:
+        print("recording", flush=True)
+"""
+
+
+def test_a_recorder_that_is_killed_leaves_a_bag(tmp_path: Path) -> None:
+    folder = tmp_path / "killed"
+    command = [sys.executable, "-c", RECORDER, str(folder)]
+    helpers = str(Path(__file__).parents[1])
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=helpers) as recorder:
+        assert recorder.stdout is not None
+        assert recorder.stdout.readline() == "recording\n"
+        recorder.kill()
+    expected = metadata(folder)["message_count"]
+    record = read(folder, SourceOptions(force="none"))
+    assert record.samples >= max(expected, 20)
+    np.testing.assert_array_equal(record.position, 1e-3 * np.arange(record.samples))
+    assert "could be read" in record.notes[0]
+
+
 def test_empty_bags_are_bags(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "none"):
         pass
@@ -244,6 +276,7 @@ def test_qos_is_read_from_numbers_and_names() -> None:
         "automatic",
     )
     assert old.lifespan_ns == 10_000_000_005
+    assert old.deadline_ns == old.liveliness_lease_ns == OfferedQos().deadline_ns  # Foxy's "no limit" is today's
     profiles = (LATCHED, OfferedQos(reliability="best_effort", history="keep_all", deadline_ns=1_500_000_000))
     assert qos_from_yaml(qos_to_yaml(profiles)) == profiles
     assert qos_to_yaml(()) == ""
