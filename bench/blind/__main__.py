@@ -63,7 +63,7 @@ def _safe(case: Case) -> Outcome | str:
     try:
         return run(case)
     except Exception:  # a study goes on, and counts what failed
-        return traceback.format_exc()
+        return traceback.format_exc(limit=-3)
 
 
 def _told(outcomes: Sequence[Outcome], seed: int) -> list[str]:

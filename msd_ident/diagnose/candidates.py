@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from msd_ident.diagnose import resolvable
+from msd_ident.diagnose.descent import State, Weighting, descend, extended, step
 from msd_ident.diagnose.readings import Readings
-from msd_ident.errors import UsageError
 from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
-from msd_ident.fit.solver import Limits, Normal, minimise
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
@@ -22,7 +21,8 @@ from msd_ident.record import FloatArray, Record
 
 Causes = frozenset[str]
 
-_FIRST, _CHUNK, _CHUNKS = 3, 5, 8
+_FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
+_DAMPED = 1e-3
 _KEPT = 2
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further.
 _HOPELESS = 4.0
@@ -71,57 +71,37 @@ class Experiment:
         return resolvable.within(build(model, self.records, fixed, self.nuisances), self.ranges)
 
 
-@dataclass(frozen=True)
-class Weighted:
-    """Half the sum of squares in units of the noise, each run of equal readings counted once.
-
-    ``masks``, one (n,) array of 0 and 1 a record, leaves out samples (to predict them later).
-    """
-
-    problem: Problem
-    factors: tuple[FloatArray, ...]
-    steps: FloatArray
-
-    def cost(self, point: FloatArray) -> float:
-        """Half the weighted sum of squares."""
-        return 0.5 * sum(float(f @ self.problem.residual(point, r) ** 2) for r, f in enumerate(self.factors))
-
-    def linearise(self, point: FloatArray) -> Normal:
-        """Normal equations at the point."""
-        size = self.problem.size
-        cost, gradient, matrix = 0.0, np.zeros(size), np.zeros((size, size))
-        upper = self.problem.upper
-        steps = np.where(point + self.steps > upper, -self.steps, self.steps)
-        for r, factor in enumerate(self.factors):
-            residual, jacobian = self.problem.linearised(point, r, steps)
-            entries = self.problem.entries(r)
-            weighted = jacobian * factor
-            cost += 0.5 * float(factor @ residual**2)
-            gradient[entries] += weighted @ residual
-            matrix[np.ix_(entries, entries)] += weighted @ jacobian.T
-        unweighted = matrix / max(sum(float(f.mean()) for f in self.factors) / len(self.factors), 1e-300)
-        self.steps[:] = self.problem.steps(unweighted)
-        return Normal(cost, gradient, matrix)
-
-
-def objective(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighted:
-    """The weighted error of a problem, samples with mask 0 left out."""
-    factors = tuple(part.factor for part in readings)
+def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
+    """A problem in units of the noise, each run of equal readings counted once; samples with mask 0 left out."""
+    factors = [part.factor for part in readings]
     if masks is not None:
-        factors = tuple(factor * mask for factor, mask in zip(factors, masks, strict=True))
-    return Weighted(problem, factors, problem.first_steps())
+        factors = [factor * mask for factor, mask in zip(factors, masks, strict=True)]
+    return Weighting(problem, tuple(np.sqrt(factor) for factor in factors))
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """A set of causes, fitted: the model, each record's start, chi² and the information matrix in units of the noise."""
+    """A set of causes, fitted: the model, its problem, and the state in which the descent ended."""
 
     causes: Causes
     model: Model
     problem: Problem
-    point: FloatArray
-    chi: float
-    information: FloatArray
+    state: State
+
+    @property
+    def chi(self) -> float:
+        """Sum of squares in units of the noise."""
+        return self.state.chi
+
+    @property
+    def point(self) -> FloatArray:
+        """Vector of the problem."""
+        return self.state.point
+
+    @property
+    def information(self) -> FloatArray:
+        """Information matrix (p, p) in units of the noise."""
+        return self.state.jacobian @ self.state.jacobian.T
 
     @property
     def initial(self) -> tuple[Initial, ...]:
@@ -130,8 +110,8 @@ class Fitted:
 
     @property
     def free_parameters(self) -> int:
-        """Parameters of the causes."""
-        return len(self.model.names) - 3
+        """Parameters that were free, those of single records left out."""
+        return len(self.problem.free)
 
     def residuals(self) -> tuple[FloatArray, ...]:
         """Model − data of each record [m]."""
@@ -158,37 +138,45 @@ def library() -> tuple[str, ...]:
     return tuple(effect.name for effect in LIBRARY)
 
 
-def starts(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[tuple[Model, tuple[Initial, ...]]]:
-    """Models to start from: each parent's values, with guesses for the effects that it lacks."""
-    found = []
-    for parent in parents:
-        kept = [effect for effect in parent.model.effects if effect.name in causes]
-        plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
-        models = [Model(plant.mass, plant.damping, plant.stiffness, tuple(kept))]
-        for name in sorted(causes - parent.causes):
-            guesses = _guesses(experiment, name, plant)
-            models = [model + guess for model in models for guess in guesses]
-        found += [(model, parent.initial) for model in models]
-    return found
+def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
+    """Models to start from: the parent's values, with guesses for the effects that it lacks."""
+    kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
+    plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
+    models = [replace(plant, effects=kept)]
+    for name in sorted(causes - parent.causes):
+        guesses = _guesses(experiment, name, plant)
+        models = [model + guess for model in models for guess in guesses]
+    return models
 
 
 def _guesses(experiment: Experiment, name: str, plant: Model) -> tuple[Effect, ...]:
-    liveliest = max(experiment.readings, key=lambda part: float(np.ptp(part.record.position)))
-    guesses = by_name(name).guess(liveliest.record, plant)
+    liveliest = max(experiment.records, key=lambda record: float(np.ptp(record.position)))
+    guesses = by_name(name).guess(liveliest, plant)
     if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
-        largest = float(np.max(np.abs(liveliest.record.force)))
+        largest = float(np.max(np.abs(liveliest.force)))
         guesses += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
     return guesses
 
 
 def begin(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Fitted]:
-    """A few steps down from every start of a set, the best first; empty when none makes sense."""
-    begun = []
-    for model, initial in starts(experiment, causes, parents):
-        problem = experiment.problem(model)
-        values = dict(zip(model.names, model.values.tolist(), strict=True))
-        begun.append(_descend(experiment, causes, problem, problem.vector(values, initial), _FIRST))
-    return sorted(begun, key=lambda fitted: fitted.chi)
+    """A few steps down from the most promising starts of a set, the best first; empty when there is no start.
+
+    Every start is judged by what the first Gauss–Newton step from it promises, not by where it stands: a guess of the
+    wrong size but the right shape is a good one.
+    """
+    begun: list[tuple[float, Fitted]] = []
+    for parent in parents:
+        for model in starts(experiment, causes, parent):
+            problem = experiment.problem(model)
+            weighting = weigh(problem, experiment.readings)
+            values = dict(zip(model.names, model.values.tolist(), strict=True))
+            point = np.clip(problem.vector(values, parent.initial), problem.lower, problem.upper)
+            state = extended(weighting, parent.problem, parent.state, point)
+            promised = step(problem, state, _DAMPED)[1]
+            begun.append((state.chi - promised, Fitted(causes, model, problem, state)))
+    begun.sort(key=lambda pair: pair[0])
+    ahead = [_lower(experiment, fitted, _FIRST) for _, fitted in begun[:_KEPT]]
+    return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
 def finish(experiment: Experiment, begun: Sequence[Fitted], best_chi: Callable[[], float]) -> Fitted:
@@ -197,7 +185,7 @@ def finish(experiment: Experiment, begun: Sequence[Fitted], best_chi: Callable[[
     Args:
         best_chi: gives chi² of the best set so far: a set that stays far above it is not refined to the last digit.
     """
-    refined = [_settled(experiment, fitted, best_chi) for fitted in _distinct(begun)[:_KEPT]]
+    refined = [_settled(experiment, fitted, best_chi) for fitted in _distinct(begun)]
     return min(refined, key=lambda fitted: fitted.chi)
 
 
@@ -213,25 +201,48 @@ def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
 def _settled(experiment: Experiment, fitted: Fitted, best_chi: Callable[[], float]) -> Fitted:
     for _ in range(_CHUNKS):
         before = fitted.chi
-        fitted = _descend(experiment, fitted.causes, fitted.problem, fitted.point, _CHUNK)
+        fitted = _lower(experiment, fitted, _CHUNK)
         fall = before - fitted.chi
-        if fall <= 1e-3 * max(fitted.chi - experiment.evidence, 0.0) + 0.02:
+        if fall <= _settled_gain(experiment, fitted):
             break
         if fitted.chi > _HOPELESS * best_chi() and fall < 0.5 * before:
-            break
-    return fitted
+            return fitted
+    return exactly(experiment, fitted) if fitted.chi < _HOPELESS * best_chi() else fitted
 
 
-def refine(experiment: Experiment, fitted: Fitted) -> Fitted:
-    """The same set refined on another experiment (all samples instead of some), from where it stands."""
-    problem = experiment.problem(fitted.model)
-    return _settled(experiment, _descend(experiment, fitted.causes, problem, fitted.point, _CHUNK), lambda: math.inf)
+def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:
+    """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
+    return 0.02 + 1e-3 * max(fitted.chi - experiment.evidence, 0.0)
 
 
-def _descend(experiment: Experiment, causes: Causes, problem: Problem, point: FloatArray, iterations: int) -> Fitted:
-    error = objective(problem, experiment.readings)
-    lower, upper = problem.lower, problem.upper
-    limits = Limits(lower, upper, problem.scale, iterations, cost_tolerance=1e-5, step_tolerance=1e-7)
-    point = np.clip(minimise(error, point, limits).point, lower, upper)
-    normal = error.linearise(point)
-    return Fitted(causes, problem.model.with_values(problem.values(point)), problem, point, 2.0 * normal.cost, normal.matrix)
+def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
+    """The same with a Jacobian computed at its very point, after a last step with it."""
+    if fitted.state.exact:
+        return fitted
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = weighting.exact(fitted.point, weighting.steps(fitted.state))
+    state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
+    if not state.exact:
+        state = weighting.exact(state.point, weighting.steps(state))
+    return _at(fitted.causes, fitted.problem, state)
+
+
+def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Fitted:
+    """A set refined from given values to the last digit."""
+    problem = experiment.problem(model)
+    weighting = weigh(problem, experiment.readings)
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
+    return exactly(experiment, _at(causes, problem, state))
+
+
+def _lower(experiment: Experiment, fitted: Fitted, steps: int) -> Fitted:
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
+    return _at(fitted.causes, fitted.problem, state)
+
+
+def _at(causes: Causes, problem: Problem, state: State) -> Fitted:
+    return Fitted(causes, problem.model.with_values(problem.values(state.point)), problem, state)

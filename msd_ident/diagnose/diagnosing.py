@@ -118,15 +118,9 @@ def base_fit(task: Task, experiment: Experiment) -> Fitted:
     plain = fit(experiment.base, task.records, fixed=fixed)
     helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), task.records, fixed=fixed, zero="known")
     near = fit(helped.model.without("coulomb_friction", "force_offset"), task.records, fixed=fixed, search="near")
-    started = [_as_fitted(experiment, found) for found in (plain, near)]
-    return min((refine(experiment, fitted) for fitted in started), key=lambda fitted: fitted.chi)
-
-
-def _as_fitted(experiment: Experiment, found: FitResult) -> Fitted:
-    problem = experiment.problem(found.model)
-    values = dict(zip(found.model.names, found.model.values.tolist(), strict=True))
-    point = problem.vector(values, found.initial)
-    return Fitted(NOTHING, found.model, problem, point, math.inf, np.eye(point.size))
+    return min(
+        (refine(experiment, NOTHING, found.model, found.initial) for found in (plain, near)), key=lambda one: one.chi
+    )
 
 
 def _search(experiment: Experiment, base: Fitted, progress: Progress) -> Ranking:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.diagnose.candidates import Experiment, Fitted, objective
+from msd_ident.diagnose.candidates import Experiment, Fitted, weigh
+from msd_ident.diagnose.descent import State, descend
 from msd_ident.fit import see_reduction
-from msd_ident.fit.solver import Limits, minimise
 from msd_ident.record import FloatArray, Record
 
 FOLDS = 4
@@ -66,11 +66,12 @@ def _left_out(experiment: Experiment, fitted: Fitted, cuts: Sequence[FloatArray]
     """For each record the (n,) error of predictions by fits that did not see the sample."""
     problem = fitted.problem
     errors = tuple(np.zeros(record.samples) for record in problem.records)
-    limits = Limits(problem.lower, problem.upper, problem.scale, _ITERATIONS, cost_tolerance=1e-4, step_tolerance=1e-6)
     for fold in range(FOLDS):
         masks = [_training(cut, fold) for cut in cuts]
-        error = objective(problem, experiment.readings, masks)
-        point = minimise(error, fitted.point, limits).point
+        weighting = weigh(problem, experiment.readings, masks)
+        kept = np.concatenate(masks)
+        seen = State(fitted.point, fitted.state.residual * kept, fitted.state.jacobian * kept, True)
+        point = descend(weighting, seen, _ITERATIONS, 1e-3 * seen.chi).point
         for r, mask in enumerate(masks):
             out = mask == 0.0
             errors[r][out] = problem.residual(point, r)[out]

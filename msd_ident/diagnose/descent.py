@@ -1,0 +1,167 @@
+"""Levenberg–Marquardt with few simulations: the Jacobian is updated after Broyden and renewed when it misleads.
+
+``fit`` renews its Jacobian at every step, which is the safest way to one answer. Here some fifty models are fitted to
+one record, most of them wrong, and each starts from a smaller model whose Jacobian is known: its columns are taken over,
+and later steps update them by what each simulation teaches (Broyden 1965). Whatever ends here ends with a Jacobian that
+was computed anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.fit.problem import Problem
+from msd_ident.record import FloatArray
+
+_DAMPING = 1e-3
+_DAMPING_END = 1e8
+
+
+@dataclass(frozen=True)
+class State:
+    """A point, its weighted residual (n,) over all records in units of the noise, and the Jacobian (p, n) there.
+
+    ``exact`` says whether the Jacobian belongs to this very point.
+    """
+
+    point: FloatArray
+    residual: FloatArray
+    jacobian: FloatArray
+    exact: bool
+
+    @property
+    def chi(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+
+@dataclass(frozen=True)
+class Weighting:
+    """A problem with the root of the weight of each sample: what turns metres into units of the noise."""
+
+    problem: Problem
+    roots: tuple[FloatArray, ...]
+
+    def residual(self, point: FloatArray) -> FloatArray:
+        """Weighted residual (n,) of all records."""
+        parts = [root * self.problem.residual(point, r) for r, root in enumerate(self.roots)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def exact(self, point: FloatArray, steps: FloatArray) -> State:
+        """The point with a Jacobian by forward differences, turned round where a step would leave the bounds."""
+        steps = np.where(point + steps > self.problem.upper, -steps, steps)
+        residuals, jacobian = [], np.zeros((point.size, sum(root.size for root in self.roots)))
+        begin = 0
+        for r, root in enumerate(self.roots):
+            residual, columns = self.problem.linearised(point, r, steps)
+            columns *= root
+            jacobian[self.problem.entries(r), begin : begin + root.size] = columns
+            residuals.append(root * residual)
+            begin += root.size
+        return State(point, np.concatenate(residuals), jacobian, True)
+
+    def column(self, point: FloatArray, residual: FloatArray, entry: int, step: float) -> FloatArray:
+        """One row (n,) of the Jacobian by a forward difference."""
+        moved = point.copy()
+        moved[entry] += step if point[entry] + step <= self.problem.upper[entry] else -step
+        return np.asarray((self.residual(moved) - residual) / (moved[entry] - point[entry]))
+
+    def steps(self, state: State | None) -> FloatArray:
+        """Finite-difference steps: from the last Jacobian, or from natural sizes."""
+        if state is None:
+            return self.problem.first_steps()
+        mean = max(float(np.mean([np.mean(root**2) for root in self.roots])), 1e-300)
+        return self.problem.steps(state.jacobian @ state.jacobian.T / mean)
+
+
+def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, float]:
+    """Damped step inside the bounds and the fall of chi² that it promises; entries at a bound are held there."""
+    matrix, gradient = state.jacobian @ state.jacobian.T, state.jacobian @ state.residual
+    diagonal = np.diag(matrix)
+    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    move = np.zeros(state.point.size)
+    free = np.ones(state.point.size, dtype=bool)
+    for _ in range(state.point.size):
+        index = np.flatnonzero(free)
+        if index.size == 0:
+            break
+        scaled = matrix[np.ix_(index, index)] / np.outer(size[index], size[index])
+        scaled[np.diag_indices_from(scaled)] += damping
+        right = -(gradient[index] + matrix[np.ix_(index, ~free)] @ move[~free]) / size[index]
+        move[index] = _solve(scaled, right) / size[index]
+        outside = free & ((state.point + move < problem.lower) | (state.point + move > problem.upper))
+        if not outside.any():
+            break
+        move[outside] = np.clip(state.point + move, problem.lower, problem.upper)[outside] - state.point[outside]
+        free &= ~outside
+    return move, -2.0 * float(gradient @ move) - float(move @ matrix @ move)
+
+
+def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0])
+
+
+def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -> State:
+    """At most so many accepted steps down; ends where less than ``least_gain`` of chi² is promised."""
+    damping, growth = _DAMPING, 4.0
+    taken = 0
+    while taken < steps and damping < _DAMPING_END:
+        move, promised = step(weighting.problem, state, damping)
+        if promised < least_gain:
+            if state.exact:
+                break
+            state = weighting.exact(state.point, weighting.steps(state))
+            continue
+        point = np.clip(state.point + move, weighting.problem.lower, weighting.problem.upper)
+        residual = weighting.residual(point)
+        gain = state.chi - float(residual @ residual)
+        if gain > 0.1 * promised or (gain > 0.0 and state.exact):
+            state = _updated(state, point, residual)
+            damping, growth = max(damping * (0.2 if gain > 0.5 * promised else 1.0), 1e-9), 4.0
+            taken += 1
+            if gain < 0.3 * promised:
+                state = weighting.exact(state.point, weighting.steps(state))
+        elif not state.exact:
+            state = weighting.exact(state.point, weighting.steps(state))
+        else:
+            damping, growth = damping * growth, growth * 2.0
+    return state
+
+
+def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:
+    """Broyden's update: the least change of the Jacobian that explains what the step did."""
+    scale = np.sqrt(np.maximum(np.einsum("ij,ij->i", state.jacobian, state.jacobian), 1e-300))
+    move = (point - state.point) * scale  # in units in which every entry matters alike
+    length = float(move @ move)
+    if length == 0.0:
+        return State(point, residual, state.jacobian, False)
+    surprise = residual - state.residual - (point - state.point) @ state.jacobian
+    jacobian = state.jacobian + np.outer(scale * move / length, surprise)
+    return State(point, residual, jacobian, False)
+
+
+def extended(weighting: Weighting, parent: Problem, known: State, point: FloatArray) -> State:
+    """A start next to a smaller model's end: its Jacobian taken over, the new entries' rows computed.
+
+    Args:
+        parent: the smaller model's problem, whose entries all stand in this one's under the same names.
+        known: the smaller model's state.
+        point: start of this problem.
+    """
+    names = weighting.problem.names
+    place = {name: i for i, name in enumerate(parent.names)}
+    residual = weighting.residual(point)
+    jacobian = np.zeros((len(names), residual.size))
+    steps = weighting.steps(None)
+    for entry, name in enumerate(names):
+        if name in place:
+            jacobian[entry] = known.jacobian[place[name]]
+        else:
+            jacobian[entry] = weighting.column(point, residual, entry, float(steps[entry]))
+    return State(point, residual, jacobian, False)
+
