@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from msd_ident.features.form import StandardForm, pool
-from msd_ident.features.onsets import Onset, held_share, onsets
-from msd_ident.features.response import Response, free_decay, step_response, with_dead_width
+from msd_ident.features.decay import free_decay
+from msd_ident.features.form import StandardForm, combine_chain, pool
+from msd_ident.features.onsets import Onset, held_share, is_constant, onsets
+from msd_ident.features.response import Noise, Response, noise_of, step_response, with_dead_width
 from msd_ident.record import Record
 
 #: A force that is held for less than this part of the time has no steps to speak of.
@@ -38,12 +39,13 @@ class Features:
 
 def extract(record: Record) -> Features:
     """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
+    noise = noise_of(record)
     steps = onsets(record) if held_share(record) >= _HELD else ()
-    responses = _responses(record, steps)
+    responses = _responses(record, steps, noise)
     if responses:
-        return Features("step", _step_route(responses), responses, pool(_forms(responses)))
-    if not steps and not record.force_at(record.time).any():
-        return _decay(record)
+        return Features("step", _step_route(responses), responses, _together(responses), _remarks(record, responses))
+    if is_constant(record):
+        return _decay(record, noise)
     if steps:
         count = f"{len(steps)} force step{'s' if len(steps) > 1 else ''}"
         return _none(f"{count}, but no response that settles or swings: a step response does not apply.")
@@ -54,13 +56,35 @@ def _none(why: str) -> Features:
     return Features("none", why, (), None)
 
 
-def _responses(record: Record, steps: Sequence[Onset]) -> tuple[Response, ...]:
+def _responses(record: Record, steps: Sequence[Onset], noise: Noise) -> tuple[Response, ...]:
+    """Responses in turn; one that shows nothing breaks the chain, and the next must begin at rest again."""
     found: list[Response] = []
+    earlier: Response | None = None
     for onset in steps:
-        response = step_response(record, onset, found[-1] if found else None)
-        if response is not None:
-            found.append(response)
+        earlier = step_response(record, onset, noise, earlier)
+        if earlier is not None:
+            found.append(earlier)
     return with_dead_width(tuple(found))
+
+
+def _together(responses: Sequence[Response]) -> StandardForm | None:
+    """ωn and ζ as weighted means, K from all rest values: a rest value ends one step and begins the next."""
+    form = pool(_forms(responses))
+    gains = [response.form.static_gain for response in responses if response.form and response.form.static_gain]
+    if form is None or len(gains) < len(responses):
+        return form
+    links = [
+        -(one.steady_state.std**2) / (one.amplitude * two.amplitude) if two.initial == one.steady_state else 0.0
+        for one, two in zip(responses, responses[1:], strict=False)
+    ]
+    return StandardForm(form.natural_frequency, form.damping_ratio, combine_chain(gains, links))
+
+
+def _remarks(record: Record, responses: Sequence[Response]) -> tuple[str, ...]:
+    skipped = len(onsets(record)) - len(responses)
+    if not skipped:
+        return ()
+    return (f"{skipped} force step{'s' if skipped > 1 else ''} left out: no rest before, or too little motion after.",)
 
 
 def pooled(features: Sequence[Features]) -> StandardForm | None:
@@ -89,14 +113,16 @@ def _step_route(responses: tuple[Response, ...]) -> str:
     )
 
 
-def _decay(record: Record) -> Features:
-    response = free_decay(record)
+def _decay(record: Record, noise: Noise) -> Features:
+    response = free_decay(record, noise)
     if response is None:
         return _none("No force acts and nothing swings: there is no response to read.")
     remarks: tuple[str, ...] = ()
     lead = response.onset - float(record.time[0])
     if lead > 0.02 * record.duration:
-        remarks = (f"The first {lead:.2f} s, before the release, were left out: the cart was held or pulled by hand.",)
+        remarks = (
+            f"The first {lead:.2f} s, before the cart moved freely, were left out: it was held or pulled by hand.",
+        )
     route = (
         f"Free decay from {len(response.turns)} turning points, eqs. 3 to 7: without a force there is no static gain, "
         "so mass, damping and stiffness are known only as ratios."

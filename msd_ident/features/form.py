@@ -94,6 +94,21 @@ def combine(quantities: Sequence[Quantity]) -> Quantity:
     return Quantity(mean, formal * math.sqrt(max(excess, 1.0)), quantities[0].unit)
 
 
+def combine_chain(quantities: Sequence[Quantity], links: Sequence[float]) -> Quantity:
+    """As ``combine``, where neighbours share a part of their error: ``links`` are their covariances, (n − 1,)."""
+    std = np.array([quantity.std for quantity in quantities])
+    covariance = np.diag(std**2) + np.diag(links, 1) + np.diag(links, -1)
+    scale = float(np.mean(std**2))
+    if len(quantities) == 1 or not scale > 0.0 or np.linalg.eigvalsh(covariance)[0] < 1e-9 * scale:
+        return combine(quantities)
+    values = np.array([quantity.value for quantity in quantities])
+    inverse = np.linalg.inv(covariance)
+    formal = 1.0 / float(np.sum(inverse))
+    mean = float(np.sum(inverse @ values)) * formal
+    excess = float((values - mean) @ inverse @ (values - mean)) / (values.size - 1)
+    return Quantity(mean, math.sqrt(formal * max(excess, 1.0)), quantities[0].unit)
+
+
 def pool(forms: Sequence[StandardForm]) -> StandardForm | None:
     """One standard form from several of the same plant; ``None`` from none."""
     if not forms:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,34 +11,43 @@ from msd_ident.record import FloatArray, Record
 
 #: A step must be at least this part of the force's whole range.
 _SMALLEST_JUMP = 0.05
-#: A level may vary by this part of the force's range and still count as held.
+#: A level may vary by this part of the force's range to either side and still count as held.
 _FLATNESS = 0.02
 #: A level must last for this many position samples.
 _SHORTEST_LEVEL = 10
+#: A measured force needs as many samples before its noise can be told from its steps.
+_MEASURED = 50
+#: The force must rise within so many position samples, or within this part of the level that it rises to.
+_RISE_SAMPLES, _RISE_SHARE = 3.0, 0.01
 
 
 @dataclass(frozen=True)
 class Level:
-    """A force that was held: from ``start`` to ``end`` [s] at ``force``."""
+    """A force that was held: from ``start`` to ``end`` [s] at ``force``, known to ``std`` where it was measured."""
 
     start: float
     end: float
     force: float
+    std: float
 
 
 @dataclass(frozen=True)
 class Onset:
-    """A jump of the force at ``time`` [s] from one level to the next, which lasts until ``end`` [s]."""
+    """A jump of the force at ``time`` [s] from one level to the next."""
 
     time: float
-    end: float
-    before: float
-    after: float
+    before: Level
+    after: Level
 
     @property
     def amplitude(self) -> float:
         """Change of the force, with its sign."""
-        return self.after - self.before
+        return self.after.force - self.before.force
+
+    @property
+    def amplitude_std(self) -> float:
+        """Standard deviation of the amplitude, 0 for a command."""
+        return math.hypot(self.before.std, self.after.std)
 
 
 def levels(record: Record) -> tuple[Level, ...]:
@@ -46,15 +56,30 @@ def levels(record: Record) -> tuple[Level, ...]:
     The first level may be short: it is the rest before a first step.
     """
     stamps, force = _stream(record)
-    tolerance = max(_FLATNESS * float(np.ptp(force)), 1e-12)
-    ends = np.append(stamps[1:], max(float(record.time[-1]), float(stamps[-1])))
-    jumps = np.flatnonzero(np.abs(np.diff(force)) > tolerance) + 1
+    noise = _noise(force)
+    flat = _FLATNESS * float(np.ptp(force))
+    jumps = np.flatnonzero(np.abs(np.diff(force)) > max(flat, 7.0 * noise, 1e-12)) + 1
     found: list[Level] = []
     for first, last in zip([0, *jumps.tolist()], [*jumps.tolist(), force.size], strict=True):
-        long_enough = first == 0 or ends[last - 1] - stamps[first] >= _SHORTEST_LEVEL * record.period
-        if long_enough and float(np.ptp(force[first:last])) <= 2.0 * tolerance:
-            found.append(Level(float(stamps[first]), float(ends[last - 1]), float(np.median(force[first:last]))))
+        start, end = float(stamps[first]), _level_end(record, stamps, last)
+        long_enough = first == 0 or end - start >= _SHORTEST_LEVEL * record.period
+        if long_enough and float(np.ptp(force[first:last])) <= 2.0 * max(flat, 5.0 * noise, 1e-12):
+            found.append(Level(start, end, float(np.mean(force[first:last])), noise / math.sqrt(last - first)))
     return tuple(found)
+
+
+def _noise(force: FloatArray) -> float:
+    """Standard deviation of a measured force's noise, from its differences; 0 for commands."""
+    if force.size < _MEASURED:
+        return 0.0
+    return 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(np.diff(force))))
+
+
+def _level_end(record: Record, stamps: FloatArray, last: int) -> float:
+    """Until when the level whose samples end before ``last`` is held."""
+    if last == stamps.size:
+        return max(float(record.time[-1]), float(stamps[-1]))
+    return float(stamps[last] if record.hold == "zero" else stamps[last - 1])
 
 
 def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
@@ -70,18 +95,23 @@ def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
 
 def onsets(record: Record) -> tuple[Onset, ...]:
     """Steps of the force: jumps between neighbouring levels that follow each other at once."""
-    span = float(np.ptp(record.force_at(record.time)))
     held = levels(record)
+    smallest = _SMALLEST_JUMP * float(np.ptp([level.force for level in held])) if held else 0.0
     found = []
     for before, after in zip(held, held[1:], strict=False):
-        sudden = after.start - before.end <= 3.0 * record.period
-        if sudden and abs(after.force - before.force) > _SMALLEST_JUMP * span:
-            # A force that runs linearly between its stamps rises in the middle of the interval.
-            time = 0.5 * (before.end + after.start) if record.hold == "linear" else after.start
-            found.append(Onset(time, after.end, before.force, after.force))
+        rise = max(_RISE_SAMPLES * record.period, _RISE_SHARE * (after.end - after.start))
+        if after.start - before.end <= rise and abs(after.force - before.force) > max(smallest, 1e-12):
+            # Where the force takes a while to rise, or runs linearly between its stamps, the middle of it counts.
+            time = 0.5 * (before.end + after.start)
+            found.append(Onset(time, before, after))
     return tuple(found)
 
 
 def held_share(record: Record) -> float:
     """Part of the record's duration during which the force rests on some level, 0 to 1."""
     return sum(level.end - level.start for level in levels(record)) / record.duration
+
+
+def is_constant(record: Record) -> bool:
+    """Whether the force is the same from the first to the last position sample."""
+    return float(np.ptp(_stream(record)[1])) == 0.0

@@ -7,14 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.optimize
 
 from msd_ident.features import equations
 from msd_ident.features.swings import Extreme
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray
 
-#: A turning point counts while it is this many of its standard deviations away from rest.
+#: The way between two turning points counts while it is this many of its standard deviations.
 _SIGNIFICANT = 5.0
+#: From so many turning points on, they tell the middle of the oscillation better than the place of rest does.
+_OWN_MIDDLE = 4
 
 
 @dataclass(frozen=True)
@@ -31,37 +34,47 @@ class TwoPeaks:
 
 
 @dataclass(frozen=True)
-class Swing:
-    """One half-swing: amplitude at its middle [m], local damping ratio and natural frequency [rad/s].
+class AllPeaks:
+    """What all turning points say: ωn [rad/s], ζ, and the middle of the oscillation [m]."""
 
-    ζ(A) rises as A falls with dry friction and falls with drag.
+    natural_frequency: Quantity
+    damping_ratio: Quantity
+    middle: Quantity
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Around one turning point: amplitude [m], local damping ratio with its standard deviation, ωn [rad/s].
+
+    Read from the ways between three turning points, so a rest value that dry friction has shifted has no part in
+    it. ζ(A) rises as A falls with dry friction and falls with drag.
     """
 
     amplitude: float
     damping_ratio: float
+    damping_ratio_std: float
     natural_frequency: float
 
 
-def two_peaks(turns: Sequence[Extreme], rest: float, rest_std: float) -> TwoPeaks | None:
+def two_peaks(turns: Sequence[Extreme], rest: Quantity) -> TwoPeaks | None:
     """Eqs. 3 to 7 from the first two turning points on the side of the first one; ``None`` without a decrement."""
     same = [turn for turn in turns if turn.side == turns[0].side] if turns else []
     if len(same) < 2:
         return None
     one, two = same[0], same[1]
-    high, low = one.side * (one.value - rest), one.side * (two.value - rest)
+    high, low = one.side * (one.value - rest.value), one.side * (two.value - rest.value)
     if not high > low > 0.0:
         return None
-    decrement = equations.logarithmic_decrement(one.value, two.value, rest)
+    decrement = equations.logarithmic_decrement(one.value, two.value, rest.value)
     decrement_std = math.sqrt(
-        (one.value_std / high) ** 2 + (two.value_std / low) ** 2 + (rest_std * (1.0 / low - 1.0 / high)) ** 2
+        (one.value_std / high) ** 2 + (two.value_std / low) ** 2 + (rest.std * (1.0 / low - 1.0 / high)) ** 2
     )
     ratio = equations.damping_ratio(decrement)
     ratio_std = decrement_std * (1.0 - ratio**2) ** 1.5 / (2.0 * math.pi)
     period = equations.damped_period(one.time, two.time)
     period_std = math.hypot(one.time_std, two.time_std)
     damped = equations.damped_frequency(period)
-    frequency = equations.natural_frequency(damped, ratio)
-    frequency_std = frequency * math.hypot(period_std / period, ratio * ratio_std / (1.0 - ratio**2))
+    frequency, frequency_std = _undamped(damped, damped * period_std / period, ratio, ratio_std)
     return TwoPeaks(
         first=one,
         second=two,
@@ -73,40 +86,82 @@ def two_peaks(turns: Sequence[Extreme], rest: float, rest_std: float) -> TwoPeak
     )
 
 
-def significant(turns: Sequence[Extreme], rest: float, rest_std: float) -> list[Extreme]:
-    """Turning points, from the first on, that stand clear of the rest position and go on shrinking."""
-    kept: list[Extreme] = []
-    for turn in turns:
-        height = turn.side * (turn.value - rest)
-        if height < _SIGNIFICANT * math.hypot(turn.value_std, rest_std):
+def _undamped(damped: float, damped_std: float, ratio: float, ratio_std: float) -> tuple[float, float]:
+    """ωn by eq. 7 and its standard deviation."""
+    frequency = equations.natural_frequency(damped, ratio)
+    return frequency, frequency * math.hypot(damped_std / damped, ratio * ratio_std / (1.0 - ratio**2))
+
+
+def _ratio_of_half(fall: float) -> float:
+    """ζ of a logarithmic decrement per half-swing: eq. 4 with δ = 2·fall."""
+    return equations.damping_ratio(2.0 * fall)
+
+
+def significant(turns: Sequence[Extreme]) -> list[Extreme]:
+    """Turning points, from the first on, while the ways between them stand clear of the noise and shrink."""
+    kept = list(turns[:1])
+    before = math.inf
+    for one, two in zip(turns, turns[1:], strict=False):
+        way = abs(two.value - one.value)
+        if way < _SIGNIFICANT * math.hypot(one.value_std, two.value_std) or way > 1.02 * before:
             break
-        if kept and height > 1.02 * kept[-1].side * (kept[-1].value - rest):
-            break
-        kept.append(turn)
+        kept.append(two)
+        before = way
     return kept
 
 
-def all_peaks(turns: Sequence[Extreme], rest: float, rest_std: float) -> tuple[Quantity, Quantity] | None:
-    """(ωn, ζ) by weighted regression over all turning points; ``None`` with fewer than three.
+def all_peaks(turns: Sequence[Extreme], rest: Quantity | None, unit: str) -> AllPeaks | None:
+    """ωn and ζ from all turning points, values in ``unit``; ``None`` from fewer than three, or three and no rest.
 
-    Half-periods give ωd; ln(height) falls by πζ/√(1 − ζ²) a half-swing. Scatter beyond the noise, as dry friction
-    or drag make it, widens the intervals.
+    Half-periods give ωd; the heights over the middle shrink by exp(−πζ/√(1 − ζ²)) a half-swing. The middle is
+    fitted too where there are enough points: dry friction may hold the cart beside it. Scatter beyond the noise, as
+    dry friction or drag make it, widens the intervals.
     """
-    used = significant(turns, rest, rest_std)
-    if len(used) < 3:
+    used = significant(turns)
+    if len(used) < 3 or (len(used) < _OWN_MIDDLE and rest is None):
         return None
     order = np.arange(len(used), dtype=np.float64)
-    height = np.array([turn.side * (turn.value - rest) for turn in used])
-    height_std = np.array([math.hypot(turn.value_std, rest_std) for turn in used])
     time_std = np.array([turn.time_std if math.isfinite(turn.time_std) else 1.0 for turn in used])
     half, half_std = _slope(order, np.array([turn.time for turn in used]), time_std)
-    fall, fall_std = _slope(order, np.log(height), height_std / height)
-    decrement = max(-fall, 1e-9)
-    ratio = decrement / math.hypot(decrement, math.pi)
-    ratio_std = fall_std * (1.0 - ratio**2) ** 1.5 / math.pi
-    frequency = equations.natural_frequency(math.pi / half, ratio)
-    frequency_std = frequency * math.hypot(half_std / half, ratio * ratio_std / (1.0 - ratio**2))
-    return Quantity(frequency, frequency_std, "rad/s"), Quantity(ratio, ratio_std, "1")
+    fitted = _fit_heights(used, rest if len(used) < _OWN_MIDDLE else None)
+    if fitted is None:
+        return None
+    fall, middle = fitted
+    ratio = _ratio_of_half(max(fall.value, 1e-9))
+    ratio_std = fall.std * (1.0 - ratio**2) ** 1.5 / math.pi
+    damped = math.pi / half
+    frequency, frequency_std = _undamped(damped, damped * half_std / half, ratio, ratio_std)
+    return AllPeaks(
+        natural_frequency=Quantity(frequency, frequency_std, "rad/s"),
+        damping_ratio=Quantity(ratio, ratio_std, "1"),
+        middle=Quantity(middle.value, middle.std, unit),
+    )
+
+
+def _fit_heights(used: Sequence[Extreme], rest: Quantity | None) -> tuple[Quantity, Quantity] | None:
+    """(logarithmic decrement a half-swing, middle) of values c + side·A·exp(−i·fall), by weighted least squares."""
+    order = np.arange(len(used), dtype=np.float64)
+    side = np.array([turn.side for turn in used], dtype=np.float64)
+    value = np.array([turn.value for turn in used])
+    std = np.array([max(turn.value_std, 1e-9 * abs(used[1].value - used[0].value)) for turn in used])
+    ways = np.abs(np.diff(value))
+    fall = float(np.median(np.log(ways[:-1] / ways[1:])))
+    height = ways[0] / (1.0 + math.exp(-fall))
+    start = np.array([value[0] - side[0] * height, height, fall])
+
+    def residual(point: FloatArray) -> FloatArray:
+        misfit = (point[0] + side * point[1] * np.exp(-order * point[2]) - value) / std
+        return misfit if rest is None else np.append(misfit, (point[0] - rest.value) / max(rest.std, 1e-300))
+
+    scale = np.array([height, height, 0.1])
+    found = scipy.optimize.least_squares(residual, start, x_scale=scale, method="lm")
+    if not np.all(np.isfinite(found.x)):
+        return None
+    excess = 2.0 * float(found.cost) / max(found.fun.size - 3, 1)
+    jacobian = found.jac * scale
+    covariance = np.linalg.pinv(jacobian.T @ jacobian) * max(excess, 1.0)
+    spread = np.sqrt(np.diag(covariance)) * scale
+    return Quantity(float(found.x[2]), float(spread[2]), "1"), Quantity(float(found.x[0]), float(spread[0]), "")
 
 
 def _slope(x: FloatArray, y: FloatArray, std: FloatArray) -> tuple[float, float]:
@@ -120,27 +175,43 @@ def _slope(x: FloatArray, y: FloatArray, std: FloatArray) -> tuple[float, float]
     return slope, math.sqrt(max(excess, 1.0) / spread)
 
 
-def swings(turns: Sequence[Extreme], rest: float, rest_std: float) -> tuple[Swing, ...]:
-    """ζ(A) and ωn(A), one a half-swing, in time order."""
-    used = significant(turns, rest, rest_std)
+def swings(turns: Sequence[Extreme]) -> tuple[Swing, ...]:
+    """ζ(A) and ωn(A), one for every three turning points that follow each other, in time order."""
+    used = significant(turns)
     found = []
-    for one, two in zip(used, used[1:], strict=False):
-        high, low = one.side * (one.value - rest), two.side * (two.value - rest)
-        decrement = math.log(high / low)
-        ratio = decrement / math.hypot(decrement, math.pi)
-        damped = math.pi / (two.time - one.time)
-        found.append(Swing(math.sqrt(high * low), ratio, equations.natural_frequency(damped, abs(ratio))))
+    for one, two, three in zip(used, used[1:], used[2:], strict=False):
+        wide, narrow = abs(two.value - one.value), abs(three.value - two.value)
+        ratio = _ratio_of_half(math.log(wide / narrow))
+        fall_std = math.sqrt(
+            (one.value_std / wide) ** 2
+            + (three.value_std / narrow) ** 2
+            + (two.value_std * (1.0 / narrow - 1.0 / wide)) ** 2
+        )
+        damped = 2.0 * math.pi / (three.time - one.time)
+        found.append(
+            Swing(
+                amplitude=0.5 * math.sqrt(wide * narrow),
+                damping_ratio=ratio,
+                damping_ratio_std=fall_std * (1.0 - ratio**2) ** 1.5 / math.pi,
+                natural_frequency=equations.natural_frequency(damped, ratio),
+            )
+        )
     return tuple(found)
 
 
-def dead_width(found: Sequence[Swing]) -> float:
-    """Half-width Fc/k [m] of the zone in which dry friction may hold the cart, from ζ(A) ≈ ζ + 2Fc/(πkA); 0 if none.
+def dead_width(turns: Sequence[Extreme]) -> float:
+    """Half-width Fc/k [m] of the zone in which dry friction may hold the cart; 0 where none shows.
 
-    The rest value of a cart with dry friction is uncertain by that much.
+    With viscous and dry friction the ways between turning points follow S' = r S − 2(1 + r) Fc/k: a straight line.
     """
-    if len(found) < 3:
+    used = significant(turns)
+    if len(used) < 5:
         return 0.0
-    inverse = np.array([1.0 / swing.amplitude for swing in found])
-    ratio = np.array([swing.damping_ratio for swing in found])
-    slope, std = _slope(inverse, ratio, np.full(ratio.size, 1e-6) * inverse / inverse.min())
-    return 0.5 * math.pi * slope if slope > 2.0 * std else 0.0
+    way = np.abs(np.diff([turn.value for turn in used]))
+    std = math.sqrt(2.0) * np.array([turn.value_std for turn in used[2:]])
+    ratio, _ = _slope(way[:-1], way[1:], std)
+    offset = way[1:] - ratio * way[:-1]
+    offset_std = max(float(np.std(offset)), float(np.mean(std))) * math.sqrt(1.0 + way.mean() ** 2 / way.var())
+    width = -float(np.mean(offset)) / (2.0 * (1.0 + ratio))
+    significant_width = 2.0 * offset_std / math.sqrt(offset.size) / (2.0 * (1.0 + ratio))
+    return width if ratio > 0.0 and width > significant_width else 0.0

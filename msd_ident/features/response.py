@@ -11,6 +11,7 @@ from msd_ident import quality
 from msd_ident.features import equations, oscillation
 from msd_ident.features.form import StandardForm, gain_unit
 from msd_ident.features.onsets import Onset
+from msd_ident.features.rest import FEWEST, is_quiet, rest_value
 from msd_ident.features.shape import Shape, fit_shape
 from msd_ident.features.swings import Extreme, extremes
 from msd_ident.quantity import Quantity
@@ -29,6 +30,7 @@ class Response:
     Attributes:
         onset: when it begins [s], on the record's clock.
         amplitude: change of the force, 0 for a free decay.
+        amplitude_std: its standard deviation, 0 for a command.
         initial: reading before the step.
         steady_state: reading at rest, xss.
         turns: all turning points.
@@ -40,6 +42,7 @@ class Response:
 
     onset: float
     amplitude: float
+    amplitude_std: float
     initial: Quantity
     steady_state: Quantity
     turns: tuple[Extreme, ...]
@@ -49,52 +52,64 @@ class Response:
     form: StandardForm | None
 
 
-def step_response(record: Record, onset: Onset, earlier: Response | None = None) -> Response | None:
-    """Features of the motion after one force step; ``None`` when too little of it was recorded.
+@dataclass(frozen=True)
+class Noise:
+    """What the encoder adds to a reading: noise floor and encoder step, in the unit of the position."""
 
-    ``earlier`` is the response before it, whose rest value counts where the cart had not come to rest yet.
+    floor: float
+    step: float
+    unit: str
+
+
+def noise_of(record: Record) -> Noise:
+    """Noise of a record, looked at once for all its responses."""
+    return Noise(quality.noise_floor(record), quality.encoder_step(record), record.position_unit)
+
+
+def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response | None = None) -> Response | None:
+    """Features of the motion after one force step; ``None`` when it shows too little.
+
+    ``earlier`` is the response before it, whose rest value counts as where this one began.
     """
-    inside = (record.time >= onset.time) & (record.time <= onset.end)
+    inside = (record.time >= onset.time) & (record.time <= onset.after.end)
     if np.count_nonzero(inside) < SHORTEST:
         return None
-    floor = quality.noise_floor(record)
     time, position = record.time[inside], record.position[inside]
-    initial, at_rest = _before(record, onset.time, floor, float(np.ptp(position)))
-    if not at_rest:
-        if earlier is None:
-            return None
-        initial = earlier.steady_state
-    turns = extremes(time, position, floor)
-    rest = _rest(position, turns, floor, record.position_unit)
-    if rest is None:
+    still = _at_rest(record, onset, noise, float(np.ptp(position)))
+    initial = _initial(record, onset, noise) if earlier is None else earlier.steady_state
+    if earlier is None and not still:
         return None
-    found = oscillation.all_peaks(_after_start(turns, time), rest.value, rest.std)
-    peaks = oscillation.two_peaks(turns, rest.value, rest.std)
-    shape = None
+    turns = _after_start(extremes(time, position, noise.floor), time)
+    settled = _settled(position, noise)
+    found = oscillation.all_peaks(turns, settled, noise.unit)
     if found is None:
-        if not at_rest:
+        begin = initial if earlier is None else rest_value(_last_before(record, onset), noise.floor, noise.unit)
+        shape = fit_shape(time - onset.time, position, begin, noise.floor) if still else None
+        if shape is None or not _believable(shape, float(time[-1] - time[0]), float(np.ptp(position))):
             return None
-        shape = fit_shape(time - onset.time, position, floor, record.position_unit)
-        if shape is None or not _believable(shape, float(time[-1] - time[0]), position):
-            return None
-        found, rest = (shape.natural_frequency, shape.damping_ratio), shape.steady_state
-    gain = _gain(initial, rest, onset.amplitude, gain_unit(record.position_unit, record.force_unit))
+        frequency, ratio, rest = shape.natural_frequency, shape.damping_ratio, _end_of(shape, settled, time)
+    else:
+        shape = None
+        frequency, ratio, rest = found.natural_frequency, found.damping_ratio, settled or found.middle
+    force = Quantity(onset.amplitude, onset.amplitude_std, record.force_unit)
+    gain = _gain(initial, rest, force, gain_unit(record.position_unit, record.force_unit))
     return Response(
         onset=onset.time,
         amplitude=onset.amplitude,
+        amplitude_std=onset.amplitude_std,
         initial=initial,
         steady_state=rest,
         turns=turns,
-        peaks=peaks,
-        swings=oscillation.swings(turns, rest.value, rest.std),
+        peaks=oscillation.two_peaks(turns, rest),
+        swings=oscillation.swings(turns),
         shape=shape,
-        form=StandardForm(found[0], found[1], gain),
+        form=StandardForm(frequency, ratio, gain),
     )
 
 
 def with_dead_width(responses: tuple[Response, ...]) -> tuple[Response, ...]:
     """The same with the uncertainty of rest values, and so of K, widened by where dry friction may hold the cart."""
-    width = max((oscillation.dead_width(response.swings) for response in responses), default=0.0) / math.sqrt(3.0)
+    width = max((oscillation.dead_width(response.turns) for response in responses), default=0.0) / math.sqrt(3.0)
     return tuple(_widened(response, width) for response in responses) if width > 0.0 else responses
 
 
@@ -105,59 +120,34 @@ def _widened(response: Response, width: float) -> Response:
     )
     form = response.form
     if form is not None and form.static_gain is not None:
-        gain = _gain(initial, rest, response.amplitude, form.static_gain.unit)
+        force = Quantity(response.amplitude, response.amplitude_std, "")
+        gain = _gain(initial, rest, force, form.static_gain.unit)
         form = StandardForm(form.natural_frequency, form.damping_ratio, gain)
     return replace(response, initial=initial, steady_state=rest, form=form)
 
 
-def free_decay(record: Record) -> Response | None:
-    """Features of a release without force: from the last time that the cart is near its largest excursion on.
-
-    What comes before (a hand that pulls and holds) is left out. ``None`` when nothing swings after it.
-    """
-    floor = quality.noise_floor(record)
-    tail = record.position[-max(SHORTEST, int(_TAIL * record.samples)) :]
-    rest = float(np.median(tail))
-    away = np.abs(record.position - rest)
-    far = np.flatnonzero(away >= 0.97 * away.max())
-    first = int(far[0])
-    if far.size > 1:
-        # The hand may hold for long: the motion is free from the last sample of the first stay out there.
-        jumps = np.flatnonzero(np.diff(far) > max(3, record.samples // 50))
-        first = int(far[jumps[0]]) if jumps.size else int(far[-1])
-    time, position = record.time[first:], record.position[first:]
-    if time.size < SHORTEST or away.max() < 20.0 * floor:
-        return None
-    turns = extremes(time, position, floor)
-    settled = _rest(position, turns, floor, record.position_unit)
-    if settled is None:
-        return None
-    found = oscillation.all_peaks(turns, settled.value, settled.std)
-    if found is None:
-        return None
-    return Response(
-        onset=float(time[0]),
-        amplitude=0.0,
-        initial=Quantity(float(position[0]), floor, record.position_unit),
-        steady_state=settled,
-        turns=turns,
-        peaks=oscillation.two_peaks(turns, settled.value, settled.std),
-        swings=oscillation.swings(turns, settled.value, settled.std),
-        shape=None,
-        form=StandardForm(found[0], found[1], None),
-    )
+def _at_rest(record: Record, onset: Onset, noise: Noise, swing: float) -> bool:
+    """Whether the cart was at rest when the force stepped."""
+    before = _last_before(record, onset)
+    if before.size < FEWEST:
+        return _starts_still(record, noise.floor, swing)
+    return is_quiet(before, noise.floor, noise.step) or float(np.ptp(before)) <= 0.003 * swing
 
 
-def _before(record: Record, onset: float, floor: float, swing: float) -> tuple[Quantity, bool]:
-    """Reading before the step, the median of what lies just before it, and whether the cart was at rest there."""
-    count = max(5, int(0.02 * record.samples) + 1)
-    tail = record.position[record.time <= onset][-count:]
-    if tail.size > 2:
-        still = float(np.ptp(tail)) <= max(8.0 * floor, 0.02 * swing)
-    else:
-        still = _starts_still(record, floor, swing)
-    tail = tail if tail.size else record.position[:1]
-    return Quantity(float(np.median(tail)), floor / math.sqrt(tail.size), record.position_unit), still
+def _last_before(record: Record, onset: Onset) -> FloatArray:
+    """The last readings before the step, without those under an earlier force."""
+    level = record.position[(record.time < onset.time) & (record.time >= onset.before.start)]
+    return level[-max(5, int(_TAIL * level.size)) :]
+
+
+def _initial(record: Record, onset: Onset, noise: Noise) -> Quantity:
+    """Reading before the first step: of all readings before it if they are quiet, else of the last ones."""
+    before = record.position[record.time < onset.time]
+    if not before.size:
+        before = record.position[:1]
+    if not is_quiet(before, noise.floor, noise.step):
+        before = _last_before(record, onset) if before.size >= FEWEST else before
+    return rest_value(before, noise.floor, noise.unit)
 
 
 def _starts_still(record: Record, floor: float, swing: float) -> bool:
@@ -179,28 +169,32 @@ def _after_start(turns: tuple[Extreme, ...], time: FloatArray) -> tuple[Extreme,
     return tuple(turn for turn in turns if turn.time > time[0] + edge)
 
 
-def _rest(position: FloatArray, turns: tuple[Extreme, ...], floor: float, unit: str) -> Quantity | None:
-    """Rest value: of the settled tail, or else the middle of the last turning points."""
+def _settled(position: FloatArray, noise: Noise) -> Quantity | None:
+    """Rest value of a response that ends quiet, else ``None``."""
     tail = position[-max(SHORTEST, int(_TAIL * position.size)) :]
-    swing = max(float(np.ptp(position)), 1e-300)
-    if float(np.ptp(tail)) <= max(8.0 * floor, 0.02 * swing):
-        return Quantity(float(np.mean(tail)), max(floor / math.sqrt(10.0), float(np.std(tail)) / 10.0), unit)
-    if len(turns) >= 3:
-        one, two, three = (turn.value for turn in turns[-3:])
-        return Quantity(0.25 * (one + 2.0 * two + three), floor + 0.02 * abs(one - three), unit)
-    return Quantity(float(np.mean(tail)), float(np.ptp(tail)), unit)
+    return rest_value(tail, noise.floor, noise.unit) if is_quiet(tail, noise.floor, noise.step) else None
 
 
-def _believable(shape: Shape, duration: float, position: FloatArray) -> bool:
+def _slowest(shape: Shape) -> float:
+    """Rate [1/s] at which the last of the motion dies."""
+    ratio = shape.damping_ratio.value
+    return shape.natural_frequency.value * (1.0 / (ratio + math.sqrt(ratio**2 - 1.0)) if ratio > 1.0 else ratio)
+
+
+def _believable(shape: Shape, duration: float, swing: float) -> bool:
     """Whether the fitted response follows the data and ends within sight of it."""
-    swing = float(np.ptp(position))
-    slowest = shape.natural_frequency.value * (
-        shape.damping_ratio.value - math.sqrt(max(shape.damping_ratio.value**2 - 1.0, 0.0))
-    )
-    return shape.see < 0.05 * swing and slowest * duration > 0.7
+    return shape.see < 0.05 * swing and _slowest(shape) * duration > 0.7
 
 
-def _gain(initial: Quantity, rest: Quantity, amplitude: float, unit: str) -> Quantity:
-    """Eq. 9, from the change of the rest value."""
-    change = rest.value - initial.value
-    return Quantity(equations.static_gain(change, amplitude), math.hypot(rest.std, initial.std) / abs(amplitude), unit)
+def _end_of(shape: Shape, settled: Quantity | None, time: FloatArray) -> Quantity:
+    """Rest value as read, where the motion had died by then; as fitted where the cart still crept."""
+    height = abs(shape.steady_state.value - shape.initial.value)
+    left = height * math.exp(-_slowest(shape) * (1.0 - _TAIL) * float(time[-1] - time[0]))
+    return settled if settled is not None and left < 0.3 * settled.std else shape.steady_state
+
+
+def _gain(initial: Quantity, rest: Quantity, force: Quantity, unit: str) -> Quantity:
+    """Eq. 9, from the changes of rest value and force."""
+    gain = equations.static_gain(rest.value - initial.value, force.value)
+    std = math.hypot(rest.std, initial.std, gain * force.std) / abs(force.value)
+    return Quantity(gain, std, unit)

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.optimize
 
+from msd_ident.features.rest import run_lengths
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray
 
 #: Damping ratios that the search starts from.
-_STARTS = (0.3, 0.7, 1.0, 2.0, 5.0)
+_STARTS = (0.3, 0.8, 1.5, 4.0)
+#: Samples that the search for the right valley uses.
+_SEARCH = 300
 #: Distance to critical damping below which the two roots are moved apart, so that their difference can divide.
 _CRITICAL = 1e-6
 
@@ -30,52 +33,88 @@ class Shape:
 
 def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> FloatArray:
     """Response (n,) of eq. 10 with K F = 1 from rest, time (n,) [s] from the step; any damping ratio above 0."""
+    after = np.maximum(time, 0.0)
     if abs(ratio - 1.0) < _CRITICAL:
         ratio = 1.0 + _CRITICAL
-    root = np.sqrt(complex(ratio**2 - 1.0))
-    slow, fast = frequency * (-ratio + root), frequency * (-ratio - root)
-    after = np.maximum(time, 0.0)
-    shape = 1.0 - (fast * np.exp(slow * after) - slow * np.exp(fast * after)) / (fast - slow)
-    real: FloatArray = shape.real.astype(np.float64)
-    return real
+    if ratio < 1.0:
+        damped = frequency * math.sqrt(1.0 - ratio**2)
+        swing = np.cos(damped * after) + ratio * frequency / damped * np.sin(damped * after)
+        return 1.0 - np.exp(-ratio * frequency * after) * swing
+    root = math.sqrt(ratio**2 - 1.0)
+    fast = -frequency * (ratio + root)
+    slow = frequency**2 / fast
+    return 1.0 - (fast * np.exp(slow * after) - slow * np.exp(fast * after)) / (fast - slow)
 
 
-def fit_shape(time: FloatArray, position: FloatArray, floor: float, unit: str) -> Shape | None:
-    """Least squares of the step response on time (n,) [s] from the step and position (n,) [m]; ``None`` if it fails."""
-    initial, final = float(np.median(position[: max(3, position.size // 200)])), float(position[-1])
-    crossed = np.flatnonzero(np.abs(position - initial) > 0.5 * abs(final - initial))
-    rise = max(float(time[crossed[0]]) if crossed.size else 0.0, float(np.median(np.diff(time))))
+def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, floor: float) -> Shape | None:
+    """Least squares of the step response on time (n,) [s] from the step and position (n,) [m]; ``None`` if it fails.
 
-    def residual(point: FloatArray) -> FloatArray:
-        frequency, ratio = np.exp(point[:2])
-        return point[2] + (point[3] - point[2]) * unit_step_response(time, frequency, ratio) - position
-
-    size = max(float(np.ptp(position)), 1e-300)
-    scale = np.array([1.0, 1.0, size, size])
-    best: tuple[float, FloatArray, FloatArray, FloatArray] | None = None
-    for ratio in _STARTS:
-        start = np.array([math.log(max(1.0, 1.7 * ratio) / rise), math.log(ratio), initial, final])
-        found = scipy.optimize.least_squares(residual, start, x_scale=scale, method="lm", max_nfev=400)
-        if best is None or found.cost < best[0]:
-            best = (float(found.cost), found.x, np.asarray(found.jac, dtype=np.float64), found.fun)
-    if best is None or not np.all(np.isfinite(best[1])):
+    ``initial`` is the reading before the step, one more piece of evidence. A reading that the encoder repeats n
+    times weighs as one: n equal counts are not n measurements.
+    """
+    problem = _Problem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, floor)
+    # The early samples tell the fast root, so the search for the valley uses them more densely than the late ones.
+    some = np.unique(np.geomspace(1.0, time.size, _SEARCH).astype(int)) - 1
+    coarse = _Problem(time[some], position[some], problem.weight[some], initial, floor)
+    found = [coarse.solve(start) for start in problem.starts()]
+    best = min((one for one in found if np.all(np.isfinite(one.x))), key=lambda one: float(one.cost), default=None)
+    if best is None:
         return None
-    return _shape(best[1], best[2], best[3], floor, unit)
+    last = problem.solve(best.x)
+    return _shape(last, problem) if np.all(np.isfinite(last.x)) else None
 
 
-def _shape(point: FloatArray, jacobian: FloatArray, residual: FloatArray, floor: float, unit: str) -> Shape:
+@dataclass(frozen=True)
+class _Problem:
+    """Unknowns: ln ωn, ln ζ, start and rest value in units of the swing."""
+
+    time: FloatArray
+    position: FloatArray
+    weight: FloatArray
+    initial: Quantity
+    floor: float
+
+    @property
+    def size(self) -> float:
+        return max(float(np.ptp(self.position)), 1e-300)
+
+    def starts(self) -> list[FloatArray]:
+        begin, final = self.initial.value, float(self.position[-1])
+        crossed = np.flatnonzero(np.abs(self.position - begin) > 0.5 * abs(final - begin))
+        rise = max(float(self.time[crossed[0]]) if crossed.size else 0.0, float(np.median(np.diff(self.time))))
+        return [
+            np.array([math.log(max(1.0, 1.7 * ratio) / rise), math.log(ratio), 0.0, (final - begin) / self.size])
+            for ratio in _STARTS
+        ]
+
+    def residual(self, point: FloatArray) -> FloatArray:
+        frequency, ratio = np.exp(np.clip(point[:2], -50.0, 50.0)).tolist()
+        curve = point[2] + (point[3] - point[2]) * unit_step_response(self.time, frequency, ratio)
+        misfit = self.weight * (curve - (self.position - self.initial.value) / self.size)
+        before = point[2] * min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else point[2]
+        return np.append(misfit, before)
+
+    def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
+        return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
+
+
+def _shape(found: scipy.optimize.OptimizeResult, problem: _Problem) -> Shape:
     """The result with intervals; a residual that is correlated in time counts as fewer samples."""
+    residual = found.fun[:-1] / problem.weight * problem.size
     see = math.sqrt(float(residual @ residual) / max(residual.size - 4, 1))
+    readings = max(float(np.sum(problem.weight**2)) - 4.0, 1.0)
+    scatter = math.sqrt(float(np.sum(found.fun**2)) / readings) * problem.size
     lag = float(residual[1:] @ residual[:-1]) / max(float(residual @ residual), 1e-300)
-    correlation = min(max(lag, 0.0), 0.999) if see > 1.5 * floor else 0.0
-    variance = max(see, floor) ** 2 * (1.0 + correlation) / (1.0 - correlation)
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance
-    std = np.sqrt(np.diag(covariance))
-    frequency, ratio = float(np.exp(point[0])), float(np.exp(point[1]))
+    correlation = min(max(lag, 0.0), 0.999) if see > 1.5 * problem.floor else 0.0
+    variance = (max(scatter, problem.floor) / problem.size) ** 2 * (1.0 + correlation) / (1.0 - correlation)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac) * variance
+    std = np.sqrt(np.diag(covariance)).tolist()
+    frequency, ratio = np.exp(found.x[:2]).tolist()
+    unit, begin = problem.initial.unit, problem.initial.value
     return Shape(
-        natural_frequency=Quantity(frequency, frequency * float(std[0]), "rad/s"),
-        damping_ratio=Quantity(ratio, ratio * float(std[1]), "1"),
-        initial=Quantity(float(point[2]), float(std[2]), unit),
-        steady_state=Quantity(float(point[3]), float(std[3]), unit),
+        natural_frequency=Quantity(frequency, frequency * std[0], "rad/s"),
+        damping_ratio=Quantity(ratio, ratio * std[1], "1"),
+        initial=Quantity(begin + problem.size * float(found.x[2]), problem.size * std[2], unit),
+        steady_state=Quantity(begin + problem.size * float(found.x[3]), problem.size * std[3], unit),
         see=see,
     )

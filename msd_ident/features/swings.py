@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.signal
 
+from msd_ident.features.rest import evidence
 from msd_ident.record import FloatArray
 
 #: A turning point stands out by this many noise floors, or by this part of the whole swing.
 _PROMINENCE_FLOORS, _PROMINENCE_SWING = 6.0, 0.01
-#: Part of a half-swing on either side of a turning point that the parabola through it uses.
-_REACH = 0.18
+#: Part of a half-swing on either side of a turning point that the polynomial through it uses.
+_REACH = 0.25
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def _alternating(found: list[tuple[int, int]], position: FloatArray) -> list[tup
 
 
 def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[tuple[int, int]], n: int) -> Extreme:
-    """A cubic through the neighbourhood of the turning point, by least squares, and its top."""
+    """A quartic through the neighbourhood of the turning point, by least squares, and its top."""
     index, side = found[n]
     neighbours = [abs(found[j][0] - index) for j in (n - 1, n + 1) if 0 <= j < len(found)]
     half = min(neighbours) if neighbours else min(index, position.size - 1 - index)
@@ -68,12 +69,14 @@ def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[t
     window = slice(index - reach, index + reach + 1)
     centre, scale = float(time[index]), float(time[index + reach] - time[index])
     u = (time[window] - centre) / scale
-    degree = 3 if reach >= 4 else 2
+    degree = 4 if reach >= 5 else 3 if reach >= 4 else 2
     basis = np.vander(u, degree + 1, increasing=True)
     coefficients: FloatArray = np.linalg.lstsq(basis, position[window], rcond=None)[0].astype(np.float64)
     top = _top(coefficients)
     row = top ** np.arange(degree + 1)
-    covariance = np.linalg.inv(basis.T @ basis) * max(floor, 1e-300) ** 2
+    # Equal readings in a row, the flat top of an encoder, are one piece of evidence and not many.
+    repeats = u.size / evidence(position[window])
+    covariance = np.linalg.inv(basis.T @ basis) * max(floor, 1e-300) ** 2 * repeats
     slope_row = np.arange(degree + 1) * np.concatenate(([0.0], top ** np.arange(degree)))
     bend = abs(2.0 * coefficients[2]) or 1.0
     return Extreme(

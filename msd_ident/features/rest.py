@@ -1,0 +1,48 @@
+"""Rest values: where the reading stands when nothing moves, and how well that is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from msd_ident.quantity import Quantity
+from msd_ident.record import FloatArray
+
+#: Fewest samples that can show that the cart rests.
+FEWEST = 3
+#: A cart rests while the scatter is no more than this many noise floors.
+_QUIET = 1.3
+
+
+def evidence(position: FloatArray) -> int:
+    """How many readings stand in ``position`` (n,): a reading that an encoder repeats counts once."""
+    return 1 + int(np.count_nonzero(np.diff(position)))
+
+
+def is_quiet(position: FloatArray, floor: float, step: float) -> bool:
+    """Whether readings (n,) show noise alone: no more scatter than the floor [m] and one encoder step, no drift."""
+    if position.size < FEWEST:
+        return False
+    scatter = float(np.std(position))
+    # Few readings scatter more, and less, than the noise behind them.
+    limit = (_QUIET + 3.0 / math.sqrt(2.0 * position.size)) * floor
+    if scatter > limit and float(np.ptp(position)) > 1.01 * step:
+        return False
+    half = position.size // 2
+    drift = abs(float(np.mean(position[:half])) - float(np.mean(position[-half:])))
+    readings = max(evidence(position) // 2, 1)
+    return drift <= max(4.0 * max(scatter, 1e-300) * math.sqrt(2.0 / readings), 0.51 * step)
+
+
+def rest_value(position: FloatArray, floor: float, unit: str) -> Quantity:
+    """Mean of quiet readings (n,); an encoder that stands still on one count knows no more than that count."""
+    spread = max(float(np.std(position)), floor)
+    return Quantity(float(np.mean(position)), spread / math.sqrt(evidence(position)), unit)
+
+
+def run_lengths(position: FloatArray) -> FloatArray:
+    """For each reading (n,) the number of equal readings in the run that it stands in."""
+    starts = np.flatnonzero(np.concatenate(([True], np.diff(position) != 0.0)))
+    lengths = np.diff(np.append(starts, position.size))
+    return np.repeat(lengths, lengths).astype(np.float64)
