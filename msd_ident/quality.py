@@ -257,17 +257,19 @@ def _units(record: Record, motion: Motion) -> Iterator[Finding]:
     if record.position_unit != "m" or motion.still:
         return
     light = record.force_unit == "N" and motion.mass < _LIGHTEST
-    if motion.span > _FARTHEST or light:
-        advice = "in millimetres, use --position-scale 0.001"
+    implied = f", and with the force given the moving mass is about {motion.mass:.2g} kg" if light else ""
+    if motion.span > _FARTHEST:
+        advice = "if it is in millimetres, use --position-scale 0.001"
+    elif light:
+        advice = "use --position-scale 0.001 if it is in millimetres, --force-scale 1000 if the force is in kN"
     elif motion.span < _NEAREST:
-        advice = "scaled twice, use a --position-scale 1000 times larger"
+        advice = "if it was scaled twice, use a --position-scale 1000 times larger"
     else:
         return
-    implied = f", with the force given that is a moving mass of about {motion.mass:.2g} kg" if light else ""
     yield Finding(
         "warning",
         "wrong_unit",
-        f"the position spans {motion.span:.4g} m{implied}: wrong by a factor of 1000? If it is {advice}",
+        f"the position spans {motion.span:.4g} m{implied}: wrong by a factor of 1000? {advice}",
     )
 
 

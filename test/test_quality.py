@@ -298,7 +298,7 @@ def test_a_small_motion_in_millimetres_is_told_by_its_mass() -> None:
     record = experiment()
     finding = only(replace(record, position=50.0 * record.position, force=0.05 * record.force))
     assert finding.code == "wrong_unit"
-    assert "a moving mass of about 0.000" in finding.sentence
+    assert "the moving mass is about 0.000" in finding.sentence
 
 
 @pytest.mark.parametrize(("shift", "words"), [(0.1, "moves 0.08"), (-0.2, "only 0.21")])

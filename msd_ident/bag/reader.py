@@ -23,6 +23,9 @@ from msd_ident.record import FloatArray, Record, batch_stamps, from_stamps
 #: Entries of a bag's custom data that give the units of /msd/force and /msd/encoder; newtons and metres without.
 FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"
 
+#: Stamps that are further away from the log times [ns] than messages travel are of another clock.
+_SAME_CLOCK_NS = 60 * 10**9
+
 
 class _Signal:
     """Samples of one signal, collected message by message."""
@@ -31,9 +34,11 @@ class _Signal:
         self.source = source
         self._what = what
         self._decoder = Decoder(source.topic)
-        self._stamps: list[npt.NDArray[np.int64] | int] = []
+        self._stamps: list[int] = []
+        self._log_times: list[int] = []
         self._values: list[FloatArray | float] = []
         self._batches: list[tuple[int, int]] = []  # sequence number and size, in stored order
+        self._periods: list[int] = []
         self._messages = self._unreadable = self._unstamped = self._without = 0
         self._joints: set[str] = set()
 
@@ -48,18 +53,19 @@ class _Signal:
         if message is None:
             self._unreadable += 1
             return
-        stamp = self._stamp(message, raw.log_time_ns)
         if self.source.is_batch:
-            self._stamps.append(batch_stamps(stamp, int(message.period_ns), len(message.positions)))
-            self._values.append(np.array(message.positions, dtype=np.float64))
+            value: FloatArray | float | None = np.array(message.positions, dtype=np.float64)
             self._batches.append((int(message.sequence), len(message.positions)))
-            return
-        value = self.source.field.value(message)
+            self._periods.append(int(message.period_ns))
+        else:
+            value = self.source.field.value(message)
         if value is None:
             self._without += 1
             self._joints.update(joint_names(message))
             return
-        self._stamps.append(stamp)
+        stamp = getattr(getattr(message, "header", None), "stamp", None)
+        self._stamps.append(0 if stamp is None else stamp.sec * 10**9 + stamp.nanosec)
+        self._log_times.append(raw.log_time_ns)
         self._values.append(value)
 
     def samples(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
@@ -70,10 +76,22 @@ class _Signal:
         """
         if not self._stamps:
             raise self._nothing()
+        stamps = self._completed(np.array(self._stamps, dtype=np.int64), np.array(self._log_times, dtype=np.int64))
         if self.source.is_batch:
-            stamps = np.concatenate([np.atleast_1d(part) for part in self._stamps])
-            return stamps.astype(np.int64), np.concatenate([np.atleast_1d(part) for part in self._values])
-        return np.array(self._stamps, dtype=np.int64), np.array(self._values, dtype=np.float64)
+            sizes = [size for _, size in self._batches]
+            parts = zip(stamps.tolist(), self._periods, sizes, strict=True)
+            stamps = np.concatenate([batch_stamps(first, period, size) for first, period, size in parts])
+            return stamps, np.concatenate([np.atleast_1d(value) for value in self._values])
+        return stamps, np.array(self._values, dtype=np.float64)
+
+    def _completed(self, stamps: npt.NDArray[np.int64], log_times: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """Log times where there is no stamp. A 0 beside stamps of another clock is the begin of simulated time."""
+        without = stamps == 0
+        delay = np.abs(log_times - stamps)[~without]
+        if delay.size and np.median(delay) > _SAME_CLOCK_NS:
+            return stamps
+        self._unstamped = int(np.count_nonzero(without))
+        return np.where(without, log_times, stamps)
 
     @property
     def notes(self) -> list[str]:
@@ -92,15 +110,6 @@ class _Signal:
         if lost:
             notes.append(f"{name}: {lost} samples are missing in {gaps} gaps of the batches' sequence numbers.")
         return notes
-
-    def _stamp(self, message: Any, log_time_ns: int) -> int:
-        """Stamp of the header, or the log time where there is none."""
-        stamp = getattr(getattr(message, "header", None), "stamp", None)
-        ns = 0 if stamp is None else stamp.sec * 10**9 + stamp.nanosec
-        if ns == 0:
-            self._unstamped += 1
-            return log_time_ns
-        return int(ns)
 
     def _nothing(self) -> DataError:
         label, topic = self.source.label, self.source.topic.name

@@ -162,6 +162,25 @@ def test_stamps_of_zero_are_replaced_by_the_log_time(tmp_path: Path) -> None:
     assert record.notes == ("/encoder: 500 of 500 messages have no stamp; the time at which they were logged is used.",)
 
 
+def test_simulated_time_begins_at_a_stamp_of_zero(tmp_path: Path) -> None:
+    """Logged by the wall clock, stamped by a clock that starts at 0: the first stamp is no missing one."""
+    ns = stamps(300, start_ns=0)
+    messages = [
+        ("/encoder", JOINTS, joints(t, [x]), START_NS + t) for t, x in zip(ns, ringing(ns, 0).tolist(), strict=True)
+    ]
+    force = [("/force", WRENCH, wrench(0, 0.0), START_NS), ("/force", WRENCH, wrench(10**8, 10.0), START_NS + 10**8)]
+    record = read(make_bag(tmp_path / "bag", [*messages, *force]))
+    assert (record.samples, record.start_ns, record.notes) == (300, 0, ())
+    assert record.force_time.tolist() == [0.0, 0.1]
+
+
+def test_one_force_without_stamp_among_others_acts_when_it_was_logged(tmp_path: Path) -> None:
+    late = ("/msd/force", WRENCH, wrench(0, -3.0), START_NS + 250_000_000)
+    record = read(make_bag(tmp_path / "bag", [*step_experiment(), late]))
+    assert record.force_time.tolist() == [0.0, 0.1, 0.25]
+    assert record.notes == ("/msd/force: 1 of 3 messages have no stamp; the time at which they were logged is used.",)
+
+
 def test_late_and_repeated_samples_are_repaired_with_a_note(tmp_path: Path) -> None:
     messages = encoder_messages(stamps())
     messages[100], messages[101] = messages[101], messages[100]
