@@ -223,7 +223,7 @@ def build(
     typical = magnitudes(group, model["mass"])
     own = {"initial velocity": typical.length / typical.time}
     sizes = [typical.of(model.parameters[i].unit) for i in free]
-    lower, upper = _bounds(model, free, len(nuisances), typical)
+    lower, upper = _bounds(model, free, len(nuisances), typical, group)
     return Problem(
         model=model,
         records=group,
@@ -239,10 +239,36 @@ def build(
     )
 
 
-def _bounds(model: Model, free: tuple[int, ...], rest: int, typical: Magnitudes) -> tuple[FloatArray, FloatArray]:
-    """Bounds of the vector's entries; the mass is kept off zero."""
-    parameters = [model.parameters[i] for i in free]
-    least = {"mass": 1e-6 * typical.of("kg")}
-    lower = np.array([max(p.lower, least.get(p.name, p.lower)) for p in parameters] + [-np.inf] * rest)
-    upper = np.array([p.upper for p in parameters] + [np.inf] * rest)
-    return lower, upper
+#: Sizes beyond which no record of the motion could tell, in natural sizes of the parameter's unit. They keep a search
+#: out of regions where the motion has to be followed in millions of steps.
+_LEAST = {
+    "mass": 1e-3,
+    "second_mass": 1e-3,
+    "hysteresis_length": 1e-3,
+    "cogging_pitch": 2e-2,
+    "stribeck_velocity": 1e-3,
+}
+_MOST = {
+    "damping": 1e3,
+    "second_stiffness": 1e3,
+    "second_damping": 1e3,
+    "drag_coefficient": 1e3,
+    "cubic_stiffness": 1e3,
+    "quadratic_stiffness": 1e3,
+}
+
+
+def _bounds(
+    model: Model, free: tuple[int, ...], rest: int, typical: Magnitudes, records: tuple[Record, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Bounds of the vector's entries: those of physics, and what the records could tell at all."""
+    duration = max(record.duration for record in records)
+    period = min(record.period for record in records)
+    most = {"disturbance_frequency": np.pi / period, "lag_time": duration, "time_offset": 0.25 * duration}
+    lower, upper = [], []
+    for parameter in (model.parameters[i] for i in free):
+        size = typical.of(parameter.unit)
+        reach = most.get(parameter.name, _MOST.get(parameter.name, np.inf) * size)
+        lower.append(max(parameter.lower, _LEAST.get(parameter.name, -np.inf) * size, -reach))
+        upper.append(min(parameter.upper, reach))
+    return np.array(lower + [-np.inf] * rest), np.array(upper + [np.inf] * rest)
