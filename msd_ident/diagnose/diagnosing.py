@@ -86,13 +86,13 @@ def diagnose_records(
     task = Task(tuple(records), sprung, tuple(findings), tuple(warnings))
     progress("base model", 0.02, "")
     experiment = prepare(task)
-    base = base_fit(task, experiment)
+    base, friction = base_fit(task, experiment)
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
         ranking = evidence.rank({NOTHING: base}, evidence.Scale())
     else:
-        ranking = _search(experiment, base, progress)
+        ranking = _search(experiment, (base, friction), progress)
     return _conclude(task, experiment, base, ranking, progress)
 
 
@@ -112,22 +112,27 @@ def prepare(task: Task) -> Experiment:
     return Experiment(readings.prepare(task.records), model, frozenset(fixed))
 
 
-def base_fit(task: Task, experiment: Experiment) -> Fitted:
-    """The base model: from a regression, and from a fit with friction and offset, as a careless start ends anywhere."""
+def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
+    """The base model, and the one with Coulomb friction, each the best from several starts.
+
+    The base starts from a regression, and from what is left of a fit with friction and offset: a careless start ends
+    anywhere.
+    """
     fixed = tuple(experiment.fixed)
     plain = fit(experiment.base, task.records, fixed=fixed)
     helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), task.records, fixed=fixed, zero="known")
     near = fit(helped.model.without("coulomb_friction", "force_offset"), task.records, fixed=fixed, search="near")
-    return min(
-        (refine(experiment, NOTHING, found.model, found.initial) for found in (plain, near)), key=lambda one: one.chi
-    )
+    rubbing = fit(helped.model.without("force_offset"), task.records, fixed=fixed, search="near")
+    bases = [refine(experiment, NOTHING, found.model, found.initial) for found in (plain, near)]
+    friction = refine(experiment, frozenset({"coulomb_friction"}), rubbing.model, rubbing.initial)
+    return min(bases, key=lambda one: one.chi), friction
 
 
-def _search(experiment: Experiment, base: Fitted, progress: Progress) -> Ranking:
+def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress) -> Ranking:
     def at_floor(fitted: Fitted) -> bool:
         return judge(fitted.residuals(), experiment.readings).consistent
 
-    return Search(experiment, at_floor, progress).run(base)
+    return Search(experiment, at_floor, progress).run(known[0], known[1:])
 
 
 def _conclude(

@@ -10,11 +10,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, library
+from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, library, refine
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
 _Task = TypeVar("_Task", Causes, list[Fitted])
 _Done = TypeVar("_Done")
@@ -23,6 +24,12 @@ _Done = TypeVar("_Done")
 Progress = Callable[[str, float, str], None]
 
 NOTHING: Causes = frozenset()
+#: Laws that hold a simpler one as a limit, with the parameter that becomes the simpler law's.
+_SIMPLER = {
+    "stribeck_friction": "coulomb_force",
+    "position_dependent_friction": "coulomb_force",
+    "hysteresis": "hysteresis_force",
+}
 LARGEST = 4
 _ROUNDS = 12
 #: The cause that most often stands beside another one: it is always tried as a companion.
@@ -46,23 +53,42 @@ class Search:
     sets: dict[Causes, Fitted] = field(default_factory=dict)
     tried: set[Causes] = field(default_factory=set)
 
-    def run(self, base: Fitted) -> Ranking:
-        """Search from the base model."""
-        self.sets[NOTHING] = base
-        self.tried.add(NOTHING)
+    def run(self, base: Fitted, known: Sequence[Fitted] = ()) -> Ranking:
+        """Search from the base model and from sets that are fitted already."""
+        for fitted in (base, *known):
+            self.sets[fitted.causes] = fitted
+            self.tried.add(fitted.causes)
         self._fit([frozenset({name}) for name in library()], 0.05, 0.35)
         leader = self.ranking().best
         if not self.at_floor(leader):
             companions = [causes for causes in (leader.causes, frozenset({_COMPANION})) if causes]
             self._fit([pair for causes in companions for pair in _grown(causes)], 0.35, 0.6)
         for turn in range(_ROUNDS):
-            best = self.ranking().best
+            best = self._simplified(self.ranking().best)
             share = min(0.6 + 0.03 * turn, 0.85)
             if self._fit(self._swapped(best.causes), share, share + 0.015):
                 continue
             if self.at_floor(best) or not self._fit(_grown(best.causes), share + 0.015, share + 0.03):
                 break
         return self.ranking()
+
+    def _simplified(self, best: Fitted) -> Fitted:
+        """The leader, after a second look at its simpler limits: friction's surface has many valleys.
+
+        Coulomb friction with its number of half-swings wrong loses against a richer law that found the right one; so the
+        simpler law is fitted again from where the richer one stands.
+        """
+        for name, parameter in _SIMPLER.items():
+            causes = best.causes - {name} | {_COMPANION}
+            if name not in best.causes or not causes_that_fit(causes):
+                continue
+            effects = tuple(effect for effect in best.model.effects if effect.name not in (name, _COMPANION))
+            model = replace(best.model, effects=effects) + CoulombFriction(best.model[parameter])
+            fitted = refine(self.experiment, causes, model, best.initial)
+            self.tried.add(causes)
+            if causes not in self.sets or fitted.chi < self.sets[causes].chi:
+                self.sets[causes] = fitted
+        return self.ranking().best
 
     def scale(self) -> Scale:
         """How likelihoods are to be read, by what the best set leaves."""
