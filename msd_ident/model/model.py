@@ -55,6 +55,11 @@ class Model:
     def __add__(self, effect: Effect) -> Model:
         if not isinstance(effect, Effect):
             return NotImplemented
+        if effect.needs_spring and self.stiffness == 0.0:
+            raise UsageError(
+                f"{effect.name} acts on the spring, and the plant has none (stiffness 0); expected a stiffness "
+                f"above 0: give the plant a spring or drop {effect.name}"
+            )
         return replace(self, effects=(*self.effects, effect))
 
     @property

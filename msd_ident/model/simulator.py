@@ -47,9 +47,9 @@ def _kernel() -> Any:
 
 
 def _load(say: Callable[[str], None]) -> Any:
-    from msd_ident.model.kernel import cache, run
+    from msd_ident.model.kernel import cache
 
-    return cache.load(run.PLAN, run.RUN, say)
+    return cache.load(say)
 
 
 def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
@@ -93,9 +93,9 @@ class Simulator:
         row = np.zeros((1, self._columns))
         row[0, self._place] = values
         row[0, -2], row[0, -1] = initial_position, initial_velocity
-        out = np.empty((1, self.record.samples))
+        out: FloatArray = np.empty((1, self.record.samples))
         self._run(self._bits, row, self._plan, out, out[:, :0])
-        return out[0]
+        return out.reshape(-1)
 
     def positions_many(
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
@@ -123,8 +123,6 @@ class Simulator:
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 
-def simulate(
-    model: Model, record: Record, initial_position: float = 0.0, initial_velocity: float = 0.0
-) -> Trajectory:
+def simulate(model: Model, record: Record, initial_position: float = 0.0, initial_velocity: float = 0.0) -> Trajectory:
     """The model's motion under the record's force, from a state at its first sample [m], [m/s]."""
     return Simulator(model, record).trajectory(model.values, initial_position, initial_velocity)

@@ -23,6 +23,7 @@ class Backlash(Effect):
     name = "backlash"
     parameters = (Parameter("backlash_half_width", "g", "m", 0.0, math.inf, "half the play of the spring"),)
     acts_on = "force"
+    needs_spring = True
     law = "k·(x - g) for x > g, 0 within, k·(x + g) for x < -g, in place of k·x"
     source = "dead-zone model; Nordin & Gutman 2002 (Automatica 38)"
     neutral = (("backlash_half_width", 0.0),)

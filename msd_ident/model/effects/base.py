@@ -71,6 +71,8 @@ class Effect:
     neutral: ClassVar[tuple[tuple[str, float], ...]]
     #: Effects of one family replace each other; a model holds one of them at most.
     family: ClassVar[str] = ""
+    #: It acts on the linear spring, so that it means nothing without one.
+    needs_spring: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
     dissipative: ClassVar[bool] = False
     #: Turning all forces and positions round turns the motion round.

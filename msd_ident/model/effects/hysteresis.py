@@ -50,7 +50,9 @@ class Hysteresis(Effect):
         return x
 
     @staticmethod
-    def reversal_anchor_z(x: float, direction: float, hysteresis_length: float, anchor_x: float, anchor_z: float) -> float:
+    def reversal_anchor_z(
+        x: float, direction: float, hysteresis_length: float, anchor_x: float, anchor_z: float
+    ) -> float:
         """z at the reversal."""
         way = direction * (x - anchor_x)
         return direction + (anchor_z - direction) * math.exp(-way / hysteresis_length)

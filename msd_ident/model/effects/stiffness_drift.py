@@ -20,8 +20,11 @@ class StiffnessDrift(Effect):
     stiffness_drift_rate: float
 
     name = "stiffness_drift"
-    parameters = (Parameter("stiffness_drift_rate", "r", "1/s", -math.inf, math.inf, "relative drift of the stiffness"),)
+    parameters = (
+        Parameter("stiffness_drift_rate", "r", "1/s", -math.inf, math.inf, "relative drift of the stiffness"),
+    )
     acts_on = "force"
+    needs_spring = True
     law = "k·(1 + r·t), t from the record's time 0"
     source = "first order in time of a heating or creeping spring"
     neutral = (("stiffness_drift_rate", 0.0),)

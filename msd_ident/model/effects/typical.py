@@ -96,9 +96,5 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
         misfit = float(np.sum((against - basis @ solution) ** 2))
         s, c = solution[:2]
         fits.append((misfit, max(float(np.hypot(s, c)), 1e-9), float(pitch), float(np.arctan2(c, s))))
-    least = [
-        fit
-        for i, fit in enumerate(fits)
-        if all(fit[0] <= other[0] for other in fits[max(i - 1, 0) : i + 2])
-    ]
+    least = [fit for i, fit in enumerate(fits) if all(fit[0] <= other[0] for other in fits[max(i - 1, 0) : i + 2])]
     return [fit[1:] for fit in sorted(least)[:count]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.util
 import os
@@ -15,17 +16,20 @@ from types import ModuleType
 #: Older builds of the solver that are kept beside the present one.
 KEPT = 3
 
-_ENTRY = '''"""Compiled entry of msd_ident's solver; written by it, safe to delete."""
+_ENTRY = '''"""Compiled entries of msd_ident's solver; written by it, safe to delete."""
 from numba import njit
-from msd_ident.model.kernel.run import plan as _plan, run as _run
+from msd_ident.model.kernel import run as kernel
+
+_plan, _row = kernel.plan, kernel.row
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def plan({plan}):
-    return _plan({plan})
+def plan(time, force_time, force, straight):
+    return _plan(time, force_time, force, straight)
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def run({run}):
-    _run({run})
+def run(bits, rows, plan, out_x, out_v):
+    for i in range(rows.shape[0]):
+        _row(bits, rows[i], plan, out_x[i], out_v[i])
 '''
 
 
@@ -49,10 +53,8 @@ def _roots() -> list[Path]:
         roots.append(Path(xdg))
     if sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
         roots.append(Path(local))
-    try:
+    with contextlib.suppress(RuntimeError):
         roots.append(Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache"))
-    except RuntimeError:
-        pass
     roots.append(Path(tempfile.gettempdir()) / f"msd_ident-{getattr(os, 'getuid', lambda: 'user')()}")
     return roots
 
@@ -77,20 +79,18 @@ def compiled(module: ModuleType) -> bool:
     return any(Path(module.run._cache.cache_path).glob("msd_solver_entry.run*.nbc"))
 
 
-def load(plan: str, run: str, say: Callable[[str], None]) -> ModuleType:
-    """The entry module whose functions numba caches in ``folder()``.
+def load(say: Callable[[str], None]) -> ModuleType:
+    """The entry module whose functions numba caches in ``folder()``; ``say`` is told, in one line, if they are not yet.
 
-    Args:
-        plan, run: argument lists of the two entries.
-        say: told in one line when there is nothing compiled yet.
+    Its functions: ``plan(time, force_time, force, straight)``, see ``run.plan``, and ``run(bits, rows, plan, out_x,
+    out_v)``, which is ``run.row`` for each of r rows of parameters, (r, n) readings and (r, n) or (r, 0) velocities.
     """
     path = folder()
     source = path / "msd_solver_entry.py"
-    text = _ENTRY.format(plan=plan, run=run)
-    if not source.exists() or source.read_text() != text:
+    if not source.exists() or source.read_text() != _ENTRY:
         handle, temporary = tempfile.mkstemp(dir=path, suffix=".tmp")
         with os.fdopen(handle, "w") as file:
-            file.write(text)
+            file.write(_ENTRY)
         os.replace(temporary, source)
     spec = importlib.util.spec_from_file_location("msd_solver_entry", source)
     assert spec is not None and spec.loader is not None

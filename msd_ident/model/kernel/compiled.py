@@ -4,18 +4,31 @@
 counting took seven times as long as the physics. They may not make arrays.
 """
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from numba import njit
+import numba
 
 #: Sums may be taken in another order and products joined to them; NaN and infinities keep their meaning.
 _LOOSE = {"contract", "arcp", "nsz"}
 
+_jit: Any = numba.njit
+
 #: A function of its own that makes no arrays.
-lean: Any = njit(error_model="numpy", fastmath=_LOOSE, _nrt=False)
+lean: Any = _jit(error_model="numpy", fastmath=_LOOSE, _nrt=False)
 #: The same, compiled into its callers.
-inlined: Any = njit(error_model="numpy", fastmath=_LOOSE, _nrt=False, forceinline=True)
+inlined: Any = _jit(error_model="numpy", fastmath=_LOOSE, _nrt=False, forceinline=True)
 #: A function that makes arrays.
-making: Any = njit(error_model="numpy", fastmath=_LOOSE)
+making: Any = _jit(error_model="numpy", fastmath=_LOOSE)
+
+
+@lean
+def give_up(out, first):
+    """Fill ``out`` with NaN from index ``first`` on."""
+    for j in range(first, out.size):
+        out[j] = math.nan

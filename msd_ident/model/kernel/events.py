@@ -3,6 +3,9 @@
 A step that passes an event is repeated with another length until it ends on it. Names: see ``rk``.
 """
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math

@@ -4,6 +4,9 @@ Between events (v = 0, a knee of the spring) the motion is propagated by the pre
 length; a segment with an event in it is walked by Taylor series from event to event.
 """
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -11,12 +14,14 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import linear
-from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.compiled import give_up, lean, making
 from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
 from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
 EVENTS = 200
+#: Rate of the plant times length of a segment beyond which it is not walked by series.
+STIFF = 300.0
 
 
 @lean
@@ -79,9 +84,10 @@ def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
 
 @lean
 def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold, f, r, e, decay, c):
-    """One segment of length h [s] from event to event; returns (x, v, s, i).
+    """One segment of length h [s] from event to event; returns (x, v, s, i, time left).
 
-    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``c``: room for a series.
+    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``c``: room for a series. Time is left over where
+    the plant is so stiff that a series would take too many pieces.
     """
     t = 0.0
     for _ in range(EVENTS):
@@ -106,7 +112,10 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
             i = piece(edges, x, s)
             continue
         k = springs[i]
-        fastest = max(linear.fastest_rate(m, b, k), rate)
+        fastest = linear.fastest_rate(m, b, k)
+        if fastest * left > STIFF:
+            return x, v, s, i, left
+        fastest = max(fastest, rate)
         d = min(left, linear.LONGEST / fastest)
         terms = linear.terms_for(fastest * d)
         linear.series(c, terms, m, b, k, x, v, f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
@@ -131,31 +140,63 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
                 i = piece(edges, x, s)
         if not abs(x) < math.inf:
             break
-    return x, v, s, i
+    return x, v, s, i, 0.0
+
+
+@lean
+def drift(h, x, v, m, b, k, f, r, e, decay, c):
+    """One segment without events; returns (x, v, time left), the latter as ``walk`` does."""
+    t = 0.0
+    plant = linear.fastest_rate(m, b, k)
+    while t < h:
+        left = h - t
+        if plant * left > STIFF:
+            return x, v, left
+        e_now = e * math.exp(-decay * t)
+        if abs(e_now) < 1e-18 * abs(f):
+            e_now = 0.0
+        rate = decay if e_now != 0.0 else 0.0
+        fastest = max(plant, rate)
+        d = min(left, linear.LONGEST / fastest)
+        terms = linear.terms_for(fastest * d)
+        linear.series(c, terms, m, b, k, x, v, f + r * t, r, e_now, rate)
+        x, v = linear.position(c, terms, d), linear.velocity(c, terms, d)
+        t = h if d >= left else t + d
+    return x, v, 0.0
 
 
 @making
-def exact(m, b, pieces, constant, kinetic, hold, segments, force, decay, x, v, out_x, out_v):
+def _leap(left, h, x, v, s, m, b, k, level, r, e, decay):
+    """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events: (x, v, s)."""
+    begun = h - left
+    row = np.empty(10)
+    linear.propagator(row, m, b, k, left, decay)
+    x, v = linear.propagate(row, x, v, level + r * begun, r, e * math.exp(-decay * begun))
+    return x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0)
+
+
+@making
+def exact(
+    m, b, edges, springs, intercepts, constant, kinetic, hold, length, kind, lengths, level, slope, transient, decay,
+    x, v, out_x, out_v,
+):  # fmt: skip
     """Positions (and velocities) at all segment boundaries.
 
     Args:
-        pieces: (edges, slope, intercept) of the spring.
+        edges, springs, intercepts: the spring, see ``spring.characteristic``.
         constant: force [N] against +x.
         kinetic, hold: dry friction [N] while sliding, and the most that it holds at rest.
-        segments: (length, kind, lengths), see ``segments.merge``.
-        force: (level, slope, transient) of each segment; the last two may be empty.
-        decay: 1/tau of the transient.
+        length, kind, lengths: segments, see ``segments.merge``.
+        level, slope, transient, decay: force on each, level + slope t + transient exp(-decay t); the two in the middle
+            may be empty.
     """
-    edges, springs, intercepts = pieces
-    length, kind, lengths = segments
-    level, slope, transient = force
-    steep, lagged = slope.size > 0, transient.size > 0
+    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
     eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
     table = np.empty((springs.size, lengths.size, 10))
     ready = np.zeros(springs.size, np.bool_)
     c = np.empty(linear.TERMS)
     out_x[0] = x
-    if out_v.size > 0:
+    if keep:
         out_v[0] = v
     s = 1 if v > 0.0 else (-1 if v < 0.0 else 0)
     i = piece(edges, x, s)
@@ -170,45 +211,44 @@ def exact(m, b, pieces, constant, kinetic, hold, segments, force, decay, x, v, o
                     linear.propagator(table[i, n], m, b, springs[i], lengths[n], decay)
                 ready[i] = True
             load = constant + intercepts[i] + s * kinetic
-            direction = s if eventful else 0
             j, x, v = glide(
-                j, x, v, direction, edges[i], edges[i + 1], m, b, springs[i], load,
+                j, x, v, s if eventful else 0, edges[i], edges[i + 1], m, b, springs[i], load,
                 table[i], kind, level, slope, transient, out_x, out_v,
             )  # fmt: skip
         if j == length.size:
             break
-        r = slope[j] if steep else 0.0
-        e = transient[j] if lagged else 0.0
+        r, e = slope[j] if steep else 0.0, transient[j] if lagged else 0.0
         if eventful:
-            x, v, s, i = walk(
-                length[j], x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold,
-                level[j], r, e, decay, c,
-            )  # fmt: skip
+            x, v, s, i, left = walk(
+                length[j],
+                x,
+                v,
+                s,
+                i,
+                m,
+                b,
+                edges,
+                springs,
+                intercepts,
+                constant,
+                kinetic,
+                hold,
+                level[j],
+                r,
+                e,
+                decay,
+                c,
+            )
         else:
-            x, v = drift(length[j], x, v, m, b, springs[0], level[j] - constant - intercepts[0], r, e, decay, c)
+            x, v, left = drift(length[j], x, v, m, b, springs[i], level[j] - constant, r, e, decay, c)
+        if left > 0.0:
+            net = level[j] - constant - intercepts[i] - s * kinetic
+            x, v, s = _leap(left, length[j], x, v, s, m, b, springs[i], net, r, e, decay)
         j += 1
         out_x[j] = x
-        if out_v.size > 0:
+        if keep:
             out_v[j] = v
         if not abs(x) < math.inf:
-            out_x[j:] = math.nan
-            out_v[j:] = math.nan
+            give_up(out_x, j)
+            give_up(out_v, j)
             break
-
-
-@lean
-def drift(h, x, v, m, b, k, f, r, e, decay, c):
-    """One segment of an odd length without events, by series."""
-    t = 0.0
-    while t < h:
-        e_now = e * math.exp(-decay * t)
-        rate = decay if abs(e_now) > 1e-18 * abs(f) else 0.0
-        fastest = max(linear.fastest_rate(m, b, k), rate)
-        d = min(h - t, linear.LONGEST / fastest)
-        terms = linear.terms_for(fastest * d)
-        linear.series(c, terms, m, b, k, x, v, f + r * t, r, e_now if rate > 0.0 else 0.0, rate)
-        x, v = linear.position(c, terms, d), linear.velocity(c, terms, d)
-        if t + d == t:
-            break
-        t += d
-    return x, v

@@ -4,6 +4,9 @@ A segment is one step of fourth order where that is accurate enough, else steps 
 see ``rk``.
 """
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -11,10 +14,17 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.compiled import give_up, inlined, lean, making
 from msd_ident.model.kernel.events import knee, rest, slowest, turn
 from msd_ident.model.kernel.rk import (
-    STAGES, acceleration_at, applied, forces_at, second_acceleration, step4, step5, step_to,
+    STAGES,
+    acceleration_at,
+    applied,
+    forces_at,
+    second_acceleration,
+    step4,
+    step5,
+    step_to,
 )  # fmt: skip
 from msd_ident.model.kernel.spring import piece
 
@@ -24,7 +34,7 @@ TOLERANCE4, TOLERANCE5 = 1e-7, 2e-8
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
 EVENTS = 200
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
-STEPS_A_SEGMENT, STEPS = 400, 200_000
+STEPS_A_SEGMENT, STEPS = 120, 100_000
 _SHORTEST = 1e-10
 _NONE, _TURN, _KNEE, _AGAIN = 0, 1, 2, 3
 
@@ -87,6 +97,62 @@ def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, en
     return event, h, x1, v1, a1, y1, u1, c1
 
 
+@inlined
+def _attempt(world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k):
+    """A step towards the end of the segment, ``left`` [s] away: (length, error in parts of what is allowed, end)."""
+    if fifth:
+        h = left if left <= longest5 else left / math.ceil(left / longest5)
+        x1, v1, a1, y1, u1, c1, error_x, error_v = step5(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
+        return h, max(error_x / tolerances[2], error_v / tolerances[3]), x1, v1, a1, y1, u1, c1
+    x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, t, left, x, v, a, y, u, c)
+    return left, max(error_x / tolerances[0], error_v / tolerances[1]), x1, v1, a1, y1, u1, c1
+
+
+@inlined
+def _adapt(fifth, h, error, longest4, longest5):
+    """The longest steps that either method may take next."""
+    if not error <= 1.0:
+        shorter = h * (max(0.2, 0.9 * error**-0.2) if error < 1e12 else 0.2)
+        return (longest4, shorter) if fifth else (shorter, longest5)
+    if fifth:
+        # Now and then the fourth-order method is worth another try.
+        longest4 *= 1.02
+        if error < 0.1 and longest5 < 2.0 * h:
+            longest5 = 1.5 * h
+    return longest4, longest5
+
+
+@lean
+def _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u):
+    """(direction, piece of the spring, acceleration) after a turn or at a knee."""
+    if event == _TURN:
+        laws.remember(world[0], p, w, x, s)
+        s = _settle(world, p, w, _place(springs, i), drive, t, x, y, u)
+        i = piece(edges, x, s)
+    else:
+        i += 1 if s > 0.0 else -1
+    if s == 0.0:
+        return s, i, 0.0
+    return s, i, acceleration_at(world, p, w, _place(springs, i), drive, s, t, x, v, y, u)
+
+
+@lean
+def _stay(world, held, p, w, edges, springs, drive, restless, length, t, longest, x, y, u, c, i, tolerances, k):
+    """A stretch of rest: (time when it ends, whether the cart leaves, s, i, a, y, u, c, longest)."""
+    left = length - t
+    place = _place(springs, i)
+    wait, leaves, y, u, c, longest = rest(
+        world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c, tolerances[2], tolerances[3], k
+    )
+    t = length if wait >= left else t + wait
+    if not leaves:
+        return t, False, 0.0, i, 0.0, y, u, c, longest
+    s = _leave(world, p, w, place, drive, t, 1e-6 * length, x, y, u)
+    i = piece(edges, x, s)
+    a = acceleration_at(world, p, w, _place(springs, i), drive, s, t, x, 0.0, y, u)
+    return t, True, s, i, a, y, u, c, longest
+
+
 @lean
 def _segment(world, held, p, w, edges, springs, drive, length, eventful, restless, quick, state, tolerances, k):
     """The state at the end of one segment; NaN where the motion runs away.
@@ -97,60 +163,33 @@ def _segment(world, held, p, w, edges, springs, drive, length, eventful, restles
     """
     x, v, a, y, u, c, s, i, longest4, longest5, budget = state
     t, events = 0.0, 0
-    place = _place(springs, i)
-    while t < length:
-        left = length - t
+    while t < length and events <= EVENTS and budget > 0:
         budget -= 1
-        if events > EVENTS or budget < 0:
-            if budget < 0:
-                x = math.nan
-            break
         if eventful and s == 0.0:
-            wait, leaves, y, u, c, longest5 = rest(
-                world, held, p, w, place, drive, restless, t, left, longest5, x, y, u, c,
-                tolerances[2], tolerances[3], k,
-            )  # fmt: skip
-            t = length if wait >= left else t + wait
-            if leaves:
-                events += 1
-                s = _leave(world, p, w, place, drive, t, 1e-6 * length, x, y, u)
-                i = piece(edges, x, s)
-                place = _place(springs, i)
-                a = acceleration_at(world, p, w, place, drive, s, t, x, 0.0, y, u)
+            t, leaves, s, i, a, y, u, c, longest5 = _stay(
+                world, held, p, w, edges, springs, drive, restless, length, t, longest5, x, y, u, c, i, tolerances, k
+            )
+            events += leaves
             continue
+        left = length - t
+        place = _place(springs, i)
         fifth = left > longest4 or (quick and abs(v) < 2.0 * abs(a) * left)
-        if fifth:
-            h = left if left <= longest5 else left / math.ceil(left / longest5)
-            x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
-                world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k
-            )  # fmt: skip
-            error = max(error_x / tolerances[2], error_v / tolerances[3])
-        else:
-            h = left
-            x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, t, h, x, v, a, y, u, c)
-            error = max(error_x / tolerances[0], error_v / tolerances[1])
+        h, error, x1, v1, a1, y1, u1, c1 = _attempt(
+            world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k
+        )
+        longest4, longest5 = _adapt(fifth, h, error, longest4, longest5)
         if not error <= 1.0:
-            shorter = h * (max(0.2, 0.9 * error**-0.2) if error < 1e12 else 0.2)
-            if fifth:
-                longest5 = shorter
-                if h < _SHORTEST * length:
-                    x = math.nan
-                    break
-            else:
-                longest4 = shorter
+            if h < _SHORTEST * length:
+                budget = 0
             continue
-        if fifth:
-            longest4 *= 1.02
-            if error < 0.1 and longest5 < 2.0 * h:
-                longest5 = 1.5 * h
         event = _NONE
         if eventful and not (s * v1 > 0.0 and edges[i] <= x1 <= edges[i + 1] and (s * a >= 0.0 or s * a1 <= 0.0)):
             event, h, x1, v1, a1, y1, u1, c1 = _first_event(
                 fifth, world, p, w, place, drive, s, t, h, edges[i], edges[i + 1],
                 (x, v, a, y, u, c), (x1, v1, a1, y1, u1, c1), k,
             )  # fmt: skip
+            events += event != _NONE
             if event == _AGAIN:
-                events += 1
                 if h > 1e-6 * length and events < EVENTS:
                     longest4, longest5 = min(longest4, 0.5 * h), 0.5 * h
                     continue
@@ -158,22 +197,16 @@ def _segment(world, held, p, w, edges, springs, drive, length, eventful, restles
         x, v, a, y, u, c = x1, v1, a1, y1, u1, c1
         t = length if h >= left else t + h
         if event != _NONE:
-            events += 1
-            if event == _TURN:
-                laws.remember(world[0], p, w, x, s)
-                s = _settle(world, p, w, place, drive, t, x, y, u)
-                i = piece(edges, x, s)
-            else:
-                i += 1 if s > 0.0 else -1
-            place = _place(springs, i)
-            a = acceleration_at(world, p, w, place, drive, s, t, x, v, y, u) if s != 0.0 else 0.0
+            s, i, a = _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u)
+    if budget <= 0:
+        x = math.nan
     return x, v, a, y, u, c, s, i, longest4, longest5, budget
 
 
 @making
 def general(
     active, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
-    x, v, far, fast, out_x, out_v,
+    x, v, scales, out_x, out_v,
 ):  # fmt: skip
     """Positions (and velocities) at all segment boundaries.
 
@@ -184,7 +217,7 @@ def general(
         second: (m2, k2, b2) of the second mass; m2 = 0 without one.
         start, length: of each segment [s].
         level, slope, transient, decay: force on each, see ``exact``.
-        far, fast: sizes [m] and [m/s] that errors are compared with.
+        scales: sizes [m] and [m/s] that errors are compared with.
     """
     steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
     eventful = (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or edges.size > 2
@@ -192,7 +225,7 @@ def general(
     quick = (active & laws.QUICK_BITS) != 0
     world = (active, m, b, constant, second[0], second[1], second[2])
     held = (active, math.inf, b, constant, second[0], second[1], second[2])
-    tolerances = (TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast)
+    tolerances = (TOLERANCE4 * scales[0], TOLERANCE4 * scales[1], TOLERANCE5 * scales[0], TOLERANCE5 * scales[1])
     k = np.zeros(STAGES)
     out_x[0] = x
     if keep:
@@ -221,7 +254,7 @@ def general(
         out_x[j + 1] = state[0]
         if keep:
             out_v[j + 1] = state[1]
-        if not abs(state[0]) < 1e12 * far:
-            out_x[j + 1 :] = math.nan
-            out_v[j + 1 :] = math.nan
+        if not abs(state[0]) < 1e12 * scales[0]:
+            give_up(out_x, j + 1)
+            give_up(out_v, j + 1)
             break

@@ -43,7 +43,8 @@ for _effect in LIBRARY:
 EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_linear)
 #: Effects with a dry friction law, and effects whose law turns at v = 0.
 DRY_BITS, READING_BITS, MAP_BITS = (
-    sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws()) for kind in ("friction", "reading", "input_map")
+    sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws())
+    for kind in ("friction", "reading", "input_map")
 )
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 #: Effects whose force may change quickly just after a turn.
@@ -113,8 +114,6 @@ def _remember() -> Any:
             places = ", ".join(f"w[{MEMORY[name]}]" for name, _ in effect.memory)
             lines += [f"    if active & {BIT[effect.name]}:", f"        {places} = {', '.join(new)}"]
     return _compile("remember", lines, scope)
-
-
 
 
 active = _active()

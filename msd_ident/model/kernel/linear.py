@@ -4,6 +4,9 @@ No case is told from another: underdamped, critical, overdamped, without spring 
 short enough steps of which converge to the last digit.
 """
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -116,6 +119,15 @@ def propagator(row, m, b, k, h, decay):
             row[5 * i + j] = total[i, j]
     if fast:
         _fast_transient(row, m, b, k, h, decay)
+
+
+@lean
+def propagate(row, x, v, f, r, e):
+    """(x, v) after the time that row was made for, see ``propagator``."""
+    return (
+        row[0] * x + row[1] * v + row[2] * f + row[3] * r + row[4] * e,
+        row[5] * x + row[6] * v + row[7] * f + row[8] * r + row[9] * e,
+    )
 
 
 @making

@@ -8,8 +8,11 @@ steps are wanted.
 Names, here and in ``events`` and ``general``. world: (active, m, b, constant, m2, k2, b2); p, w: parameters and memory;
 piece: (slope, intercept, own slope, own intercept) of the spring; drive: (start, f, r, e, decay) of the force on the
 segment; s: direction of motion; t: time since the segment began; x, v, a: position, velocity, acceleration of the
-cart; y, u, c: of the second mass. A held cart has an infinite mass in its ``world``, so that the second one moves alone.
+cart; y, u, c: of the second mass. A held cart has an infinite mass in its ``world``: the second one moves alone.
 """
+
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
 
 from __future__ import annotations
 

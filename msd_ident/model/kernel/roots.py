@@ -1,5 +1,8 @@
 """Events inside a segment: roots of the series of the motion, and of the force on a cart at rest."""
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -25,9 +28,9 @@ def _velocity_root(c, terms, low, high, s):
             high = t
         slope = s * acceleration(c, terms, t)
         new = t - v / slope if slope < 0.0 else 0.5 * (low + high)
-        if not (new > low and new < high):
+        if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - t) <= SETTLED * high or new == low or new == high:
+        if abs(new - t) <= SETTLED * high or not low < new < high:
             return new
         t = new
     return t
@@ -46,7 +49,7 @@ def _acceleration_root(c, terms, low, high):
             low = t
         slope = jerk(c, terms, t)
         new = t - a / slope if slope != 0.0 else 0.5 * (low + high)
-        if not (new > low and new < high):
+        if not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - t) <= 1e-12 * high:
             return new
@@ -119,9 +122,9 @@ def fall_through(c, terms, d, edge, s):
             high = t
         slope = s * velocity(c, terms, t)
         new = t - x / slope if slope > 0.0 else 0.5 * (low + high)
-        if not (new > low and new < high):
+        if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - t) <= SETTLED * high or new == low or new == high:
+        if abs(new - t) <= SETTLED * high or not low < new < high:
             return new
         t = new
     return t

@@ -1,5 +1,8 @@
 """One run of the solver: parameters and a plan in, positions out."""
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -7,16 +10,16 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import laws, segments
-from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.compiled import give_up, lean, making
 from msd_ident.model.kernel.exact import exact
 from msd_ident.model.kernel.general import general
 from msd_ident.model.kernel.spring import characteristic
 
-#: Argument lists of the entries; ``cache`` writes the entry module from them.
-PLAN = "time, force_time, force, straight"
-RUN = "bits, rows, plan, out_x, out_v"
+#: Radians a sample beyond which the second mass is joined to the first: its own motion is far beyond what samples show.
+RIGID = 150.0
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
+_START = len(laws.INDEX)
 _GAP = laws.INDEX.get("backlash_half_width", 0)
 _STOP, _STOP_K = laws.INDEX.get("stop_position", 0), laws.INDEX.get("stop_stiffness", 0)
 _LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
@@ -43,40 +46,68 @@ def plan(time, force_time, force, straight):
 
 
 @making
-def run(bits, rows, plan, out_x, out_v):
-    """Simulate r parameter vectors one after the other.
+def row(bits, p, plan, out_x, out_v):
+    """Simulate one parameter vector.
 
     Args:
         bits: set of the model's effects, see ``laws.BIT``.
-        rows: (r, len(laws.INDEX) + 2) all parameters of the library, those of other effects unused, then position [m]
-            and velocity [m/s] at the first sample.
+        p: (len(laws.INDEX) + 2,) all parameters of the library, those of other effects unused, then position [m] and
+            velocity [m/s] at the first sample.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
-        out_x: (r, n) readings of the positions [m]; NaN from where the motion leaves all bounds.
-        out_v: (r, n) velocities [m/s], or (r, 0) when nobody wants them.
+        out_x: (n,) readings of the positions [m]; NaN from where the motion leaves all bounds.
+        out_v: (n,) velocities [m/s], or (0,) when nobody wants them.
     """
-    for row in range(rows.shape[0]):
-        _simulate(bits, rows[row], plan, rows[row, -2], rows[row, -1], out_x[row], out_v[row])
-
-
-@making
-def _simulate(bits, p, plan, x, v, out_x, out_v):
-    """One row of ``run``."""
-    time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
+    time, force = plan[0], plan[2]
+    x, v = p[_START], p[_START + 1]
     bits = laws.active(bits, p)
     w = _MEMORY.copy()
     m, b, k = p[_MASS], p[_DAMPING], p[_STIFFNESS]
     if not (m > 0.0 and abs(b) < math.inf and abs(k) < math.inf):
-        out_x[:] = math.nan
-        out_v[:] = math.nan
+        give_up(out_x, 0)
+        give_up(out_v, 0)
         return
+    start, length, kind, pick, lengths, level, slope, transient, decay = _on_the_cart(bits, p, w, plan)
+    gap = p[_GAP] if bits & _BACKLASH else 0.0
+    stop, stop_k = (p[_STOP], p[_STOP_K]) if bits & _END_STOP else (math.inf, 0.0)
+    edges, springs = characteristic(k, gap, stop, stop_k)
+    constant = laws.constant(bits, p, w)
+    second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
+    if bits & _SECOND_MODE and _rate_between(m, second) * (time[-1] - time[0]) > RIGID * time.size:
+        m, second = m + second[0], (0.0, 0.0, 0.0)
+        bits &= ~_SECOND_MODE
+    direct = pick.size == 0
+    path_x = out_x if direct else np.empty(start.size + 1)
+    path_v = out_v if direct else np.empty(start.size + 1 if out_v.size > 0 else 0)
+    if bits & ~laws.EXACT_BITS:
+        general(
+            bits, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
+            x, v, _scales(m, b, k, time, force, x, v), path_x, path_v,
+        )  # fmt: skip
+    else:
+        kinetic, hold = 0.0, 0.0
+        if bits & laws.DRY_BITS:
+            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
+        exact(
+            m, b, edges, springs[0], springs[1], constant, kinetic, hold,
+            length, kind, lengths, level, slope, transient, decay, x, v, path_x, path_v,
+        )  # fmt: skip
+    _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v)
+
+
+@making
+def _on_the_cart(bits, p, w, plan):
+    """Segments and the force on them that arrives at the cart: shifted, mapped and lagged where effects do so.
+
+    Returns (start, length, kind, pick, lengths, level, slope, transient, decay), see ``segments.merge`` and ``exact``.
+    """
+    time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
     shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
     if shift != 0.0:
         start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, force, straight, shift)
     if bits & laws.MAP_BITS:
-        mapped = np.empty_like(force)
+        commanded, force = force, np.empty(force.size)
         for i in range(force.size):
-            mapped[i] = laws.input_map(bits, p, w, force[i])
-        force = mapped
+            force[i] = laws.input_map(bits, p, w, commanded[i])
     if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG):
         level = np.empty(start.size)
         slope = np.empty(start.size if straight else 0)
@@ -84,31 +115,15 @@ def _simulate(bits, p, plan, x, v, out_x, out_v):
     transient, decay = np.empty(0), 0.0
     if bits & _ACTUATOR_LAG:
         transient, decay = np.empty(start.size), 1.0 / p[_LAG]
-        at_start = segments.before(time[0], force_time, shift, force, straight)
+        at_start = segments.lagged_start(time[0], force_time, shift, force, straight, p[_LAG])
         segments.lag(length, p[_LAG], at_start, level, slope, transient)
-    gap = p[_GAP] if bits & _BACKLASH else 0.0
-    stop, stop_k = (p[_STOP], p[_STOP_K]) if bits & _END_STOP else (math.inf, 0.0)
-    edges, springs = characteristic(k, gap, stop, stop_k)
-    constant = laws.constant(bits, p, w)
-    direct = pick.size == 0
-    path_x = out_x if direct else np.empty(start.size + 1)
-    path_v = out_v if direct else np.empty(start.size + 1 if out_v.size > 0 else 0)
-    if bits & ~laws.EXACT_BITS:
-        second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
-        far, fast = _scales(m, b, k, time, force, x, v)
-        general(
-            bits, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
-            x, v, far, fast, path_x, path_v,
-        )  # fmt: skip
-    else:
-        kinetic, hold = 0.0, 0.0
-        if bits & laws.DRY_BITS:
-            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
-        exact(
-            m, b, (edges, springs[0], springs[1]), constant, kinetic, hold,
-            (length, kind, lengths), (level, slope, transient), decay, x, v, path_x, path_v,
-        )  # fmt: skip
-    if not direct:
+    return start, length, kind, pick, lengths, level, slope, transient, decay
+
+
+@lean
+def _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v):
+    """What the sensor says at the samples; without ``pick`` the path is the output itself."""
+    if pick.size > 0:
         for i in range(out_x.size):
             out_x[i] = path_x[pick[i]]
         for i in range(out_v.size):
@@ -116,6 +131,14 @@ def _simulate(bits, p, plan, x, v, out_x, out_v):
     if bits & laws.READING_BITS:
         for i in range(out_x.size):
             out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
+
+
+@lean
+def _rate_between(m, second):
+    """Largest rate [1/s] of the motion of the two masses against each other."""
+    m2, k2, b2 = second
+    lightness = 1.0 / m + 1.0 / m2
+    return max(math.sqrt(k2 * lightness), b2 * lightness)
 
 
 @lean

@@ -1,5 +1,8 @@
 """Time cut into segments in which the force is one straight line, and the force on each."""
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import math
@@ -11,6 +14,19 @@ from msd_ident.model.kernel.compiled import lean, making
 #: Distinct segment lengths whose propagators are kept; other segments are propagated by series.
 LENGTHS = 8
 _ROUNDING = 1e-15
+
+
+@lean
+def _last_before(times, instant):
+    """Index of the last of the rising times that is not after the instant; -1 if all are."""
+    low, high = -1, times.size
+    while high - low > 1:
+        middle = (low + high) // 2
+        if times[middle] <= instant:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @making
@@ -28,7 +44,7 @@ def merge(time, force_time, force, straight, shift):
     lengths = np.zeros(LENGTHS)
     known = 0
     now = time[0]
-    i = np.searchsorted(force_time, now - shift + _ROUNDING * abs(now), side="right") - 1
+    i = _last_before(force_time, now - shift + _ROUNDING * abs(now))
     count, j = 0, 1
     while j < time.size:
         while not straight and i >= 0 and i + 1 < force_time.size and force[i + 1] == force[i]:
@@ -79,15 +95,25 @@ def force_lines(start, force_index, force_time, shift, force, linear, level, slo
 
 
 @lean
-def before(start, force_time, shift, force, linear):
-    """The force [N] that acted just before ``start`` [s]."""
-    i = np.searchsorted(force_time, start - shift - _ROUNDING * (1.0 + abs(start)), side="left") - 1
-    if i < 0:
-        return 0.0
-    if not linear or i == force_time.size - 1:
-        return force[i]
-    share = (start - shift - force_time[i]) / (force_time[i + 1] - force_time[i])
-    return force[i] + share * (force[i + 1] - force[i])
+def lagged_start(start, force_time, shift, force, straight, tau):
+    """The lagged force [N] when the record starts [s], from the stamps before it.
+
+    A first stamp before the record is a force that has acted for long (a record cut out of a longer one); otherwise
+    there was none before it.
+    """
+    lagged = force[0] if force_time[0] < start else 0.0
+    for i in range(force_time.size):
+        begin = force_time[i] + shift
+        if begin >= start - _ROUNDING * (1.0 + abs(start)):
+            break
+        end, rise = start, 0.0
+        if i + 1 < force_time.size:
+            end = min(end, force_time[i + 1] + shift)
+            if straight:
+                rise = (force[i + 1] - force[i]) / (force_time[i + 1] - force_time[i])
+        level = force[i] - rise * tau
+        lagged = level + rise * (end - begin) + (lagged - level) * math.exp(-(end - begin) / tau)
+    return lagged
 
 
 @lean

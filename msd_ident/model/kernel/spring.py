@@ -1,5 +1,8 @@
 """The spring's characteristic as straight pieces: linear spring, backlash and end stops."""
 
+# Compiled for the types that they are called with, so functions here have no annotations.
+# mypy: allow-untyped-defs, allow-untyped-calls
+
 from __future__ import annotations
 
 import numpy as np

@@ -1,0 +1,76 @@
+"""One example of every effect, on one plant: what the contract tests run on. A new effect adds its line here."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident.model import Effect, Model, Plant
+from msd_ident.model.effects import by_name
+from msd_ident.record import Hold, Record
+
+MASS, DAMPING, STIFFNESS = 0.9407, 3.927, 694.1
+
+#: Parameter values that make each effect plainly visible on the plant above under 10 N.
+EXAMPLES: dict[str, dict[str, float]] = {
+    "actuator_lag": {"lag_time": 0.004},
+    "asymmetric_spring": {"quadratic_stiffness": 4e3},
+    "backlash": {"backlash_half_width": 0.002},
+    "cogging": {"cogging_amplitude": 0.3, "cogging_pitch": 0.01, "cogging_phase": 0.4},
+    "coulomb_friction": {"coulomb_force": 0.3},
+    "cubic_spring": {"cubic_stiffness": 2e5},
+    "end_stop": {"stop_position": 0.018, "stop_stiffness": 5e3},
+    "force_gain_nonlinearity": {"gain_slope": 0.01, "force_limit": 11.0},
+    "force_offset": {"offset_force": 0.5},
+    "hysteresis": {"hysteresis_force": 0.4, "hysteresis_length": 0.003},
+    "periodic_disturbance": {
+        "disturbance_amplitude": 0.3, "disturbance_frequency": 60.0, "disturbance_phase": 0.3,
+    },
+    "position_dependent_friction": {"coulomb_force": 0.3, "position_friction_slope": 20.0},
+    "quadratic_drag": {"drag_coefficient": 3.0},
+    "second_mode": {"second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5},
+    "sensor_drift": {"sensor_drift_rate": 1e-4},
+    "stiffness_drift": {"stiffness_drift_rate": 0.02},
+    "stribeck_friction": {"coulomb_force": 0.2, "static_force": 0.4, "stribeck_velocity": 0.02},
+    "time_offset": {"time_offset": 0.0023},
+}  # fmt: skip
+
+
+def plant() -> Model:
+    """The plant of the examples."""
+    return Plant(MASS, DAMPING, STIFFNESS)
+
+
+def example(name: str) -> Effect:
+    """The example of one effect."""
+    assert name in EXAMPLES, f"{name} has no example yet: add one to EXAMPLES"
+    return by_name(name)(**EXAMPLES[name])
+
+
+def model(*names: str) -> Model:
+    """The plant with the examples of these effects."""
+    whole = plant()
+    for name in names:
+        whole = whole + example(name)
+    return whole
+
+
+def neutral(name: str) -> Effect:
+    """The example with the values that make its effect vanish."""
+    effect = by_name(name)
+    return effect(**{**EXAMPLES[name], **dict(effect.neutral)})
+
+
+def record(rate: float = 250.0, hold: Hold = "zero", duration: float = 3.0, start: float = 0.0) -> Record:
+    """Steps up, down and off, or a chirp where the force is linear between its samples."""
+    time = np.arange(int(duration * rate) + 1) / rate
+    if hold == "zero":
+        force = np.where(time < 0.4 * duration, 10.4, np.where(time < 0.7 * duration, -6.0, 0.0))
+    else:
+        force = 8.0 * np.sin(2.0 * np.pi * 1.5 * time * (1.0 + time / duration))
+    return Record(time=start + time, position=0.0 * time, force_time=start + time, force=force, hold=hold)
+
+
+def silent(rate: float = 250.0, duration: float = 2.0) -> Record:
+    """No force at all."""
+    time = np.arange(int(duration * rate) + 1) / rate
+    return Record(time=time, position=0.0 * time, force_time=time[:1], force=time[:1])

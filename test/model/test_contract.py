@@ -1,0 +1,183 @@
+"""The contract that every effect of the library keeps."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from effect_examples import EXAMPLES, example, model, neutral, plant, record, silent
+
+from msd_ident.errors import UsageError
+from msd_ident.model import Effect, Simulator, simulate
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.model.effects.base import KINDS
+from msd_ident.model.model import PLANT_PARAMETERS
+
+NAMES = tuple(effect.name for effect in LIBRARY)
+
+
+def spread(values: np.ndarray) -> float:
+    """Range of a signal."""
+    return float(np.ptp(values))
+
+
+def test_library_is_complete_and_each_effect_is_a_file() -> None:
+    assert set(NAMES) == set(EXAMPLES)
+    assert list(NAMES) == sorted(NAMES)
+    for effect in LIBRARY:
+        assert effect.__module__.endswith(f".{effect.name}")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_says_what_it_is(name: str) -> None:
+    effect = by_name(name)
+    assert effect.acts_on in ("force", "input", "sensor")
+    assert effect.law and effect.source and effect.__doc__
+    own = {parameter.name for parameter in effect.parameters}
+    assert own == set(EXAMPLES[name])
+    assert {parameter for parameter, _ in effect.neutral} <= own
+    for parameter in effect.parameters:
+        assert parameter.symbol and parameter.meaning and parameter.lower < parameter.upper
+    assert set(effect.laws()) <= {*KINDS, *(f"reversal_{name}" for name, _ in effect.memory)}
+
+
+def test_a_parameter_name_means_one_thing() -> None:
+    meaning = {parameter.name: parameter for parameter in PLANT_PARAMETERS}
+    for effect in LIBRARY:
+        for parameter in effect.parameters:
+            assert meaning.setdefault(parameter.name, parameter) == parameter
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize("name", NAMES)
+def test_zero_strength_is_the_plain_plant(name: str, hold: str) -> None:
+    measured = record(hold=hold)
+    plain = simulate(plant(), measured).position
+    zero = simulate(plant() + neutral(name), measured).position
+    assert np.max(np.abs(zero - plain)) <= 1e-12 * spread(plain)
+    assert np.max(np.abs(simulate(model(name), measured).position - plain)) > 1e-4 * spread(plain)
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize("name", NAMES)
+def test_small_strength_is_near_the_plain_plant(name: str, hold: str) -> None:
+    """An effect fades out; it does not jump when its strength reaches zero."""
+    measured = record(hold=hold)
+    full, none = EXAMPLES[name], dict(by_name(name).neutral)
+    fading = {k: v if k not in none or math.isinf(none[k]) else 1e-6 * v for k, v in full.items()}
+    if name == "force_gain_nonlinearity":
+        fading["force_limit"] = math.inf
+    plain = simulate(plant(), measured).position
+    faded = simulate(plant() + by_name(name)(**fading), measured).position
+    assert np.max(np.abs(faded - plain)) <= 1e-5 * spread(plain)
+
+
+def length_power(unit: str) -> int:
+    """How often a unit holds a length: N counts one, as kg·m/s² does."""
+    power = 0
+    for part, sign in ((unit.partition("/")[0], 1), (unit.partition("/")[2], -1)):
+        for symbol, exponent in re.findall(r"(kg|rad|[mNs1])([²³]?)", part):
+            if symbol in ("m", "N"):
+                power += sign * {"": 1, "²": 2, "³": 3}[exponent]
+    return power
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize("name", NAMES)
+def test_millimetres_and_metres_give_the_same_motion(name: str, hold: str) -> None:
+    whole, measured = model(name), record(hold=hold)
+    factor = {p.name: 1000.0 ** length_power(p.unit) for p in whole.parameters}
+    small = whole.with_values({n: whole[n] * factor[n] for n in whole.names})
+    metres = simulate(whole, measured, 0.004, -0.03)
+    millimetres = simulate(small, replace(measured, force=1000.0 * measured.force), 4.0, -30.0)
+    assert np.max(np.abs(1e-3 * millimetres.position - metres.position)) <= 1e-7 * spread(metres.position)
+
+
+@pytest.mark.parametrize("name", [effect.name for effect in LIBRARY if effect.dissipative])
+def test_dissipative_effects_never_add_energy(name: str) -> None:
+    for whole in (model(name), model(name).with_values({"damping": 0.0})):
+        free = simulate(whole, silent(), 0.03, 0.2)
+        energy = 0.5 * whole["mass"] * free.velocity**2 + 0.5 * whole["stiffness"] * free.position**2
+        assert np.max(np.diff(energy)) <= 1e-9 * energy[0]
+        assert energy[-1] < 0.95 * energy[0]
+
+
+def test_conservative_springs_keep_energy() -> None:
+    """Springs of any shape give back what they take; the clock of the solver does not add or remove any."""
+    potential = {
+        "cubic_spring": lambda x: 0.25 * 2e5 * x**4,
+        "asymmetric_spring": lambda x: 4e3 * x**3 / 3.0,
+        "end_stop": lambda x: 0.5 * 5e3 * np.maximum(np.abs(x) - 0.018, 0.0) ** 2,
+        "cogging": lambda x: -0.3 * 0.01 / (2 * np.pi) * np.cos(2 * np.pi * x / 0.01 + 0.4),
+    }
+    for name, extra in potential.items():
+        whole = model(name).with_values({"damping": 0.0})
+        free = simulate(whole, silent(), 0.03, 0.0)
+        energy = 0.5 * whole["mass"] * free.velocity**2 + 0.5 * whole["stiffness"] * free.position**2
+        energy = energy + extra(free.position)
+        assert np.max(np.abs(energy - energy[0])) <= 2e-6 * energy[0], name
+
+
+def turned(effect: Effect) -> float:
+    measured = record()
+    there = simulate(plant() + effect, measured, 0.004, -0.03).position
+    back = simulate(plant() + effect, replace(measured, force=-measured.force), -0.004, 0.03).position
+    return float(np.max(np.abs(there + back))) / spread(there)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_mirror_symmetry_where_the_law_has_it(name: str) -> None:
+    if by_name(name).mirror:
+        assert turned(example(name)) <= 1e-8
+    else:
+        assert turned(example(name)) > 1e-4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_later_clock_moves_only_what_knows_the_time(name: str) -> None:
+    now, later = record(), record(start=7.0)
+    here = simulate(model(name), now, 0.004, -0.03).position
+    there = simulate(model(name), later, 0.004, -0.03).position
+    difference = float(np.max(np.abs(there - here))) / spread(here)
+    if by_name(name).steady:
+        assert difference <= 2e-7
+    else:
+        assert difference > 1e-4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_many_at_once_are_the_same_numbers(name: str) -> None:
+    whole = model(name)
+    simulator = Simulator(whole, record())
+    rows = whole.values * np.array([[1.0], [1.01], [0.98]])
+    many = simulator.positions_many(rows, [0.0, 0.001, 0.002], [0.0, 0.1, -0.1])
+    for i, (x, v) in enumerate(((0.0, 0.0), (0.001, 0.1), (0.002, -0.1))):
+        assert np.array_equal(many[i], simulator.positions(rows[i], x, v))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_guesses_are_usable_starts(name: str) -> None:
+    whole, measured = model(name), record(rate=500.0)
+    seen = replace(measured, position=simulate(whole, measured).position)
+    guesses = by_name(name).guess(seen, plant())
+    assert guesses
+    for guess in guesses:
+        assert isinstance(guess, by_name(name))
+        moved = simulate(plant() + guess, seen).position
+        assert np.all(np.isfinite(moved))
+        assert not np.array_equal(moved, simulate(plant(), seen).position)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_values_outside_their_bounds_are_refused_in_words(name: str) -> None:
+    effect = by_name(name)
+    for parameter in effect.parameters:
+        wrong = {**EXAMPLES[name], parameter.name: math.nan}
+        with pytest.raises(UsageError, match=rf"{name}: {parameter.name} is nan .*; expected "):
+            effect(**wrong)
+        if not math.isinf(parameter.lower):
+            with pytest.raises(UsageError, match=f"{name}: {parameter.name} is "):
+                effect(**{**EXAMPLES[name], parameter.name: parameter.lower - 1.0})
