@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
 from msd_ident.errors import MsdError
 from msd_ident.record import FloatArray
@@ -47,7 +48,8 @@ def wanted(what: str, text: str, scale: float) -> tuple[Wanted, ...]:
 class Input:
     """One subscription that fills the live buffer.
 
-    A topic whose type is known is subscribed to at once, any other when ``look`` finds a publisher.
+    A topic whose type is known is subscribed to at once, any other when ``look`` finds a publisher. The subscription
+    never asks for more than the publishers offer: it is made anew when one comes that offers less.
     """
 
     def __init__(self, node: Node, signal: Wanted, sink: Sink, depth: int, group: CallbackGroup) -> None:
@@ -56,26 +58,29 @@ class Input:
         self.problem = ""
         self.signal: Signal | None = None
         self.heard = 0.0
+        self._subscription: Subscription | None = None
         self._node, self._sink, self._depth, self._group = node, sink, depth, group
         known = "" if signal.field else names.TYPES.get(signal.topic, "")
         if known:
-            qos = names.force_qos(depth) if signal.what == "force" else names.encoder_qos(depth)
-            self._subscribe(known, qos)
+            self._subscribe(known, names.force_qos(depth) if signal.what == "force" else names.encoder_qos(depth))
 
     def look(self) -> None:
-        """Subscribe when somebody publishes the topic."""
-        if self.signal is not None or self.problem:
+        """Subscribe when somebody publishes the topic, as the publishers allow."""
+        publishers = [] if self.problem else self._node.get_publishers_info_by_topic(self.topic)
+        if not publishers:
             return
-        publishers = self._node.get_publishers_info_by_topic(self.topic)
-        if publishers:
-            offered = [publisher.qos_profile for publisher in publishers]
-            self._subscribe(publishers[0].topic_type, names.matching_qos(offered, self._depth))
+        qos = names.matching_qos([publisher.qos_profile for publisher in publishers], self._depth)
+        if self._subscription is None or names.asks_for_more(self._subscription.qos_profile, qos):
+            self._subscribe(publishers[0].topic_type, qos)
 
     def _subscribe(self, type_name: str, qos: QoSProfile) -> None:
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
         try:
-            self.signal = Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
-            self._node.create_subscription(
-                message_class(type_name), self.wanted.topic, self._take, qos, callback_group=self._group
+            self.signal = self.signal or Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
+            kind, topic = message_class(type_name), self.wanted.topic
+            self._subscription = self._node.create_subscription(
+                kind, topic, self._take, qos, callback_group=self._group
             )
         except MsdError as error:
             self._complain(error)

@@ -62,6 +62,13 @@ def matching_qos(offered: list[QoSProfile], depth: int) -> QoSProfile:
     )
 
 
+def asks_for_more(has: QoSProfile, may: QoSProfile) -> bool:
+    """Whether a subscription with one profile asks for more than the other does."""
+    lasting = has.durability == DurabilityPolicy.TRANSIENT_LOCAL and may.durability == DurabilityPolicy.VOLATILE
+    reliable = has.reliability == ReliabilityPolicy.RELIABLE and may.reliability == ReliabilityPolicy.BEST_EFFORT
+    return lasting or reliable
+
+
 def to_offered(profile: QoSProfile) -> OfferedQos:
     """A profile as a bag keeps it."""
     return OfferedQos(

@@ -8,10 +8,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from msd_ident.errors import UsageError
+
+_KINDS = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number with a decimal point",
+    str: "a text",
+    list: "a list of texts",
+}
 
 
 @dataclass(frozen=True)
@@ -48,7 +57,7 @@ class Settings:
         self._node = node
         self._settings = {setting.name: setting for setting in settings}
         for setting in settings:
-            node.declare_parameter(setting.name, setting.default, _descriptor(setting))
+            _declare(node, setting)
         reasons = [self._reason(name, self[name]) for name in self._settings]
         for reason in filter(None, reasons):
             raise UsageError(reason)
@@ -70,8 +79,24 @@ class Settings:
         if setting.choices and value not in setting.choices:
             return f"{name} is {value!r}; expected one of {', '.join(setting.choices)}"
         if isinstance(value, float) and not math.isfinite(value):
-            return f"{name} is {value}; expected a finite number"
+            return f"{name} is {value}; expected {_range(setting)}"
         return ""
+
+
+def _declare(node: Node, setting: Setting) -> None:
+    try:
+        node.declare_parameter(setting.name, setting.default, _descriptor(setting))
+    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+        given = getattr(node, "_parameter_overrides", {}).get(setting.name)
+        found = "not right" if given is None else repr(given.value)
+        wanted = _KINDS[type(setting.default)]
+        if isinstance(error, InvalidParameterValueException):
+            wanted = _range(setting)
+        raise UsageError(f"{setting.name} is {found}; expected {wanted}") from None
+
+
+def _range(setting: Setting) -> str:
+    return f"{setting.lower:g} to {setting.upper:g}" if setting.upper is not None else setting.meaning
 
 
 def _descriptor(setting: Setting) -> ParameterDescriptor:

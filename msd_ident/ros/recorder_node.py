@@ -148,6 +148,8 @@ class Recorder:
         path = (root / Path(name).expanduser()).resolve()
         if root == path or root not in path.parents:
             raise UsageError(f"{folder} is not below {root}; expected a bag there: give a name, or set bag_folder")
+        if path.exists():
+            raise UsageError(f"{path} exists; expected a new name: the recorder overwrites nothing")
         return path
 
     def _look(self) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +21,6 @@ import msd_sim.api  # noqa: E402
 from msd_ident import bag, pipeline  # noqa: E402
 from msd_ident.record import Record  # noqa: E402
 from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.replayer_node import Replayer  # noqa: E402
 from msd_ident.ros.results import to_estimate  # noqa: E402
 from msd_interfaces.msg import Estimate  # noqa: E402
 from msd_interfaces.srv import Identify  # noqa: E402
@@ -51,6 +53,19 @@ def numbers(estimate: Estimate) -> dict[str, object]:
     return {name: str(getattr(estimate, name)) for name in fields if name not in ("header", "source")}
 
 
+@contextmanager
+def replayed(folder: Path) -> Iterator[None]:
+    """The bag played by a process of its own, five times as fast as it was recorded."""
+    parameters = [f"-pbag:={folder}", "-prate:=5.0", "-pwait:=60.0"]
+    command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *parameters]
+    with subprocess.Popen(command) as process:
+        try:
+            yield
+            assert process.wait(60.0) == 0
+        finally:
+            process.kill()
+
+
 @pytest.mark.parametrize("write", [bag.write_bag, write_batches], ids=["single", "batches"])
 def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     ros_domain: int, tmp_path: Path, write: Callable[[Record, Path], None]
@@ -60,9 +75,8 @@ def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     write(record, folder)
     with graph(ros_domain) as ros:
         identifier = ros.add(Identifier([Parameter("auto_fit", value=False)], namespace="msd", context=ros.context))
-        playing = {"bag": str(folder), "rate": 5.0, "wait": 20.0}
-        ros.add(Replayer([Parameter(name, value=value) for name, value in playing.items()], context=ros.context))
-        until(lambda: identifier.buffer.counts.positions == record.samples, "all samples")
+        with replayed(folder):
+            until(lambda: identifier.buffer.counts.positions == record.samples, "all samples", 60.0)
         live = ros.call(Identify, "msd/identifier/identify", Identify.Request())
         from_bag = ros.call(Identify, "msd/identifier/identify", Identify.Request(bag_path=str(folder)))
         early = Identify.Request(end=4.5)
