@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from msd_ident.bag.fields import Field, parse_field
@@ -62,11 +62,12 @@ def choose_position(topics: Mapping[str, Topic], wanted: str, counts: Mapping[st
     """
     if wanted:
         return _named(topics, wanted, POSITION_FIELDS, "--position", bag)
-    found = [topic for topic in _called(topics, _POSITION_NAMES, POSITION_FIELDS) if counts.get(topic.name)]
+    called = _called(topics, _POSITION_NAMES)
+    found = _usable(called, POSITION_FIELDS, counts)
     if not found:
         raise DataError(
-            f"{bag} has no messages on a topic called encoder or encoder_batch; {_list(topics)}: "
-            "say which with --position TOPIC:FIELD"
+            f"{bag} has no topic called encoder or encoder_batch to take the position from{_why(called, counts)}; "
+            f"{_list(topics)}: say which with --position TOPIC:FIELD"
         )
     found.sort(key=lambda topic: (_namespace(topic.name), topic.type != BATCH))
     spaces = {_namespace(topic.name) for topic in found}
@@ -86,12 +87,13 @@ def choose_force(
     """
     if wanted:
         return _named(topics, wanted, FORCE_FIELDS, "--force", bag)
-    found = [topic for topic in _called(topics, _FORCE_NAMES, FORCE_FIELDS) if counts.get(topic.name)]
+    called = _called(topics, _FORCE_NAMES)
+    found = _usable(called, FORCE_FIELDS, counts)
     near = [topic for topic in found if _namespace(topic.name) == _namespace(position)]
     found = near or found
     if not found:
         raise DataError(
-            f"{bag} has no force: no messages on a topic called force; {_list(topics)}: "
+            f"{bag} has no force: no topic called force to take it from{_why(called, counts)}; {_list(topics)}: "
             "say which with --force TOPIC:FIELD, or --force none for a free decay"
         )
     if len(found) > 1:
@@ -118,8 +120,21 @@ def _only(names: Collection[str], topics: Mapping[str, Topic]) -> Topic | None:
     return topics[next(iter(names))] if len(names) == 1 else None
 
 
-def _called(topics: Mapping[str, Topic], names: Collection[str], types: Collection[str]) -> list[Topic]:
-    return [topic for topic in topics.values() if topic.name.rpartition("/")[2] in names and topic.type in types]
+def _called(topics: Mapping[str, Topic], names: Collection[str]) -> list[Topic]:
+    return [topic for topic in topics.values() if topic.name.rpartition("/")[2] in names]
+
+
+def _usable(called: Iterable[Topic], types: Collection[str], counts: Mapping[str, int]) -> list[Topic]:
+    return [topic for topic in called if topic.type in types and counts.get(topic.name)]
+
+
+def _why(called: Sequence[Topic], counts: Mapping[str, int]) -> str:
+    """Why none of the topics that have the right name will do."""
+    reasons = [
+        f"{topic.name} is of type {topic.type}" if counts.get(topic.name) else f"{topic.name} holds no messages"
+        for topic in called
+    ]
+    return f" ({', '.join(reasons)})" if reasons else ""
 
 
 def _namespace(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 from msd_ident.bag.bag import is_bag
 from msd_ident.bag.csv_file import read_csv
@@ -27,9 +28,14 @@ def read(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> Re
     Raises:
         DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
     """
-    record = read_bag(path, options) if is_bag(path) else read_csv(path, options)
-    if options.start is not None or options.end is not None:
-        record = record.window(*options.window)
+    try:
+        record = read_bag(path, options) if is_bag(path) else read_csv(path, options)
+        if options.start is not None or options.end is not None:
+            record = record.window(*options.window)
+    except DataError as error:
+        # Who reads several paths must see which one it is about.
+        named = str(error) if Path(path).name in str(error) else f"{path}: {error}"
+        raise DataError(named) from None
     if record.position.min() == record.position.max():
         raise DataError(
             f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "

@@ -176,7 +176,7 @@ def test_files_without_any_index_are_read(tmp_path: Path, chunked: bool) -> None
     [
         (b"", ["is empty", "record again"]),
         (b"hello, this is no bag at all", ["does not begin like an MCAP file"]),
-        (b"\x89MCAP0\r\n", ["no messages on a topic called encoder"]),
+        (b"\x89MCAP0\r\n", ["no topic called encoder"]),
     ],
 )
 def test_files_that_are_no_bag_are_refused(tmp_path: Path, content: bytes, words: list[str]) -> None:

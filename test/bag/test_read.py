@@ -26,7 +26,7 @@ from bagmaker import (
     wrench,
 )
 
-from msd_ident.bag import SourceOptions, open_bag, read
+from msd_ident.bag import BagWriter, SourceOptions, open_bag, read
 from msd_ident.errors import DataError, MsdError, UsageError
 
 
@@ -116,7 +116,7 @@ def test_joints_are_found_by_name_in_every_message(tmp_path: Path) -> None:
         ({"position": "/joint_states:header.frame_id"}, ["a str"]),
         ({"position": "/arm:position[0]"}, ["no topic /arm", "there are: /joint_states"]),
         ({"position": "/joint_states:position["}, ["cannot be read", "effort[elbow]"]),
-        ({}, ["no messages on a topic called encoder", "--position TOPIC:FIELD"]),
+        ({}, ["no topic called encoder", "--position TOPIC:FIELD"]),
         ({"position": "/joint_states:position[0]", "force": ""}, ["has no force", "--force none for a free decay"]),
     ],
 )
@@ -252,8 +252,29 @@ def test_unusable_bags_get_one_line(tmp_path: Path, messages: list[Message], wor
         assert word in line
 
 
+def test_why_a_topic_of_the_right_name_is_not_taken(tmp_path: Path) -> None:
+    odd = [("/encoder", "odd_msgs/msg/Encoder", raw, t) for _, _, raw, t in encoder_messages(stamps())]
+    line = refusal(tmp_path / "odd", [*odd, *force_messages()])
+    assert (
+        "to take the position from (/encoder is of type odd_msgs/msg/Encoder); there are: /encoder, /msd/force" in line
+    )
+    with BagWriter(tmp_path / "silent") as writer:
+        writer.add_topic("/force", WRENCH)
+        writer.add_topic("/encoder", JOINTS)
+        for t, x in zip(stamps(), ringing(stamps()).tolist(), strict=True):
+            writer.write("/encoder", joints(t, [x]), t)
+    with pytest.raises(DataError, match=r"no topic called force to take it from \(/force holds no messages\)"):
+        read(tmp_path / "silent")
+
+
+def test_every_refusal_names_the_path(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "short", encoder_messages(stamps(5)) + force_messages()).startswith(
+        f"{tmp_path / 'short'}: 5 position samples"
+    )
+
+
 def test_an_empty_bag_has_no_topics(tmp_path: Path) -> None:
-    assert "called encoder or encoder_batch; there are none" in refusal(tmp_path / "bag", [])
+    assert "called encoder or encoder_batch to take the position from; there are none" in refusal(tmp_path / "bag", [])
 
 
 def test_a_dense_force_that_ends_before_the_position_is_refused(tmp_path: Path) -> None:

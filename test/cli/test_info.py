@@ -62,7 +62,7 @@ def test_a_bag_without_the_signals_is_described_with_the_reason(tmp_path: Path, 
     words = " ".join(out.split())
     assert (code, err) == (0, "")
     assert "not usable as it is:" in words
-    assert "has no force: no messages on a topic called force; there are: /msd/encoder" in words
+    assert "has no force: no topic called force to take it from; there are: /msd/encoder" in words
     code, out, _ = info(tmp_path / "bag", "--force", "none")
     assert code == 0
     assert "force:    none, a free decay" in out
