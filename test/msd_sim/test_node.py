@@ -26,7 +26,7 @@ from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_sim import names  # noqa: E402
 from msd_sim.api import simulate  # noqa: E402
 from msd_sim.errors import RigError  # noqa: E402
-from msd_sim.node import RigNode  # noqa: E402
+from msd_sim.node.rig_node import RigNode  # noqa: E402
 
 NANO = 1_000_000_000
 EXACT = {"encoder.counts_per_metre": 0.0}
@@ -267,4 +267,5 @@ def test_a_process_with_nonsense_says_so_in_one_line_and_ends_with_code_2(ros_do
     process = _process("-p", "mass:=-1.0")
     _, said = process.communicate(timeout=60)
     lines = [line for line in said.splitlines() if line.startswith("rig: ")]
-    assert process.returncode == 2 and len(lines) == 1 and "mass out of range" in lines[0] and "Traceback" not in said
+    assert process.returncode == 2 and len(lines) == 1 and "Traceback" not in said
+    assert "mass out of range" in lines[0] and "expected what the parameter's description says" in lines[0]

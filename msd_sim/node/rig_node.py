@@ -8,17 +8,16 @@ times as fast as the wall, and everybody else runs with ``use_sim_time``.
 
 from __future__ import annotations
 
-import signal
-import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import rclpy
 from geometry_msgs.msg import WrenchStamped
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -28,41 +27,16 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from msd_interfaces.msg import EncoderBatch
-from msd_sim import config, effects, names
-from msd_sim.effects import RigParameter
-from msd_sim.encoder import PARAMETERS as ENCODER_PARAMETERS
+from msd_sim import names
 from msd_sim.encoder import EncoderReader
 from msd_sim.errors import RigError
+from msd_sim.node import Stop, parameters
 from msd_sim.rig import Rig
 
 NANO = 1_000_000_000
 
-#: Defaults of the paper's rig, where they differ from "none".
-_DEFAULTS = {"friction_coefficient": 0.0133, "encoder.counts_per_metre": 226600.0}
-_TIMING = (
-    RigParameter("latency", "s", 0.005, 0.0, 1.0, "how far the rig stays behind the clock, so that no force is late"),
-    RigParameter("real_time_factor", "", 10.0, 1e-3, 1e3, "speed of the clock in the time mode fast"),
-)
-_READ_ONLY = ("rate", "seed", "time_mode", "real_time_factor", "batch_size", "joint_name")
-
 #: Wall time between two wakes of the rig [s], and the longest pause that it makes up for sample by sample.
 WAKE_SINGLE, WAKE_BATCH, LONGEST_PAUSE = 0.002, 0.005, 2.0
-
-
-def _numbers() -> Iterator[tuple[str, RigParameter]]:
-    """All parameters that are numbers, by their ROS names."""
-    for parameter in (*effects.PLANT, *config.FRICTION, config.RATE, *_TIMING):
-        yield parameter.name, parameter
-    for parameter in ENCODER_PARAMETERS:
-        yield f"encoder.{parameter.name}", parameter
-    for effect in effects.ALL.values():
-        for parameter in effect.parameters:
-            yield f"{effect.name}.{parameter.name}", parameter
-
-
-def _samples_per_second(values: dict[str, Any]) -> float:
-    """Samples per second of the wall's time."""
-    return float(values["rate"]) * (float(values["real_time_factor"]) if values["time_mode"] == "fast" else 1.0)
 
 
 class RigNode(Node):
@@ -72,11 +46,11 @@ class RigNode(Node):
         RigError: parameters that make no sense.
     """
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, stop: Stop | None = None, **options: Any) -> None:
         super().__init__(names.NODE, **options)
-        self._declare()
-        self._values = {name: self.get_parameter(name).value for name in self._names}
-        self._config = self._checked(self._values)
+        self._stop = stop or Stop()
+        self._values = parameters.declare(self)
+        self._config = parameters.checked(self._values)
         self._period_ns = round(NANO / self._config.rate)
         self._fast = self._values["time_mode"] == "fast"
         self._factor = float(self._values["real_time_factor"]) if self._fast else 1.0
@@ -85,79 +59,24 @@ class RigNode(Node):
         self._rig.sample([0.0])
         self._reader = EncoderReader(self._config.encoder, self._config.seed)
         self.late = 0
-        self.stopping = False
         self._connect()
         self._start()
 
     # -- parameters
 
-    def _declare(self) -> None:
-        self._names = [name for name, _ in _numbers()]
-        for name, parameter in _numbers():
-            span = FloatingPointRange(from_value=parameter.lower, to_value=parameter.upper, step=0.0)
-            self._declare_one(name, _DEFAULTS.get(name, parameter.default), parameter.meaning, parameter.unit, [span])
-        known = ", ".join(effects.ALL)
-        self._declare_one("effects", [], f"effects that the rig has: any of {known}; each has its parameters beside")
-        self._declare_one("time_mode", "real_time", "real_time, or fast: the rig publishes /clock")
-        self._declare_one("joint_name", names.JOINT, "name of the joint in encoder messages")
-        whole = ParameterDescriptor(description="seed of the encoder's noise", read_only=True)
-        whole.integer_range = [IntegerRange(from_value=0, to_value=2**62, step=1)]
-        self.declare_parameter("seed", 0, whole)
-        whole = ParameterDescriptor(
-            description=f"samples in a batch, above {names.MOST_SINGLE:g} a second", read_only=True
-        )
-        whole.integer_range = [IntegerRange(from_value=1, to_value=100_000, step=1)]
-        self.declare_parameter("batch_size", 100, whole)
-        self._names += ["effects", "time_mode", "joint_name", "seed", "batch_size"]
-        given = set(getattr(self, "_parameter_overrides", ())) - {*self._names, "use_sim_time"}
-        if given:  # a file for all nodes may hold those of others, so this is no error
-            self.get_logger().warning(f"parameters that a rig has not: {', '.join(sorted(given))}; check the spelling")
-
-    def _declare_one(
-        self, name: str, value: Any, meaning: str, unit: str = "", span: list[FloatingPointRange] | None = None
-    ) -> None:
-        # Dynamic typing: 1 is as good a mass as 1.0, and an empty list has no type in ROS.
-        descriptor = ParameterDescriptor(
-            description=meaning + (f" [{unit}]" if unit else ""),
-            read_only=name in _READ_ONLY,
-            dynamic_typing=True,
-            floating_point_range=span or [],
-        )
-        self.declare_parameter(name, value, descriptor)
-
-    @staticmethod
-    def _checked(values: dict[str, Any]) -> config.RigConfig:
-        """The rig that these parameter values describe."""
-        for parameter in _TIMING:
-            parameter.checked(values[parameter.name], names.NODE)
-        if values["time_mode"] not in ("real_time", "fast"):
-            raise RigError(f"time_mode is {values['time_mode']!r}; expected 'real_time' or 'fast'")
-        chosen = [str(name) for name in values["effects"] or () if name]
-        leave_out = [*(p.name for p in _TIMING), "time_mode", "joint_name", "batch_size"]
-        unused = set(effects.ALL) - set(chosen)
-        kept = {n: v for n, v in values.items() if n not in leave_out and n.split(".")[0] not in unused}
-        rig = config.parse(kept | {"effects": chosen})
-        often = _samples_per_second(values)
-        if often > names.MOST_SINGLE and rig.encoder.jitter > 0.0:
-            raise RigError(
-                f"encoder jitter at {often:g} samples a second; expected none above {names.MOST_SINGLE:g}, where one "
-                "stamp stands for a batch"
-            )
-        return rig
-
-    def _refuse_nonsense(self, parameters: list[Parameter]) -> SetParametersResult:
+    def _refuse_nonsense(self, changes: list[Parameter]) -> SetParametersResult:
         try:
-            self._checked(self._values | {p.name: p.value for p in parameters if p.name in self._names})
+            parameters.checked(self._values | {p.name: p.value for p in changes if p.name in self._values})
         except RigError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    def _apply(self, parameters: list[Parameter]) -> None:
-        changed = {p.name: p.value for p in parameters if p.name in self._names}
+    def _apply(self, changes: list[Parameter]) -> None:
+        changed = {p.name: p.value for p in changes if p.name in self._values}
         if not changed:
             return
         self._values |= changed
-        self._config = self._checked(self._values)
+        self._config = parameters.checked(self._values)
         self._rig.change(self._config.truth)
         self._reader.encoder = self._config.encoder
 
@@ -169,7 +88,7 @@ class RigNode(Node):
         kept = QoSProfile(depth=names.DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(WrenchStamped, names.FORCE, self._on_force, kept)
         self.create_service(Trigger, names.RESET, self._on_reset)
-        self._batched = _samples_per_second(self._values) > names.MOST_SINGLE
+        self._batched = parameters.samples_per_second(self._values) > names.MOST_SINGLE
         if self._batched:
             self._batch = EncoderBatch(name=self._values["joint_name"], period_ns=self._period_ns)
             self._batches = self.create_publisher(EncoderBatch, names.ENCODER_BATCH, names.DEPTH)
@@ -227,7 +146,7 @@ class RigNode(Node):
 
     def _wake(self) -> None:
         """Compute and publish every sample that has become due."""
-        if self.stopping:
+        if self._stop.asked:
             rclpy.try_shutdown(context=self.context)
             return
         self._make_time()
@@ -297,29 +216,25 @@ class RigNode(Node):
                 self._batches.publish(message)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the rig until Ctrl-C or SIGTERM; exit code 0 then, 2 for parameters that make no sense."""
-    node: list[RigNode] = []
+def run(stop: Stop, arguments: Sequence[str] | None = None) -> None:
+    """Make the node and let it run until it is asked to stop.
 
-    def stop(*_: Any) -> None:
-        if not node:
-            sys.exit(0)
-        node[0].stopping = True
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    Raises:
+        RigError: arguments or parameters that make no sense.
+    """
     try:
-        node.append(RigNode())
-    except (RigError, rclpy.exceptions.ParameterException) as error:
-        print(f"rig: {' '.join(str(error).split())}", file=sys.stderr)
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rclpy has several kinds for bad arguments, all with many lines
+        raise RigError(f"ROS cannot start: {_one_line(error)}; expected valid --ros-args") from None
+    try:
+        node = RigNode(stop)
+        rclpy.spin(node)
+        node.destroy_node()
+    except ParameterException as error:
+        raise RigError(f"{_one_line(error)}; expected what the parameter's description says") from None
+    finally:
         rclpy.try_shutdown()
-        return 2
-    rclpy.spin(node[0])
-    node[0].destroy_node()
-    rclpy.try_shutdown()
-    return 0
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _one_line(error: Exception) -> str:
+    return " ".join((str(error) or type(error).__name__).split()).rstrip(".")

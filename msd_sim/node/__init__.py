@@ -1,0 +1,39 @@
+"""The way into the rig node, ``ros2 run msd_ident rig``: hears signals from the first moment, so imports nothing heavy.
+
+The handler only takes a note: a second Ctrl-C inside the shutdown has no effect.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Sequence
+from types import FrameType
+
+from msd_sim.errors import RigError
+
+
+class Stop:
+    """Whether a signal has come that ends the node."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def ask(self, _number: int, _frame: FrameType | None) -> None:
+        """Signal handler."""
+        self.asked = True
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the rig until a signal; exit code 0 then, 2 for parameters that make no sense."""
+    stop = Stop()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, stop.ask)
+    try:
+        from msd_sim.node.rig_node import run
+
+        run(stop, arguments)
+    except RigError as error:
+        print(f"rig: {error}", file=sys.stderr)
+        return 2
+    return 0
