@@ -54,13 +54,13 @@ def numbers(estimate: Estimate) -> dict[str, object]:
 
 
 @contextmanager
-def replayed(folder: Path) -> Iterator[None]:
+def replayed(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
     """The bag played by a process of its own, five times as fast as it was recorded."""
-    parameters = [f"-pbag:={folder}", "-prate:=5.0", "-pwait:=60.0"]
+    parameters = ["-p", f"bag:={folder}", "-p", "rate:=5.0", "-p", "wait:=60.0"]
     command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *parameters]
     with subprocess.Popen(command) as process:
         try:
-            yield
+            yield process
             assert process.wait(60.0) == 0
         finally:
             process.kill()
@@ -75,8 +75,8 @@ def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     write(record, folder)
     with graph(ros_domain) as ros:
         identifier = ros.add(Identifier([Parameter("auto_fit", value=False)], namespace="msd", context=ros.context))
-        with replayed(folder):
-            until(lambda: identifier.buffer.counts.positions == record.samples, "all samples", 60.0)
+        with replayed(folder) as process:
+            until(lambda: identifier.buffer.counts.positions == record.samples or process.poll(), "samples", 60.0)
         live = ros.call(Identify, "msd/identifier/identify", Identify.Request())
         from_bag = ros.call(Identify, "msd/identifier/identify", Identify.Request(bag_path=str(folder)))
         early = Identify.Request(end=4.5)
