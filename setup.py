@@ -62,6 +62,7 @@ setup(
             "pytest-xdist>=3.6",
             "ruff>=0.6",
             "scipy-stubs>=1.14",
+            "setuptools>=70.1,<80",  # makes wheels by itself, and still has what colcon calls
             "types-PyYAML>=6.0",
         ],
     },

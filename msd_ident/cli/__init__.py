@@ -1,0 +1,1 @@
+"""The `msd` command: one file a subcommand."""
