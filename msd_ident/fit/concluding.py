@@ -37,6 +37,8 @@ def conclude(problem: Problem, outcome: Outcome, floor: float) -> FitResult:
     """The result of a fit that ended at ``outcome``; ``floor`` is the records' noise floor."""
     sums = _sandwich(problem, outcome.point)
     found, null = _open(problem, outcome.point, sums)
+    if not _moves(problem, floor):
+        found = [openness.motionless(problem.names[: len(problem.free)])]
     inverse = uncertainty.inverse_beside(sums.bread, null)
     effective = sums.effective
     freedom = effective / max(effective - min(problem.size, 0.5 * effective), 1.0)
@@ -63,6 +65,12 @@ def conclude(problem: Problem, outcome: Outcome, floor: float) -> FitResult:
         converged=outcome.converged and _finite(outcome, sums.residuals),
         message=outcome.message,
     )
+
+
+def _moves(problem: Problem, floor: float) -> bool:
+    """Whether any record shows more than noise and one encoder step."""
+    still = max(10.0 * floor if np.isfinite(floor) else 0.0, max(problem.encoder_steps))
+    return any(float(np.ptp(record.position)) > still for record in problem.records)
 
 
 def _finite(outcome: Outcome, residuals: tuple[FloatArray, ...]) -> bool:
@@ -97,9 +105,7 @@ def _sandwich(problem: Problem, point: FloatArray) -> _Sandwich:
 
 def _open(problem: Problem, point: FloatArray, sums: _Sandwich) -> tuple[list[openness.OpenDirection], FloatArray]:
     """What no sample decides: as sentences (initial states left out), and as directions (p, q)."""
-    count = len(problem.free)
     reference = np.maximum(np.abs(point), problem.scale)
-    reference[:count] = np.where(point[:count] != 0.0, np.abs(point[:count]), problem.scale[:count])
     forced = any(bool(np.any(record.force)) for record in problem.records)
     directions = openness.null_directions(sums.bread, reference, sums.pinned)
     described = [openness.describe(one, problem.names, point, reference, forced) for one in directions]

@@ -13,8 +13,8 @@ import numpy as np
 from msd_ident.fit.uncertainty import unit_diagonal
 from msd_ident.record import FloatArray
 
-#: A parameter takes part in an open direction when its share of it is at least this.
-_SHARE = 0.05
+#: A parameter takes part in an open direction when it moves by this part of itself, the largest by its whole size.
+_SHARE = 0.01
 #: Below this eigenvalue of the unit-diagonal Gram matrix a direction is exactly null (finite differences leave 1e-13).
 NULL = 1e-10
 
@@ -71,7 +71,7 @@ _DEFAULT_ADVICE = "add an experiment in which this effect is stronger"
 
 @dataclass(frozen=True)
 class OpenDirection:
-    """Parameters that only hang together: their relative shares in the direction, and the sentence about it."""
+    """Parameters that only hang together: by how much each moves (in its unit) along the direction, and a sentence."""
 
     shares: tuple[tuple[str, float], ...]
     sentence: str
@@ -122,13 +122,21 @@ def describe(
         values: (p,) fitted values.
         forced: whether any force acts in the data.
     """
-    shares = [(name, float(u)) for name, u in zip(names, direction, strict=True) if abs(u) >= _SHARE]
+    change = direction * reference
+    own = np.where(values != 0.0, np.abs(values), reference)
+    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= _SHARE * own[i]]
     physical = [name for name, _ in shares if " of " not in name]
     if not physical:
         return None
     zeros = [name for name, _ in shares if name.startswith("zero of")]
-    common = _common_factor(direction * reference, values, names)
+    common = _common_factor(change, values, names)
     return OpenDirection(tuple(shares), _sentence(physical, zeros, common, forced))
+
+
+def motionless(names: tuple[str, ...]) -> OpenDirection:
+    """All parameters, where nothing moves."""
+    sentence = f"Nothing moves in this data, so {', '.join(names)} are open: push hard enough to move the cart."
+    return OpenDirection(tuple((name, 1.0) for name in names), sentence)
 
 
 def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool) -> str:
