@@ -39,30 +39,37 @@ def comparison_table(paper: Paper) -> Table:
     table = new_table("Tables 2 and 3, from Table 1 by eqs. 3 to 13", "", "computed", "printed", "difference", "unit")
     for name, (label, factor, unit) in _ROWS.items():
         computed, printed = getattr(paper.derived, name) * factor, getattr(paper.printed, name) * factor
-        table.add_row(label, number(computed), number(printed), number(computed - printed, 2), unit)
+        table.add_row(label, number(computed, 5), number(printed), number(computed - printed, 2), unit)
     return table
 
 
 def inconsistency_table(paper: Paper) -> Table:
-    """The six numbers, the printed refined model, and the viscous + Coulomb model that comes nearest."""
-    table = new_table(
-        "Can viscous and Coulomb friction do this?", "", "Table 1", "as printed", "nearest", "off by", "unit"
-    )
+    """The table's numbers, the printed refined model, and the viscous + Coulomb models that come nearest."""
+    title = "Can viscous and Coulomb friction do this? (m, b, k and Fc all free)"
+    table = new_table(title, "", "Table 1", "printed", "nearest", "off by", "most even", "unit")
     for name, (label, factor, unit) in _RESPONSE.items():
         data = getattr(paper.table, name) * factor
         printed = getattr(paper.printed_response, name) * factor
         nearest = getattr(paper.coulomb.response, name) * factor
-        table.add_row(label, *(number(value) for value in (data, printed, nearest)), number(nearest - data, 2), unit)
+        even = getattr(paper.coulomb_even.response, name) * factor
+        shown = [number(value) for value in (data, printed, nearest)]
+        table.add_row(label, *shown, number(nearest - data, 2), number(even), unit)
     return table
 
 
 def causes_table(causes: Sequence[Closest]) -> Table:
-    """Which single causes reproduce peaks and rest value, and how far off the others stay."""
-    table = new_table("One cause beside m, b and k", "", "parameters", "off by, cm", "reproduces the table")
+    """Which single causes reproduce peaks, rest value and times, and how far off the others stay."""
+    table = new_table("One cause beside m, b and k", "", "parameters", "cm off", "ms off", "reproduces")
     for cause in causes:
         count = str(len(cause.model.names) - 3)
-        table.add_row(cause.cause, count, number(100.0 * cause.distance, 2), "yes" if cause.reproduces else "no")
+        off = (_off(100.0 * cause.distance, 3), _off(1e3 * cause.lateness, 1))
+        table.add_row(cause.cause, count, *off, "yes" if cause.reproduces else "no")
     return table
+
+
+def _off(distance: float, places: int) -> str:
+    """A distance to the last digit printed; what is smaller is not worth its digits."""
+    return f"{distance:.{places}f}" if distance >= 0.5 * 10.0**-places else "0"
 
 
 def print_paper(paper: Paper, console: Console) -> None:

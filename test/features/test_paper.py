@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from msd_ident.features.paper_models import best_coulomb, single_causes
+from msd_ident.features.paper_models import coulomb_starts, most_even, nearest, single_causes, undecidable
 from msd_ident.features.paper_tables import Table1, derive, losses
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -16,8 +16,12 @@ def test_amplitude_is_lost_fastest_where_it_is_largest() -> None:
 
 
 def test_no_viscous_and_coulomb_model_reproduces_table_1() -> None:
-    found = best_coulomb(Table1())
-    assert found is not None and 1.5e-4 < found.distance < 6e-4 and not found.reproduces
+    starts = coulomb_starts(Table1())
+    found, even = nearest(starts, Table1()), most_even(starts, Table1())
+    assert found is not None and even is not None and not found.reproduces and not even.reproduces
+    assert 2e-4 < even.distance <= found.distance < 5e-4
+    # Differential evolution over all four parameters finds nothing below this either.
+    assert even.distance == pytest.approx(2.1546e-4, rel=1e-3)
 
 
 def test_a_table_that_a_coulomb_model_did_make_is_reproduced() -> None:
@@ -30,14 +34,15 @@ def test_a_table_that_a_coulomb_model_did_make_is_reproduced() -> None:
     table = Table1(
         response.first_peak, response.second_peak, response.first_time, response.second_time, response.steady_state
     )
-    found = best_coulomb(table)
+    found = nearest(coulomb_starts(table), table)
     assert found is not None and found.reproduces
 
 
 def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not() -> None:
     able = {cause.cause: cause.reproduces for cause in single_causes(Table1())}
     assert able["quadratic_drag"] and able["cubic_spring"] and able["end_stop"]
-    assert not able["coulomb_friction"]
+    assert not able["coulomb_friction"] and not able["force_offset"] and not able["backlash"]
+    assert "stribeck_friction" in undecidable() and not set(able) & set(undecidable())
 
 
 def test_derived_values_are_those_of_eqs_3_to_13() -> None:
