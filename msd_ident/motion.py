@@ -150,8 +150,10 @@ def _held(position: FloatArray, step: float) -> tuple[int, int]:
     """Samples in short stretches of equal readings between jumps of many encoder steps, and their usual length."""
     moves = np.flatnonzero(np.diff(position))
     size = np.diff(moves)
-    jump = np.abs(np.diff(position)[moves])
-    big = np.minimum(jump[:-1], jump[1:]) >= 5 * step
+    jump = np.diff(position)[moves]
+    # Where the cart turns around, two readings may be equal by symmetry.
+    onward = jump[:-1] * jump[1:] > 0
+    big = onward & (np.minimum(np.abs(jump[:-1]), np.abs(jump[1:])) >= 5 * step)
     held = size[big & (size > 1) & (size <= 20)]
     return (int(np.sum(held)), int(np.median(held))) if held.size >= 10 else (0, 0)
 

@@ -96,12 +96,12 @@ def test_nanoseconds_can_be_got_back(start: int, gaps: np.ndarray) -> None:
     np.testing.assert_array_equal(record.start_ns + np.rint(record.time * 1e9).astype(np.int64), ns)
 
 
-@given(order=st.permutations(range(6)), repeated=st.lists(st.integers(0, 99), max_size=3))
+@given(order=st.permutations(range(3)), repeated=st.lists(st.integers(0, 99), max_size=2))
 def test_late_and_repeated_samples_change_nothing_but_the_notes(order: list[int], repeated: list[int]) -> None:
     ns = 10**18 + 10**6 * np.arange(100, dtype=np.int64)
     x = np.arange(100.0)
     clean = from_stamps(ns, x, ns[:1], [0.0])
-    places = [*range(40), *(40 + i for i in order), *range(46, 100)]
+    places = [*range(40), *(40 + i for i in order), *range(43, 100)]
     for i in repeated:
         places.insert(places.index(i), i)
     record = from_stamps(ns[places], x[places], ns[:1], [0.0])
