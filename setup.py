@@ -42,8 +42,9 @@ setup(
     install_requires=[
         "control>=0.10.1",
         "jinja2>=3.1",
+        "lz4>=4.3",
         "matplotlib>=3.8",
-        "mcap>=1.2",
+        "mcap>=1.5",  # the first whose writer can close a chunk by time
         "numba>=0.60",
         "numpy>=1.26",
         "plotly>=5.22",
@@ -52,6 +53,7 @@ setup(
         "rosbags>=0.11",
         "scipy>=1.13",
         "typer>=0.12.4",
+        "zstandard>=0.22",
     ],
     extras_require={
         "test": [
