@@ -84,6 +84,12 @@ def stamp_of(record: Record, index: int) -> int:
     return record.start_ns + round(float(record.time[index]) * 1e9)
 
 
+def differences(one: Estimate, other: Estimate) -> tuple[str, ...]:
+    """Fields in which two estimates differ in any digit, those that say when and where from aside."""
+    fields = [name for name in one.get_fields_and_field_types() if name not in ("header", "source")]
+    return tuple(name for name in fields if repr(getattr(one, name)) != repr(getattr(other, name)))
+
+
 def sentence(estimate: Estimate) -> str:
     """The refined parameters and what they leave, in one line."""
     values = ", ".join(f"{p.symbol or p.name} = {p.value:.4g} {p.unit}".rstrip() for p in estimate.refined)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import queue
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -33,6 +34,12 @@ class Signals:
     def finish(self) -> None:
         """End the waiting from inside: the work is done."""
         self.take(signal.SIGTERM)
+
+    def finish_after(self, seconds: float) -> None:
+        """End the waiting some time from now."""
+        timer = threading.Timer(seconds, self.finish)
+        timer.daemon = True
+        timer.start()
 
     def wait(self) -> Iterator[int]:
         """The other signals as they come, until one that ends."""

@@ -1,0 +1,102 @@
+"""``msd demo``: rig, recorder and identifier over real ROS 2, the paper's experiment, its tables and figures."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from msd_ident.errors import SetupError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.ros.demo import Shown
+
+
+def demo(
+    fast: Annotated[
+        bool, typer.Option("--fast/--real-time", help="let simulated time run faster than the wall")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="folder in which the demo makes its own")] = Path("out"),
+) -> int:
+    """Show the whole way: a simulated rig, a bag, and what the identifier finds."""
+    from rich.console import Console
+
+    from msd_ident.cli.needs_ros import require_ros
+
+    require_ros("msd demo")
+    console = Console()
+    with _ended_by_signals():
+        folder = _new_folder(out)
+        with _progress(console) as say:
+            from msd_ident.ros.demo import run
+
+            shown = run(folder, fast, say)
+        _show(shown, folder, console)
+    return 0
+
+
+def _show(shown: Shown, folder: Path, console: Console) -> None:
+    from msd_ident.report import figures, tables
+
+    found = shown.found
+    tables.print_identification(found, console)
+    console.print(f"SEE {found.paper_see_reduction_percent:.1f} % less by the paper's path (friction raised),")
+    console.print(f"SEE {found.see_reduction_percent:.1f} % less by the joint refit.")
+    console.print(f"Service and bag agree to the last digit, live buffer and bag to {shown.live_difference:.1e}.")
+    console.print(shown.recorded, soft_wrap=True, highlight=False)
+    for path in figures.save(found, folder):
+        console.print(f"figure: {path}", soft_wrap=True, highlight=False)
+    console.print(f"bag:    {shown.bag}", soft_wrap=True, highlight=False)
+
+
+def _new_folder(out: Path) -> Path:
+    """A folder of this run alone, also when two start in the same second.
+
+    Raises:
+        SetupError: no folder can be made there.
+    """
+    name = f"demo_{datetime.now():%Y_%m_%d-%H_%M_%S}"
+    for number in range(1, 1000):
+        folder = out / (name if number == 1 else f"{name}_{number}")
+        try:
+            folder.mkdir(parents=True)
+            return folder
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+    raise SetupError(f"{out / name} exists a thousand times; expected a new name to be free: give another --out")
+
+
+@contextmanager
+def _progress(console: Console) -> Iterator[Callable[[str, float], None]]:
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda stage, done: bar.update(task, description=stage, completed=done)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Make SIGTERM and SIGHUP unwind the stack as Ctrl-C does, so that everything started is ended."""
+
+    def unwind(number: int, frame: FrameType | None) -> None:
+        sys.exit(128 + number)
+
+    kept = {number: signal.signal(number, unwind) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)

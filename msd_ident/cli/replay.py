@@ -1,0 +1,43 @@
+"""``msd replay``: a bag back to the graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+
+def replay(
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")],
+    rate: Annotated[float, typer.Option(help="seconds of the bag in a second, 0.01 to 100")] = 1.0,
+    loop: Annotated[bool, typer.Option("--loop", help="begin anew at the end")] = False,
+    clock: Annotated[bool, typer.Option("--clock", help="publish /clock, for nodes with use_sim_time")] = False,
+    topics: Annotated[Optional[list[str]], typer.Option("--topic", help="play only this one; repeatable")] = None,  # noqa: UP045
+    wait: Annotated[float, typer.Option(help="longest wait for a subscriber on every topic [s]")] = 3.0,
+) -> int:
+    """Play a bag as it was recorded: the same bytes, order and QoS, at any rate."""
+    from msd_ident.cli.needs_ros import require_ros
+
+    require_ros("msd replay")
+    from msd_ident.ros.signals import noted_signals
+
+    with noted_signals() as signals:
+        from rclpy.parameter import Parameter
+
+        from msd_ident.ros.replayer_node import Replayer
+        from msd_ident.ros.run import run
+
+        given = {
+            "bag": str(bag),
+            "rate": rate,
+            "loop": loop,
+            "clock": clock,
+            "wait": wait,
+            **({"topics": topics} if topics else {}),
+        }
+
+        def make() -> Replayer:
+            return Replayer([Parameter(name, value=value) for name, value in given.items()], on_end=signals.finish)
+
+        return run(make, signals, args=[])
