@@ -159,3 +159,19 @@ def test_friction_that_falls_with_speed_against_energy():
 
         assert quad(lambda u: m / pull(u), 0.0, v, epsabs=1e-13, epsrel=1e-13)[0] == pytest.approx(t, abs=1e-11)
         assert quad(lambda u: m * u / pull(u), 0.0, v, epsabs=1e-13, epsrel=1e-13)[0] == pytest.approx(x, abs=1e-11)
+
+
+def test_a_stop_between_two_samples_is_not_overlooked():
+    # m v' = -A sin(w t) - Fc is zero again at sin(w t) = -Fc / A: there the cart would run backwards, for 0.2 ms
+    mass, coulomb, amplitude, frequency = 1.0, 0.05, 1.0, 20.0
+    effects = {
+        "coulomb_friction": {"coulomb_force": coulomb},
+        "periodic_disturbance": {"disturbance_amplitude": amplitude, "disturbance_frequency": frequency},
+    }
+    slowest = (np.pi + np.arcsin(coulomb / amplitude)) / frequency
+    loss = (amplitude / frequency * (1.0 - np.cos(frequency * slowest)) + coulomb * slowest) / mass
+    spec = {"mass": mass, "damping": 0.0, "stiffness": 0.0, "effects": effects, "force_time": [0.0], "force": [0.0],
+            "initial_velocity": loss - 1e-7}  # fmt: skip
+    fine, coarse = (simulate(spec | {"time": np.arange(0.0, 0.4, step)}).motion for step in (2e-5, 0.04))
+    assert np.count_nonzero(fine.velocity == 0.0) > 0
+    assert np.abs(coarse.position - fine.position[::2000]).max() < 1e-12
