@@ -10,7 +10,8 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -90,8 +91,9 @@ class BagWriter:
             raise SetupError(f"cannot write {self.path}: {error.strerror}; expected a writable folder") from None
         self._writer = Writer(self._stream, compression=_COMPRESSION[compression])
         self._writer.start(profile="ros2", library="msd_ident")
-        self._flushed_ns = time.monotonic_ns()
-        self._write_metadata()
+        self._flushed, self._flushed_ns = 0, time.monotonic_ns()
+        with self._disk():
+            self._write_metadata()
 
     @property
     def messages(self) -> int:
@@ -111,8 +113,11 @@ class BagWriter:
 
         Returns:
             Whether the definition is in the bag. Without it only programs that know the type can read the topic.
+
+        Raises:
+            SetupError: the disk is full or gone.
         """
-        with self._lock:
+        with self._disk():
             if name in self._topics:
                 return self._topics[name].defined
             text = self._definitions.text(type_name) if definition is None else definition
@@ -138,22 +143,19 @@ class BagWriter:
             SetupError: the disk is full or gone.
         """
         published = log_time_ns if publish_time_ns is None else publish_time_ns
-        with self._lock:
+        with self._disk():
             if self._closed:
                 raise UsageError(f"{self.folder} is closed; expected write() before close()")
             entry = self._topics.get(topic)
             if entry is None:
                 raise UsageError(f"topic {topic} is not in the bag; expected add_topic() before write()")
-            try:
-                self._writer.add_message(entry.channel, log_time_ns, raw, published, sequence=entry.messages)
-                entry.messages += 1
-                self._messages += 1
-                self._first_ns = min(self._first_ns, log_time_ns)
-                self._last_ns = max(self._last_ns, log_time_ns)
-                if time.monotonic_ns() - self._flushed_ns > self._flush_ns:
-                    self._flush()
-            except OSError as error:
-                raise self._broken(error) from None
+            self._writer.add_message(entry.channel, log_time_ns, raw, published, sequence=entry.messages)
+            entry.messages += 1
+            self._messages += 1
+            self._first_ns = min(self._first_ns, log_time_ns)
+            self._last_ns = max(self._last_ns, log_time_ns)
+            if time.monotonic_ns() - self._flushed_ns > self._flush_ns:
+                self._flush()
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system, with metadata that fits.
@@ -161,13 +163,9 @@ class BagWriter:
         Raises:
             SetupError: the disk is full or gone.
         """
-        with self._lock:
-            if self._closed:
-                return
-            try:
+        with self._disk():
+            if not self._closed and self._messages > self._flushed:
                 self._flush()
-            except OSError as error:
-                raise self._broken(error) from None
 
     def close(self) -> None:
         """Finish the file with its index and the metadata; a second call does nothing.
@@ -175,17 +173,14 @@ class BagWriter:
         Raises:
             SetupError: the disk is full or gone.
         """
-        with self._lock:
+        with self._disk():
             if self._closed:
                 return
             self._closed = True
-            try:
-                self._writer.add_metadata("rosbag2", {"serialized_metadata": yaml_text.dump(self._metadata())})
-                self._writer.finish()  # type: ignore[no-untyped-call]
-                self._stream.close()
-                self._write_metadata()
-            except OSError as error:
-                raise self._broken(error) from None
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": yaml_text.dump(self._metadata())})
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._stream.close()
+            self._write_metadata()
 
     def __enter__(self) -> BagWriter:
         return self
@@ -198,13 +193,19 @@ class BagWriter:
     def _flush(self) -> None:
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._write_metadata()
-        self._flushed_ns = time.monotonic_ns()
+        self._flushed, self._flushed_ns = self._messages, time.monotonic_ns()
 
-    def _broken(self, error: OSError) -> SetupError:
-        return SetupError(
-            f"cannot write {self.path}: {error.strerror or error}; {self._messages} messages were taken until then: "
-            "free some space and record again"
-        )
+    @contextmanager
+    def _disk(self) -> Iterator[None]:
+        """One thread at a time, and one line for what the disk refuses."""
+        with self._lock:
+            try:
+                yield
+            except OSError as error:
+                raise SetupError(
+                    f"cannot write {self.path}: {error.strerror or error}; {self._messages} messages were taken until "
+                    "then: free some space and record again"
+                ) from None
 
     def _metadata(self) -> dict[str, Any]:
         start = {"nanoseconds_since_epoch": self._first_ns}
