@@ -36,12 +36,12 @@ def _scale(record: Record) -> tuple[float, str]:
 
 
 def _force_axis(axis: Axes, record: Record) -> None:
-    stamps = np.append(record.force_time, max(record.time[-1], record.force_time[-1]))
-    force = np.append(record.force, record.force[-1])
+    start, end = float(record.time[0]), float(record.time[-1])
+    inside = (record.force_time > start) & (record.force_time < end)
+    stamps = np.concatenate(([start], record.force_time[inside], [end]))
+    force = record.force_at(stamps)
     style = "steps-post" if record.hold == "zero" else "default"
-    if stamps.size > MAXIMUM_POINTS:
-        stamps, force = thinned(stamps, force)
-    axis.plot(stamps, force, color=INK["force"], linewidth=1.2, drawstyle=style)
+    axis.plot(*thinned(stamps, force), color=INK["force"], linewidth=1.2, drawstyle=style)
     axis.set_ylabel(f"force [{record.force_unit}]")
 
 
