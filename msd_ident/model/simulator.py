@@ -77,9 +77,16 @@ class Simulator:
         self._run = entries.run
         self._bits = laws.bits(*model.effect_names)
         self._place: IntArray = np.array([laws.INDEX[name] for name in model.names], dtype=np.int64)
-        self._columns = len(laws.INDEX) + 2
         given = (record.time, record.force_time, record.force, record.hold == "linear")
         self._plan = given + tuple(entries.plan(*given))
+        self._nothing: FloatArray = np.empty((1, 0))
+
+    def _row(self, values: npt.ArrayLike, position: float, velocity: float) -> FloatArray:
+        row = np.empty((1, self._place.size + 2))
+        row[0, :-2] = values
+        row[0, -2] = position
+        row[0, -1] = velocity
+        return row
 
     def positions(
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
@@ -90,11 +97,9 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
-        row = np.zeros((1, self._columns))
-        row[0, self._place] = values
-        row[0, -2], row[0, -1] = initial_position, initial_velocity
+        row = self._row(values, initial_position, initial_velocity)
         out: FloatArray = np.empty((1, self.record.samples))
-        self._run(self._bits, row, self._plan, out, out[:, :0])
+        self._run(self._bits, row, self._place, self._plan, out, self._nothing)
         return out.reshape(-1)
 
     def positions_many(
@@ -104,22 +109,20 @@ class Simulator:
         given = np.asarray(values, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != self._place.size:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
-        rows = np.zeros((given.shape[0], self._columns))
-        rows[:, self._place] = given
+        rows = np.empty((given.shape[0], self._place.size + 2))
+        rows[:, :-2] = given
         rows[:, -2], rows[:, -1] = initial_position, initial_velocity
-        out = np.empty((given.shape[0], self.record.samples))
-        self._run(self._bits, rows, self._plan, out, out[:, :0])
+        out: FloatArray = np.empty((given.shape[0], self.record.samples))
+        self._run(self._bits, rows, self._place, self._plan, out, out[:, :0])
         return out
 
     def trajectory(
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
-        row = np.zeros((1, self._columns))
-        row[0, self._place] = values
-        row[0, -2], row[0, -1] = initial_position, initial_velocity
+        row = self._row(values, initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
-        self._run(self._bits, row, self._plan, x, v)
+        self._run(self._bits, row, self._place, self._plan, x, v)
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 

@@ -27,9 +27,9 @@ def plan(time, force_time, force, straight):
     return _plan(time, force_time, force, straight)
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def run(bits, rows, plan, out_x, out_v):
+def run(bits, rows, place, plan, out_x, out_v):
     for i in range(rows.shape[0]):
-        _row(bits, rows[i], plan, out_x[i], out_v[i])
+        _row(bits, rows[i], place, plan, out_x[i], out_v[i])
 '''
 
 
@@ -82,8 +82,8 @@ def compiled(module: ModuleType) -> bool:
 def load(say: Callable[[str], None]) -> ModuleType:
     """The entry module whose functions numba caches in ``folder()``; ``say`` is told, in one line, if they are not yet.
 
-    Its functions: ``plan(time, force_time, force, straight)``, see ``run.plan``, and ``run(bits, rows, plan, out_x,
-    out_v)``, which is ``run.row`` for each of r rows of parameters, (r, n) readings and (r, n) or (r, 0) velocities.
+    Its functions: ``plan(time, force_time, force, straight)``, see ``run.plan``, and ``run(bits, rows, place, plan,
+    out_x, out_v)``, which is ``run.row`` for each of r rows of values, (r, n) readings and (r, n) or (r, 0) velocities.
     """
     path = folder()
     source = path / "msd_solver_entry.py"

@@ -25,34 +25,55 @@ STIFF = 300.0
 
 
 @lean
-def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, transient, out_x, out_v):
+def glide_held(j, x, v, s, low, high, b, k, load, table, kind, level, out_x, out_v):
     """Propagate segment after segment while nothing happens; returns (j, x, v) before the first with an event.
 
-    ``s`` is the direction of motion (0: no direction to keep, no event at v = 0), ``load`` [N] the constant force
-    against +x.
+    For a force that is constant on each segment. ``s`` is the direction of motion (0: none to keep, no event at v = 0),
+    ``load`` [N] the constant force against +x, ``table`` the propagators of each kind of segment.
     """
+    keep = out_v.size > 0
+    while j < kind.size:
+        n = kind[j]
+        if n < 0:
+            break
+        xx, xv, xf, vx, vv, vf = table[n, 0], table[n, 1], table[n, 2], table[n, 5], table[n, 6], table[n, 7]
+        begun = j
+        while j < kind.size and kind[j] == n:
+            f = level[j] - load
+            x1 = xx * x + (xv * v + xf * f)
+            v1 = vx * x + (vv * v + vf * f)
+            if s != 0:
+                if not (s * v1 > 0.0 and x1 >= low and x1 <= high):
+                    return j, x, v
+                if s * (f - k * x - b * v) < 0.0 and s * (f - k * x1 - b * v1) > 0.0:
+                    # Slower, then faster: it may have stopped in between.
+                    return j, x, v
+            x, v = x1, v1
+            j += 1
+            out_x[j] = x
+            if keep:
+                out_v[j] = v
+        if j == begun:
+            break
+    return j, x, v
+
+
+@lean
+def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, transient, out_x, out_v):
+    """The same for a force that changes during a segment."""
     steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
     while j < kind.size:
         n = kind[j]
         if n < 0:
             break
-        f = level[j] - load
-        x1 = table[n, 0] * x + (table[n, 1] * v + table[n, 2] * f)
-        v1 = table[n, 5] * x + (table[n, 6] * v + table[n, 7] * f)
-        if steep:
-            x1 += table[n, 3] * slope[j]
-            v1 += table[n, 8] * slope[j]
-        if lagged:
-            x1 += table[n, 4] * transient[j]
-            v1 += table[n, 9] * transient[j]
+        f, r, e = level[j] - load, slope[j] if steep else 0.0, transient[j] if lagged else 0.0
+        x1, v1 = linear.propagate(table[n], x, v, f, r, e)
         if s != 0:
             if not (s * v1 > 0.0 and x1 >= low and x1 <= high):
                 break
-            push, push1 = s * (f - k * x - b * v), s * (f - k * x1 - b * v1)
-            if steep or lagged:
-                if s * v1 < (abs(push) + abs(push1)) * table[n, 1] / m:
-                    break
-            elif push < 0.0 and push1 > 0.0:
+            push, push1 = abs(f - k * x - b * v), abs(f - k * x1 - b * v1)
+            if s * v1 < (push + push1 + abs(e)) * table[n, 1] / m:
+                # So slow that it may have stopped in between.
                 break
         x, v = x1, v1
         j += 1
@@ -94,7 +115,7 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
         left = h - t
         if not left > 0.0:
             break
-        f_now, e_now = f + r * t, e * math.exp(-decay * t)
+        f_now, e_now = f + r * t, e * math.exp(-decay * t) if e != 0.0 else 0.0
         if abs(e_now) < 1e-18 * abs(f_now):
             e_now = 0.0
         rate = decay if e_now != 0.0 else 0.0
@@ -119,7 +140,7 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
         d = min(left, linear.LONGEST / fastest)
         terms = linear.terms_for(fastest * d)
         linear.series(c, terms, m, b, k, x, v, f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
-        turn = first_turn(c, terms, d, s, v)
+        turn = first_turn(c, terms, d, s, v, r != 0.0 or e_now != 0.0)
         until = min(turn, d)
         edge = edges[i + 1] if s > 0 else edges[i]
         x1 = linear.position(c, terms, until)
@@ -131,11 +152,14 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
             i += s
             t += until
         else:
-            x, v = x1, linear.velocity(c, terms, until)
+            x, v = x1, 0.0
             t = h if until >= left else t + until
-            if turn <= d:
-                v = 0.0
-                net = f + r * t + e * math.exp(-decay * t) - constant - intercepts[i] - springs[i] * x
+            if turn > d:
+                v = linear.velocity(c, terms, until)
+            else:
+                net = f + r * t - constant - intercepts[i] - springs[i] * x
+                if e != 0.0:
+                    net += e * math.exp(-decay * t)
                 s = 0 if abs(net) <= hold else (1 if net > 0.0 else -1)
                 i = piece(edges, x, s)
         if not abs(x) < math.inf:
@@ -166,20 +190,22 @@ def drift(h, x, v, m, b, k, f, r, e, decay, c):
 
 
 @making
-def _leap(left, h, x, v, s, m, b, k, level, r, e, decay):
+def _leap(left, h, x, v, m, b, k, level, r, e, decay, c):
     """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events: (x, v, s)."""
     begun = h - left
     row = np.empty(10)
-    linear.propagator(row, m, b, k, left, decay)
+    linear.propagator(row, m, b, k, left, decay, c)
     x, v = linear.propagate(row, x, v, level + r * begun, r, e * math.exp(-decay * begun))
     return x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0)
 
 
+# fmt: off
 @making
 def exact(
     m, b, edges, springs, intercepts, constant, kinetic, hold, length, kind, lengths, level, slope, transient, decay,
     x, v, out_x, out_v,
-):  # fmt: skip
+):
+    # fmt: on
     """Positions (and velocities) at all segment boundaries.
 
     Args:
@@ -208,13 +234,16 @@ def exact(
         else:
             if not ready[i]:
                 for n in range(lengths.size):
-                    linear.propagator(table[i, n], m, b, springs[i], lengths[n], decay)
+                    linear.propagator(table[i, n], m, b, springs[i], lengths[n], decay, c)
                 ready[i] = True
             load = constant + intercepts[i] + s * kinetic
-            j, x, v = glide(
-                j, x, v, s if eventful else 0, edges[i], edges[i + 1], m, b, springs[i], load,
-                table[i], kind, level, slope, transient, out_x, out_v,
-            )  # fmt: skip
+            k, way, low, high = springs[i], s if eventful else 0, edges[i], edges[i + 1]
+            if steep or lagged:
+                j, x, v = glide(
+                    j, x, v, way, low, high, m, b, k, load, table[i], kind, level, slope, transient, out_x, out_v
+                )
+            else:
+                j, x, v = glide_held(j, x, v, way, low, high, b, k, load, table[i], kind, level, out_x, out_v)
         if j == length.size:
             break
         r, e = slope[j] if steep else 0.0, transient[j] if lagged else 0.0
@@ -243,7 +272,7 @@ def exact(
             x, v, left = drift(length[j], x, v, m, b, springs[i], level[j] - constant, r, e, decay, c)
         if left > 0.0:
             net = level[j] - constant - intercepts[i] - s * kinetic
-            x, v, s = _leap(left, length[j], x, v, s, m, b, springs[i], net, r, e, decay)
+            x, v, s = _leap(left, length[j], x, v, m, b, springs[i], net, r, e, decay, c)
         j += 1
         out_x[j] = x
         if keep:

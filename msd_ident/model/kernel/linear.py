@@ -13,11 +13,13 @@ import math
 
 import numpy as np
 
-from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.compiled import lean
 
 #: Terms of the longest series; with rate * time up to LONGEST the rest is below the last digit.
 TERMS = 26
 LONGEST = 2.0
+#: Unit starts of (x, v, f, r, e).
+_UNITS = tuple(tuple(float(i == j) for i in range(5)) for j in range(5))
 _INVERSE = np.array([1.0 / ((n + 1.0) * (n + 2.0)) for n in range(TERMS)])
 
 
@@ -44,8 +46,9 @@ def series(c, terms, m, b, k, x, v, f, r, e, decay):
     c[1] = v
     push = f + e
     transient = e
+    lightness = 1.0 / m
     for n in range(terms - 2):
-        c[n + 2] = (push - k * c[n] - b * (n + 1.0) * c[n + 1]) / m * _INVERSE[n]
+        c[n + 2] = (push - k * c[n] - b * (n + 1.0) * c[n + 1]) * lightness * _INVERSE[n]
         transient *= -decay / (n + 1.0)
         push = transient
         if n == 0:
@@ -88,35 +91,42 @@ def jerk(c, terms, t):
     return value
 
 
-@making
-def propagator(row, m, b, k, h, decay):
-    """Fill row (10,) with x <- x, v, f, r, e and v <- x, v, f, r, e over a time h [s].
+@lean
+def velocity_and_acceleration(c, terms, t):
+    """(x'(t), x''(t)) of the series."""
+    value, slope = (terms - 1.0) * c[terms - 1], 0.0
+    for n in range(terms - 2, 0, -1):
+        slope = slope * t + value
+        value = value * t + n * c[n]
+    return value, slope
 
-    Scaling and squaring of the Taylor series of the generator of (x, v, f, r, e).
+
+@lean
+def propagator(row, m, b, k, h, decay, c):
+    """Fill row (10,) with x <- x, v, f, r, e and v <- x, v, f, r, e over a time h [s]; ``c``: room for a series.
+
+    The series of each unit start over a step short enough, then the step doubled as often as need be.
     """
     rate = fastest_rate(m, b, k)
     fast = decay > 4.0 * rate
     lag = 0.0 if fast else decay
-    halvings = 0
+    doublings = 0
     step = h
-    while max(rate, lag) * step > 0.25 and halvings < 60:
+    while max(rate, lag) * step > 0.5 and doublings < 60:
         step *= 0.5
-        halvings += 1
-    g = np.zeros((5, 5))
-    g[0, 1] = 1.0
-    g[1, 0], g[1, 1], g[1, 2], g[1, 4] = -k / m, -b / m, 1.0 / m, 1.0 / m
-    g[2, 3] = 1.0
-    g[4, 4] = -lag
-    power = np.eye(5)
-    total = np.eye(5)
-    for n in range(1, 15):
-        power = _product(power, g, step / n)
-        total += power
-    for _ in range(halvings):
-        total = _product(total, total, 1.0)
-    for i in range(2):
+        doublings += 1
+    for j in range(5):
+        x, v, f, r, e = _UNITS[j]
+        series(c, 15, m, b, k, x, v, f, r, e, lag)
+        row[j], row[5 + j] = position(c, 15, step), velocity(c, 15, step)
+    for _ in range(doublings):
+        fade = math.exp(-lag * step)
         for j in range(5):
-            row[5 * i + j] = total[i, j]
+            x, v, f, r, e = _UNITS[j]
+            c[j], c[5 + j] = propagate(row, row[j], row[5 + j], f + r * step, r, e * fade)
+        for j in range(10):
+            row[j] = c[j]
+        step *= 2.0
     if fast:
         _fast_transient(row, m, b, k, h, decay)
 
@@ -128,18 +138,6 @@ def propagate(row, x, v, f, r, e):
         row[0] * x + row[1] * v + row[2] * f + row[3] * r + row[4] * e,
         row[5] * x + row[6] * v + row[7] * f + row[8] * r + row[9] * e,
     )
-
-
-@making
-def _product(left, right, scale):
-    out = np.zeros((5, 5))
-    for i in range(5):
-        for j in range(5):
-            value = 0.0
-            for n in range(5):
-                value += left[i, n] * right[n, j]
-            out[i, j] = scale * value
-    return out
 
 
 @lean

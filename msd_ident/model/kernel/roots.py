@@ -8,31 +8,44 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel.compiled import lean
-from msd_ident.model.kernel.linear import acceleration, jerk, position, velocity
+from msd_ident.model.kernel.linear import (
+    acceleration,
+    jerk,
+    position,
+    velocity,
+    velocity_and_acceleration,
+)
 
 _ITERATIONS = 60
 #: A Newton step this small, in parts of the interval, is the last: the error after it is of its square.
-SETTLED = 1e-9
+SETTLED = 1e-8
 
 
 @lean
 def _velocity_root(c, terms, low, high, s):
-    """Root of v in (low, high), where s v goes from above 0 to below: Newton, kept inside by bisection."""
-    v_low, v_high = s * velocity(c, terms, low), s * velocity(c, terms, high)
-    t = low + (high - low) * (v_low / (v_low - v_high) if v_low > v_high else 0.5)
+    """Root of v in (low, high), where s v goes from above 0 to below: Newton, kept inside by bisection.
+
+    The first guess is the root of the parabola through both ends with the slope at the first.
+    """
+    span = high - low
+    v, a = velocity_and_acceleration(c, terms, low)
+    v_high = s * velocity(c, terms, high)
+    v, a = s * v, s * a
+    bend = (v_high - v - a * span) / (span * span)
+    t = low + 2.0 * v / (math.sqrt(max(a * a - 4.0 * bend * v, 0.0)) - a)
+    if not low < t < high:
+        t = 0.5 * (low + high)
     for _ in range(_ITERATIONS):
-        v = s * velocity(c, terms, t)
+        v, a = velocity_and_acceleration(c, terms, t)
+        v, a = s * v, s * a
         if v > 0.0:
             low = t
         else:
             high = t
-        slope = s * acceleration(c, terms, t)
-        new = t - v / slope if slope < 0.0 else 0.5 * (low + high)
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - t) <= SETTLED * high or not low < new < high:
+        new = t - v / a if a < 0.0 else 0.5 * (low + high)
+        if abs(new - t) <= SETTLED * high:
             return new
-        t = new
+        t = new if low < new < high else 0.5 * (low + high)
     return t
 
 
@@ -71,15 +84,18 @@ def _jerk_root(c, terms, low, high):
 
 
 @lean
-def first_turn(c, terms, d, s, v):
-    """First time in (0, d] at which a motion in direction s comes to v = 0; infinite if it does not."""
+def first_turn(c, terms, d, s, v, uneven):
+    """First time in (0, d] at which a motion in direction s comes to v = 0; infinite if it does not.
+
+    Under a force that is not constant (``uneven``) the acceleration may change sign twice on the way.
+    """
     a0 = s * 2.0 * c[2]
     a1 = s * acceleration(c, terms, d)
-    if (a0 > 0.0) == (a1 > 0.0) and (c[3] > 0.0) != (jerk(c, terms, d) > 0.0):
+    if uneven and (a0 > 0.0) == (a1 > 0.0) and (c[3] > 0.0) != (jerk(c, terms, d) > 0.0):
         middle = _jerk_root(c, terms, 0.0, d)
         a = s * acceleration(c, terms, middle)
         if (a > 0.0) != (a0 > 0.0):
-            # The acceleration changes sign twice: look for a turn before the middle, then behind it.
+            # Look for a turn before the middle, then behind it.
             turn = _turn_before(c, terms, 0.0, middle, s, s * v, a0, a)
             if turn <= middle:
                 return turn

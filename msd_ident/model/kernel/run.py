@@ -19,7 +19,7 @@ from msd_ident.model.kernel.spring import characteristic
 RIGID = 150.0
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
-_START = len(laws.INDEX)
+_PARAMETERS = len(laws.INDEX)
 _GAP = laws.INDEX.get("backlash_half_width", 0)
 _STOP, _STOP_K = laws.INDEX.get("stop_position", 0), laws.INDEX.get("stop_stiffness", 0)
 _LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
@@ -46,19 +46,22 @@ def plan(time, force_time, force, straight):
 
 
 @making
-def row(bits, p, plan, out_x, out_v):
+def row(bits, values, place, plan, out_x, out_v):
     """Simulate one parameter vector.
 
     Args:
         bits: set of the model's effects, see ``laws.BIT``.
-        p: (len(laws.INDEX) + 2,) all parameters of the library, those of other effects unused, then position [m] and
-            velocity [m/s] at the first sample.
+        values: (p + 2,) the model's parameters, then position [m] and velocity [m/s] at the first sample.
+        place: (p,) where each parameter stands in ``laws.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         out_x: (n,) readings of the positions [m]; NaN from where the motion leaves all bounds.
         out_v: (n,) velocities [m/s], or (0,) when nobody wants them.
     """
     time, force = plan[0], plan[2]
-    x, v = p[_START], p[_START + 1]
+    p = np.zeros(_PARAMETERS)
+    for i in range(place.size):
+        p[place[i]] = values[i]
+    x, v = values[place.size], values[place.size + 1]
     bits = laws.active(bits, p)
     w = _MEMORY.copy()
     m, b, k = p[_MASS], p[_DAMPING], p[_STIFFNESS]
