@@ -41,13 +41,11 @@ setup(
     python_requires=">=3.10",
     install_requires=[
         "control>=0.10.1",
-        "jinja2>=3.1",
         "lz4>=4.3",
         "matplotlib>=3.8",
         "mcap>=1.5",  # the first whose writer can close a chunk by time
         "numba>=0.60",
         "numpy>=1.26",
-        "plotly>=5.22",
         "pyyaml>=6.0",
         "rich>=13.7",
         "rosbags>=0.11",

@@ -1,6 +1,6 @@
 """Write requirements/lock.txt: the versions that are in the Python that runs this.
 
-To renew the lock: `make clean`, `LOCK= make test`, then `.venv/bin/python tools/lock.py`.
+To renew the lock: `make clean`, `make test LOCK=`, then `.venv/bin/python tools/lock.py`.
 """
 
 from __future__ import annotations

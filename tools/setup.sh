@@ -65,9 +65,7 @@ mark() { mkdir -p "$STAMPS" && echo "$2" >"$STAMPS/$1"; }
 
 make_venv() {
     # What was cut off before it had pip is made anew; a .venv that works is kept, whoever made it.
-    local clear=
-    "$VENV/bin/python" -m pip --version >/dev/null 2>&1 || clear=--clear
-    [ -z "$clear" ] || "$1" -m venv --clear "$VENV"
+    [ -x "$VENV/bin/pip" ] && "$VENV/bin/python" -m pip --version >/dev/null 2>&1 || "$1" -m venv --clear "$VENV"
 }
 
 # A package whose installation was cut off looks installed to pip as soon as its METADATA is there; RECORD comes last.
