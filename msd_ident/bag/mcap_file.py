@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, ChunkIndex, Footer, Header, McapRecord, Schema, Statistics
+from mcap.records import Channel, ChunkIndex, Footer, McapRecord, Schema, Statistics
 
 from msd_ident.bag.compression import DecodeError, decompress
 from msd_ident.errors import DataError
@@ -75,7 +75,6 @@ class McapFile:
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
         self.losses: tuple[str, ...] = ()
-        self._profile = ""
         self._segments: list[_Segment] = []
         self._faults: list[str] = []
         self._indexed, self._stated = self._read_summary()
@@ -85,11 +84,6 @@ class McapFile:
         if self._stated is None or not self.channels:
             for _ in self.messages():
                 pass
-
-    @property
-    def profile(self) -> str:
-        """``ros2`` for bags."""
-        return self._profile
 
     def messages(self, *, by_log_time: bool = False) -> Iterator[StoredMessage]:
         """All messages that can be read, in the order of the file or by log time."""
@@ -151,8 +145,6 @@ class McapFile:
             self.channels.setdefault(record.id, record)
         elif isinstance(record, Schema):
             self.schemas.setdefault(record.id, record)
-        elif isinstance(record, Header):
-            self._profile = record.profile
 
     def _walk(self) -> None:
         """Find the segments; after a fault go on at the next chunk that the index knows.
@@ -246,7 +238,6 @@ def _message(data: bytes, begin: int, end: int) -> StoredMessage | None:
 def _parse(opcode: int, body: bytes) -> McapRecord | None:
     """Record of one of the kinds that matter here; ``None`` for others and for nonsense."""
     kinds: dict[int, Any] = {
-        Opcode.HEADER: Header,
         Opcode.CHANNEL: Channel,
         Opcode.SCHEMA: Schema,
         Opcode.STATISTICS: Statistics,
