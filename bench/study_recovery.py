@@ -32,7 +32,7 @@ RATE = 250.0
 
 @dataclass(frozen=True)
 class Trial:
-    """One fit: deviations from the truth in standard deviations by parameter, SEE over noise floor, processor seconds."""
+    """One fit: deviations from the truth in standard deviations by parameter, SEE over noise floor, CPU seconds."""
 
     effect: str
     seed: int

@@ -7,7 +7,7 @@ record, its own initial position, initial velocity and zero where these are free
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -148,6 +148,15 @@ class Problem:
         ahead += behind
         ahead *= 0.5
         return residual, ahead
+
+    def shortened(self, share: float) -> Problem:
+        """The same problem over the first part of each record (at least 40 samples)."""
+        records = tuple(
+            record.window(record.time[0], record.time[min(max(int(share * record.samples), 40), record.samples) - 1])
+            for record in self.records
+        )
+        simulators = tuple(Simulator(self.model, record) for record in records)
+        return replace(self, records=records, simulators=simulators)
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""

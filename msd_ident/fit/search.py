@@ -35,6 +35,10 @@ _VAGUE = 0.01
 #: More than this part of the motion's spread left: phase has slipped somewhere.
 _SLIPPED = 0.2
 _HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
+#: From this horizon on only the best starts are followed.
+_DECIDED = 0.12
+#: Parameters that give the cart many places to rest in, so that a small error sends it to another one.
+_MULTISTABLE = ("cogging_amplitude",)
 #: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
 _KINKED = ("coulomb_force", "static_force", "backlash_half_width")
 _JUMPS = (0.55, 0.8, 1.25, 1.8)
@@ -65,10 +69,11 @@ class Valleys:
                 best = _deeper(best, self.settle(outcome.point))
                 if self.at_floor(best):
                     break
+            if not self.at_floor(best) and set(_MULTISTABLE) & set(self.problem.names):
+                best = _deeper(best, self._grow(others))
         best = self._jump(best, all_entries=not self.at_floor(best))
         if self._relative(best) > _SLIPPED:
-            for start in likely:
-                best = _deeper(best, self._grow(start))
+            best = _deeper(best, self._grow(likely))
         return best if best.converged else minimise(self.plain, best.point, limits(self.problem))
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Outcome]:
@@ -121,15 +126,15 @@ class Valleys:
             best = _deeper(best, minimise(self.plain, outcome.point, limits(problem)))
         return best
 
-    def _grow(self, start: FloatArray) -> Outcome:
-        point = start
+    def _grow(self, starts: Sequence[FloatArray]) -> Outcome:
+        """Fit the first swings from every start, then go on with the two best over more and more of the records."""
+        points = list(starts)
         for horizon in _HORIZONS:
-            weights = tuple(
-                (np.arange(record.samples) < horizon * record.samples).astype(np.float64)
-                for record in self.problem.records
-            )
-            point = minimise(SquaredError(self.problem, weights), point, limits(self.problem, _SHORT)).point
-        return self.settle(point)
+            part = SquaredError(self.problem.shortened(horizon), coarse=_COARSE)
+            outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
+            kept = 2 if horizon >= _DECIDED else len(points)
+            points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
+        return min((self.settle(point) for point in points), key=_cost)
 
     def _spread(self, outcome: Outcome) -> float:
         samples = sum(record.samples for record in self.problem.records)
