@@ -21,7 +21,7 @@ from msd_ident.ros.processes import Processes
 from msd_ident.ros.run import Spinner
 
 #: The paper's rig: its Table 3, eq. 8's encoder of 2266 counts/cm at 1 kHz.
-RIG = {
+RIG: dict[str, object] = {
     "mass": 0.9407,
     "damping": 3.927,
     "stiffness": 694.1,
@@ -32,7 +32,7 @@ RIG = {
 #: Step amplitude 0.15 at 69.5 N per unit, eq. 8 [N].
 STEP = 0.15 * 69.5
 #: Speed of the rig's time with ``fast``.
-FAST = 3.0
+FAST = 5.0
 NAMESPACE = "msd"
 
 Say = Callable[[str, float], None]
@@ -80,9 +80,9 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
 
 
 def _start(processes: Processes, folder: Path, fast: bool) -> None:
-    simulated = {"use_sim_time": True} if fast else {}
-    mode = {"time_mode": "fast", "real_time_factor": FAST} if fast else {}
-    often = {"diagnostics_period": 0.1}
+    simulated: dict[str, object] = {"use_sim_time": True} if fast else {}
+    mode: dict[str, object] = {"time_mode": "fast", "real_time_factor": FAST} if fast else {}
+    often: dict[str, object] = {"diagnostics_period": 0.1}
     processes.start("rig", "msd_sim.node", _arguments(RIG | mode))
     processes.start("recorder", "msd_ident.ros.recorder", _arguments({"bag_folder": str(folder)} | often | simulated))
     processes.start("identifier", "msd_ident.ros.identifier", _arguments(often | simulated))

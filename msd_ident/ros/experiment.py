@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 from msd_ident.errors import DataError, SetupError
 from msd_ident.ros import names
 from msd_ident.ros.conversions import nanoseconds, time_message
-from msd_interfaces.msg import Estimate
+from msd_interfaces.msg import EncoderBatch, Estimate
 from msd_interfaces.srv import Identify, StartRecording
 
 #: Longest wait for anything that should take a second [s]; a first start compiles for a while.
@@ -65,6 +65,7 @@ class Player:
         self._health: dict[str, DiagnosticStatus] = {}
         self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
         node.create_subscription(JointState, names.ENCODER, self._on_encoder, names.encoder_qos())
+        node.create_subscription(EncoderBatch, names.ENCODER_BATCH, self._on_batch, names.encoder_qos())
         node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._on_diagnostics, 100)
 
     def wait_for_all(self) -> None:
@@ -77,11 +78,11 @@ class Player:
 
     def record(self, folder: str) -> str:
         """Start a recording that hears force and encoder; its path."""
-        request = StartRecording.Request(folder=folder, topics=[names.FORCE, names.ENCODER, names.ESTIMATE])
-        answer = self._call(StartRecording, names.RECORDER_START, request)
-        for topic in (names.FORCE, names.ENCODER):
-            name = self._node.resolve_topic_name(topic)
-            self._until(lambda name=name: self._count("recorder: bag", name), f"the recorder to hear {name}")
+        topics = [names.FORCE, names.ENCODER, names.ENCODER_BATCH, names.ESTIMATE]
+        answer = self._call(StartRecording, names.RECORDER_START, StartRecording.Request(folder=folder, topics=topics))
+        self._until(lambda: self._recorded(names.FORCE), "the recorder to hear the force")
+        encoders = (names.ENCODER, names.ENCODER_BATCH)
+        self._until(lambda: any(map(self._recorded, encoders)), "the recorder to hear the encoder")
         return str(answer.path)
 
     def play(self, plan: Plan, advance: Advance) -> None:
@@ -117,6 +118,9 @@ class Player:
     def _on_encoder(self, message: JointState) -> None:
         self._now_ns = nanoseconds(message.header.stamp)
 
+    def _on_batch(self, message: EncoderBatch) -> None:
+        self._now_ns = nanoseconds(message.header.stamp) + message.period_ns * (len(message.positions) - 1)
+
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         self._health.update({status.name: status for status in message.status})
 
@@ -124,6 +128,9 @@ class Player:
         """A number that a node tells about itself."""
         found = self._health.get(status)
         return next((int(pair.value) for pair in found.values if pair.key == key), 0) if found else 0
+
+    def _recorded(self, topic: str) -> int:
+        return self._count("recorder: bag", self._node.resolve_topic_name(topic))
 
     def _call(self, kind: Any, name: str, request: Any) -> Any:
         client = self._node.create_client(kind, name)
