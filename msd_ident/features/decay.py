@@ -83,7 +83,7 @@ def _release(record: Record, turns: tuple[Extreme, ...], found: oscillation.AllP
     That is the first turning point of the decay, or already the place it was let go from, if the cart left that
     place as fast as a free motion does.
     """
-    turn = int(np.searchsorted(record.time, turns[0].time))
+    turn = max(int(np.searchsorted(record.time, turns[0].time)) - 1, 0)
     before = record.position[: turn + 1]
     side = -turns[0].side
     height = side * (before - found.middle.value)

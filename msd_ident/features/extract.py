@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from msd_ident.features.decay import free_decay
-from msd_ident.features.form import StandardForm, combine_chain, pool
+from msd_ident.features.form import StandardForm, combine, combine_chain, pool
 from msd_ident.features.onsets import Onset, held_share, is_constant, onsets
 from msd_ident.features.response import Noise, Response, noise_of, step_response, with_dead_width
 from msd_ident.record import Record
@@ -36,6 +36,21 @@ class Features:
     standard_form: StandardForm | None
     remarks: tuple[str, ...] = ()
 
+    @property
+    def two_peak_form(self) -> StandardForm | None:
+        """ωn and ζ of the paper's two peaks alone, eqs. 3 to 7, all responses together; ``None`` without two peaks.
+
+        With dry friction, which damps the small swings most, these are nearer to the viscous ζ than all peaks are.
+        """
+        peaks = [response.peaks for response in self.responses if response.peaks is not None]
+        if self.standard_form is None or not peaks:
+            return None
+        return StandardForm(
+            combine([pair.natural_frequency for pair in peaks]),
+            combine([pair.damping_ratio for pair in peaks]),
+            self.standard_form.static_gain,
+        )
+
 
 def extract(record: Record) -> Features:
     """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
@@ -43,7 +58,9 @@ def extract(record: Record) -> Features:
     steps = onsets(record) if held_share(record) >= _HELD else ()
     responses = _responses(record, steps, noise)
     if responses:
-        return Features("step", _step_route(responses), responses, _together(responses), _remarks(record, responses))
+        return Features(
+            "step", _step_route(responses), responses, _together(responses), _left_out(record, steps, responses)
+        )
     if is_constant(record):
         return _decay(record, noise)
     if steps:
@@ -80,8 +97,10 @@ def _together(responses: Sequence[Response]) -> StandardForm | None:
     return StandardForm(form.natural_frequency, form.damping_ratio, combine_chain(gains, links))
 
 
-def _remarks(record: Record, responses: Sequence[Response]) -> tuple[str, ...]:
-    skipped = len(onsets(record)) - len(responses)
+def _left_out(record: Record, steps: Sequence[Onset], responses: Sequence[Response]) -> tuple[str, ...]:
+    counted = {response.onset for response in responses}
+    begin = float(record.time[0])  # A record that begins under a force need not begin with a step.
+    skipped = sum(onset.time > begin and onset.time not in counted for onset in steps)
     if not skipped:
         return ()
     return (f"{skipped} force step{'s' if skipped > 1 else ''} left out: no rest before, or too little motion after.",)

@@ -33,9 +33,14 @@ class Level:
 
 @dataclass(frozen=True)
 class Onset:
-    """A jump of the force at ``time`` [s] from one level to the next."""
+    """A jump of the force at ``time`` [s] from one level to the next.
+
+    The stamp of a command is exact. A force sampled with the position stepped at some instant around its sample:
+    ``time_std`` [s] is that of an instant within one interval to either side.
+    """
 
     time: float
+    time_std: float
     before: Level
     after: Level
 
@@ -96,6 +101,7 @@ def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
 def onsets(record: Record) -> tuple[Onset, ...]:
     """Steps of the force: jumps between neighbouring levels that follow each other at once."""
     held = levels(record)
+    sampled = float(np.median(np.diff(record.force_time))) / math.sqrt(3.0) if record.force.size >= _MEASURED else 0.0
     smallest = _SMALLEST_JUMP * float(np.ptp([level.force for level in held])) if held else 0.0
     found = []
     for before, after in zip(held, held[1:], strict=False):
@@ -103,7 +109,7 @@ def onsets(record: Record) -> tuple[Onset, ...]:
         if after.start - before.end <= rise and abs(after.force - before.force) > max(smallest, 1e-12):
             # Where the force takes a while to rise, or runs linearly between its stamps, the middle of it counts.
             time = 0.5 * (before.end + after.start)
-            found.append(Onset(time, before, after))
+            found.append(Onset(time, sampled, before, after))
     return tuple(found)
 
 
@@ -114,4 +120,4 @@ def held_share(record: Record) -> float:
 
 def is_constant(record: Record) -> bool:
     """Whether the force is the same from the first to the last position sample."""
-    return float(np.ptp(_stream(record)[1])) == 0.0
+    return float(np.ptp(_stream(record)[1][1:])) == 0.0 if record.force.size > 1 else True

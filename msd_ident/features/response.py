@@ -84,7 +84,7 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     found = oscillation.all_peaks(turns, settled, noise.unit)
     if found is None:
         begin = initial if earlier is None else rest_value(_last_before(record, onset), noise.floor, noise.unit)
-        shape = fit_shape(time - onset.time, position, begin, noise.floor) if still else None
+        shape = fit_shape(time - onset.time, position, begin, onset.time_std, noise.floor) if still else None
         if shape is None or not _believable(shape, float(time[-1] - time[0]), float(np.ptp(position))):
             return None
         frequency, ratio, rest = shape.natural_frequency, shape.damping_ratio, _end_of(shape, settled, time)

@@ -46,16 +46,17 @@ def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> Floa
     return 1.0 - (fast * np.exp(slow * after) - slow * np.exp(fast * after)) / (fast - slow)
 
 
-def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, floor: float) -> Shape | None:
+def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: float, floor: float) -> Shape | None:
     """Least squares of the step response on time (n,) [s] from the step and position (n,) [m]; ``None`` if it fails.
 
-    ``initial`` is the reading before the step, one more piece of evidence. A reading that the encoder repeats n
-    times weighs as one: n equal counts are not n measurements.
+    ``initial`` is the reading before the step, one more piece of evidence, and ``onset`` [s] how well the instant of
+    the step is known. A reading that the encoder repeats n times weighs as one: n equal counts are not n
+    measurements.
     """
-    problem = _Problem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, floor)
+    problem = _Problem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, onset, floor)
     # The early samples tell the fast root, so the search for the valley uses them more densely than the late ones.
     some = np.unique(np.geomspace(1.0, time.size, _SEARCH).astype(int)) - 1
-    coarse = _Problem(time[some], position[some], problem.weight[some], initial, floor)
+    coarse = _Problem(time[some], position[some], problem.weight[some], initial, onset, floor)
     found = [coarse.solve(start) for start in problem.starts()]
     best = min((one for one in found if np.all(np.isfinite(one.x))), key=lambda one: float(one.cost), default=None)
     if best is None:
@@ -66,12 +67,13 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, floor: 
 
 @dataclass(frozen=True)
 class _Problem:
-    """Unknowns: ln ωn, ln ζ, start and rest value in units of the swing."""
+    """Unknowns: ln ωn, ln ζ, start and rest value in units of the swing, delay of the step in units of ``onset``."""
 
     time: FloatArray
     position: FloatArray
     weight: FloatArray
     initial: Quantity
+    onset: float
     floor: float
 
     @property
@@ -83,16 +85,17 @@ class _Problem:
         crossed = np.flatnonzero(np.abs(self.position - begin) > 0.5 * abs(final - begin))
         rise = max(float(self.time[crossed[0]]) if crossed.size else 0.0, float(np.median(np.diff(self.time))))
         return [
-            np.array([math.log(max(1.0, 1.7 * ratio) / rise), math.log(ratio), 0.0, (final - begin) / self.size])
+            np.array([math.log(max(1.0, 1.7 * ratio) / rise), math.log(ratio), 0.0, (final - begin) / self.size, 0.0])
             for ratio in _STARTS
         ]
 
     def residual(self, point: FloatArray) -> FloatArray:
         frequency, ratio = np.exp(np.clip(point[:2], -50.0, 50.0)).tolist()
-        curve = point[2] + (point[3] - point[2]) * unit_step_response(self.time, frequency, ratio)
+        late = self.time - self.onset * point[4]
+        curve = point[2] + (point[3] - point[2]) * unit_step_response(late, frequency, ratio)
         misfit = self.weight * (curve - (self.position - self.initial.value) / self.size)
         before = point[2] * min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else point[2]
-        return np.append(misfit, before)
+        return np.concatenate((misfit, (before, point[4] * max(self.floor / self.size, 1e-9))))
 
     def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
         return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
@@ -100,7 +103,7 @@ class _Problem:
 
 def _shape(found: scipy.optimize.OptimizeResult, problem: _Problem) -> Shape:
     """The result with intervals; a residual that is correlated in time counts as fewer samples."""
-    residual = found.fun[:-1] / problem.weight * problem.size
+    residual = found.fun[:-2] / problem.weight * problem.size
     see = math.sqrt(float(residual @ residual) / max(residual.size - 4, 1))
     readings = max(float(np.sum(problem.weight**2)) - 4.0, 1.0)
     scatter = math.sqrt(float(np.sum(found.fun**2)) / readings) * problem.size

@@ -61,30 +61,56 @@ def _alternating(found: list[tuple[int, int]], position: FloatArray) -> list[tup
 def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[tuple[int, int]], n: int) -> Extreme:
     """A quartic through the neighbourhood of the turning point, by least squares, and its top."""
     index, side = found[n]
-    neighbours = [abs(found[j][0] - index) for j in (n - 1, n + 1) if 0 <= j < len(found)]
-    half = min(neighbours) if neighbours else min(index, position.size - 1 - index)
+    neighbours = [found[j][0] for j in (n - 1, n + 1) if 0 <= j < len(found)]
+    half = min((abs(j - index) for j in neighbours), default=min(index, position.size - 1 - index))
+    first = _through(time, position, floor, index, half)
+    if first is None:
+        return Extreme(float(time[index]), float(position[index]), math.inf, floor, side)
+    # In noise the highest sample may stand well beside the top: look again around the top.
+    again = _through(time, position, floor, int(np.argmin(np.abs(time - first.time))), half)
+    fit = again or first
+    bend = fit.bend
+    if neighbours and half:
+        # The bend of a swing of this height and duration: noise makes that of the fit too sharp or too flat.
+        height = 0.5 * float(np.mean(np.abs(position[neighbours] - fit.value)))
+        bend = height * (math.pi / (half * float(np.median(np.diff(time))))) ** 2
+    return Extreme(fit.time, fit.value, fit.slope_std / max(bend, 1e-300), fit.value_std, side)
+
+
+@dataclass(frozen=True)
+class _Top:
+    """Top of a polynomial [s], [m], its standard deviations [m/s], [m], and its second derivative [m/s²]."""
+
+    time: float
+    value: float
+    slope_std: float
+    value_std: float
+    bend: float
+
+
+def _through(time: FloatArray, position: FloatArray, floor: float, index: int, half: int) -> _Top | None:
+    """Least squares around the sample ``index`` of a half-swing of ``half`` samples; ``None`` too near to an end."""
     reach = int(min(max(3, round(_REACH * half)), index, position.size - 1 - index))
     if reach < 2:
-        return Extreme(float(time[index]), float(position[index]), math.inf, floor, side)
+        return None
     window = slice(index - reach, index + reach + 1)
     centre, scale = float(time[index]), float(time[index + reach] - time[index])
     u = (time[window] - centre) / scale
-    degree = 4 if reach >= 5 else 3 if reach >= 4 else 2
+    degree = 4 if reach >= 3 else 2
     basis = np.vander(u, degree + 1, increasing=True)
     coefficients: FloatArray = np.linalg.lstsq(basis, position[window], rcond=None)[0].astype(np.float64)
     top = _top(coefficients)
-    row = top ** np.arange(degree + 1)
+    powers = np.arange(degree + 1)
+    row, slope_row = top**powers, powers * np.concatenate(([0.0], top ** powers[:-1]))
     # Equal readings in a row, the flat top of an encoder, are one piece of evidence and not many.
     repeats = u.size / evidence(position[window])
     covariance = np.linalg.inv(basis.T @ basis) * max(floor, 1e-300) ** 2 * repeats
-    slope_row = np.arange(degree + 1) * np.concatenate(([0.0], top ** np.arange(degree)))
-    bend = abs(2.0 * coefficients[2]) or 1.0
-    return Extreme(
+    return _Top(
         time=centre + scale * top,
         value=float(row @ coefficients),
-        time_std=scale * math.sqrt(float(slope_row @ covariance @ slope_row)) / bend,
+        slope_std=math.sqrt(float(slope_row @ covariance @ slope_row)) / scale,
         value_std=math.sqrt(float(row @ covariance @ row)),
-        side=side,
+        bend=abs(2.0 * float(coefficients[2])) / scale**2,
     )
 
 
