@@ -98,13 +98,23 @@ class LiveBuffer:
         hold: how the force goes on between its samples.
         force_unit: of the force values.
         position_unit: of the position values.
+        free: no force acts (free decay), so that none is waited for.
     """
 
-    def __init__(self, capacity: int, *, hold: Hold = "zero", force_unit: str = "N", position_unit: str = "m") -> None:
+    def __init__(
+        self,
+        capacity: int,
+        *,
+        hold: Hold = "zero",
+        force_unit: str = "N",
+        position_unit: str = "m",
+        free: bool = False,
+    ) -> None:
         self.position = Ring(capacity)
         self.force = Ring(capacity)
         self._hold: Hold = hold
         self._units = (force_unit, position_unit)
+        self._free = free
         self._lock = threading.Lock()
         self._positions = self._forces = self._late = self._duplicates = self._restarts = 0
 
@@ -153,6 +163,8 @@ class LiveBuffer:
         with self._lock:
             ns_x, x = self.position.samples()
             ns_f, f = self.force.samples()
+        if self._free and ns_x.size:
+            ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
         force_unit, position_unit = self._units
         return from_stamps(
             ns_x,

@@ -62,7 +62,7 @@ def _judge_data(buffer: LiveBuffer, force: Sequence[Input], position: Sequence[I
     silent = time.monotonic() - heard
     if silent > SILENCE:
         return ERROR, f"no position sample for {silent:.0f} s; expected them on {listed(position)}"
-    if not counts.forces:
+    if force and not counts.forces:
         return WARN, odd[0] if odd else f"no force samples yet; expected some on {listed(force)}"
     if odd:
         return WARN, odd[0]

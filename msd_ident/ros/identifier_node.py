@@ -27,7 +27,7 @@ from msd_interfaces.msg import Estimate
 from msd_interfaces.srv import Identify
 
 SETTINGS = (
-    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force"),
+    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force; none: free decay"),
     Setting(
         "position",
         "",
@@ -88,10 +88,13 @@ class Identifier:
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("identifier", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
-        self._options()  # refuses scales of 0 at the start
         s = self.settings
         self.buffer = LiveBuffer(
-            s["buffer_samples"], hold=s["hold"], force_unit=s["force_unit"], position_unit=s["position_unit"]
+            s["buffer_samples"],
+            hold=s["hold"],
+            force_unit=s["force_unit"],
+            position_unit=s["position_unit"],
+            free=self._options().no_force,
         )
         self.watcher = StepWatcher(s["step_threshold"])
         self._worker = Worker("fit")

@@ -11,6 +11,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
+from msd_ident.bag.fields import parse_field
+from msd_ident.bag.options import NO_FORCE
 from msd_ident.errors import MsdError
 from msd_ident.record import FloatArray
 from msd_ident.ros import names
@@ -37,10 +39,16 @@ class Wanted:
 
 
 def wanted(what: str, text: str, scale: float) -> tuple[Wanted, ...]:
-    """The signals that a parameter ``TOPIC:FIELD`` means; empty for the usual topics."""
+    """The signals that a parameter ``TOPIC:FIELD`` means; empty for the usual topics, a force of ``none`` is none.
+
+    Raises:
+        UsageError: the field cannot be read.
+    """
+    if what == "force" and text == NO_FORCE:
+        return ()
     if text:
         topic, _, field = text.partition(":")
-        return (Wanted(what, topic, field, scale),)
+        return (Wanted(what, topic, parse_field(field).text if field else "", scale),)
     topics = (names.FORCE,) if what == "force" else (names.ENCODER, names.ENCODER_BATCH)
     return tuple(Wanted(what, topic, "", scale) for topic in topics)
 

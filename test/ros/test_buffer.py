@@ -90,6 +90,14 @@ def test_an_empty_buffer_says_what_is_missing() -> None:
         LiveBuffer(100).record()
 
 
+def test_a_free_decay_waits_for_no_force() -> None:
+    buffer = LiveBuffer(1000, free=True)
+    ns = np.array(stamps(100), dtype=np.int64)
+    buffer.add_positions(ns, ringing(ns.tolist()))
+    record = buffer.record()
+    assert record.force.tolist() == [0.0] and record.force_time.tolist() == [0.0]
+
+
 def test_recent_gives_the_last_seconds_by_stamp() -> None:
     buffer = LiveBuffer(10_000)
     ns = np.array(stamps(1000), dtype=np.int64)

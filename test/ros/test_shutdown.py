@@ -1,0 +1,113 @@
+"""Nodes end on a signal with exit code 0 and no traceback, however often it comes; bags are closed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
+
+from bagmaker import JOINTS, START_NS, joints, stamps  # noqa: E402
+from graph import Graph, graph, until  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+
+from msd_ident.bag import BagWriter, open_bag  # noqa: E402
+
+
+@pytest.fixture
+def ros(ros_domain: int) -> Iterator[Graph]:
+    with graph(ros_domain) as made:
+        yield made
+
+
+@contextmanager
+def running(ros: Graph, kind: str, **parameters: object) -> Iterator[subprocess.Popen[str]]:
+    """A node's process, once it is in the graph."""
+    name = f"{kind}_{uuid.uuid4().hex}"
+    given = [f"{key}:={value}" for key, value in parameters.items()]
+    command = [sys.executable, "-m", f"msd_ident.ros.{kind}", "--ros-args", "-r", f"__node:={name}"]
+    command += [word for value in given for word in ("-p", value)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            until(lambda: name in ros.node.get_node_names() or process.poll() is not None, f"the {kind}", 60.0)
+            yield process
+        finally:
+            process.kill()
+
+
+def ended(process: subprocess.Popen[str]) -> str:
+    """Its output; the exit code is 0 and there is no traceback."""
+    output, _ = process.communicate(timeout=60.0)
+    assert process.returncode == 0 and "Traceback" not in output, output
+    return output
+
+
+def interrupt_twice(process: subprocess.Popen[str]) -> None:
+    os.kill(process.pid, signal.SIGINT)
+    os.kill(process.pid, signal.SIGINT)
+
+
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGHUP])
+def test_the_identifier_ends_while_it_gets_ready(ros: Graph, ending: signal.Signals) -> None:
+    with running(ros, "identifier") as process:
+        os.kill(process.pid, ending)
+        ended(process)
+
+
+def test_the_identifier_ends_on_two_interrupts(ros: Graph) -> None:
+    with running(ros, "identifier") as process:
+        interrupt_twice(process)
+        ended(process)
+
+
+def test_the_recorder_closes_its_bag(ros: Graph, tmp_path: Path) -> None:
+    encoder = ros.node.create_publisher(JointState, "encoder", 2000)
+    with running(ros, "recorder", bag_folder=tmp_path, folder="bag", autostart="true") as process:
+        until(encoder.get_subscription_count, "the recorder's subscription")
+        for index in range(200):
+            encoder.publish(joints(START_NS + index, [index * 1e-3]))
+        assert encoder.wait_for_all_acked(rclpy.duration.Duration(seconds=20))
+        interrupt_twice(process)
+        assert "200 messages of 1 topics, none lost" in ended(process)
+    bag = open_bag(tmp_path / "bag")
+    assert len(list(bag.messages())) == 200 and not bag.notes
+
+
+def test_the_replayer_ends_in_the_middle_of_a_loop(ros: Graph, tmp_path: Path) -> None:
+    heard: list[bytes] = []
+    ros.node.create_subscription(JointState, "encoder", heard.append, 1000, raw=True)
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/encoder", JOINTS)
+        for at in stamps(100):
+            writer.write("/encoder", joints(at, [0.0]), at)
+    with running(ros, "replayer", bag=tmp_path / "bag", loop="true") as process:
+        until(lambda: heard, "a message")
+        interrupt_twice(process)
+        ended(process)
+
+
+@pytest.mark.parametrize(
+    ("kind", "arguments", "words"),
+    [
+        ("replayer", [], "msd: no bag to play; expected the parameter bag"),
+        ("recorder", ["-p", "compression:=zip"], "msd: compression is 'zip'; expected one of zstd, none"),
+        ("identifier", ["-p", "settle_time:=fast"], "msd: settle_time is 'fast'; expected a number"),
+        ("identifier", ["-p", "settle_time"], "msd: ROS cannot start: "),
+    ],
+)
+def test_what_makes_no_sense_ends_with_one_line_and_code_2(
+    ros_domain: int, kind: str, arguments: list[str], words: str
+) -> None:
+    command = [sys.executable, "-m", f"msd_ident.ros.{kind}", "--ros-args", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == 2
+    ours = [line for line in done.stderr.splitlines() if "[rcl]" not in line]
+    assert len(ours) == 1 and ours[0].startswith(words), done.stderr
