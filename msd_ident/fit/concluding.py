@@ -86,8 +86,8 @@ def _sandwich(problem: Problem, point: FloatArray) -> _Sandwich:
         residual, jacobian = problem.central(point, r, steps)
         entries = np.ix_(problem.entries(r), problem.entries(r))
         sensed = uncertainty.Sensed(residual, jacobian, residual + record.position, problem.encoder_steps[r])
-        found = uncertainty.evidence(sensed)
         bread[entries] += jacobian @ jacobian.T
+        found = uncertainty.evidence(sensed)
         meat[entries] += found.meat
         residual.setflags(write=False)
         residuals.append(residual)

@@ -12,6 +12,7 @@ from msd_ident.fit.solver import Normal
 from msd_ident.record import FloatArray
 
 Loss = Literal["linear", "soft_l1"]
+_BLOCK = 65_536
 
 
 @dataclass
@@ -51,9 +52,8 @@ class SquaredError:
             cost += self._cost(residual, r)
             entries = problem.entries(r)
             weight = self._weight(residual, r)
-            weighted = jacobian if weight is None else jacobian * weight
-            gradient[entries] += weighted @ residual
-            matrix[np.ix_(entries, entries)] += weighted @ jacobian.T
+            gradient[entries] += jacobian @ (residual if weight is None else weight * residual)
+            matrix[np.ix_(entries, entries)] += gram(jacobian, weight)
         self._steps = self.coarse * problem.steps(matrix)
         for balance in problem.balances:
             value, slope = problem.imbalance(point, balance)
@@ -80,14 +80,26 @@ class SquaredError:
         return np.where(point + self._steps > self.problem.upper, -self._steps, self._steps)
 
 
-def motion_weights(position: FloatArray, step: float) -> FloatArray:
+def gram(jacobian: FloatArray, weight: FloatArray | None = None) -> FloatArray:
+    """J W Jᵀ (p, p) of a Jacobian (p, n), block by block so that no second Jacobian is made."""
+    total = np.zeros((jacobian.shape[0], jacobian.shape[0]))
+    for start in range(0, jacobian.shape[1], _BLOCK):
+        block = jacobian[:, start : start + _BLOCK]
+        total += (block if weight is None else block * weight[start : start + _BLOCK]) @ block.T
+    return total
+
+
+def motion_weights(position: FloatArray, step: float, block: int) -> FloatArray:
     """Weights (n,) that let a rest count like a short stretch of motion, however long it lasts.
 
     A thousand samples at rest hold hardly more than one, but pull so hard on the place where the cart stops that the
-    surface gets a valley for every number of half-swings. ``step`` is the encoder's step [m].
+    surface gets a valley for every number of half-swings.
+
+    Args:
+        step: the encoder's step [m].
+        block: samples of a short part of a swing, the least that can be told to be at rest.
     """
     weights = np.ones(position.size)
-    block = max(10, position.size // 200)
     for start, stop in _rests(position, block, step):
         weights[start:stop] = block / (stop - start)
     return weights
@@ -96,6 +108,8 @@ def motion_weights(position: FloatArray, step: float) -> FloatArray:
 def _rests(position: FloatArray, block: int, step: float) -> list[tuple[int, int]]:
     """Spans (start, stop) of at least five blocks in which the mean of the readings does not move."""
     count = position.size // block
+    if count < 5:
+        return []
     blocks = position[: count * block].reshape(count, block)
     noise = float(np.median(np.std(np.diff(blocks, axis=1), axis=1))) / np.sqrt(2.0)
     quiet = np.std(blocks, axis=1) < 2.0 * noise + 0.6 * step

@@ -76,7 +76,7 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
     if at_rest:
         return True
     early = record.force_time[pushes[0]] <= record.time[0] + record.period
-    count = max(4, record.samples // 500)
+    count = max(4, min(record.samples // 500, 40))
     _, velocity = starting_state(record, count)
     reach = float(np.ptp(record.position))
     return early and abs(velocity) * float(record.time[count - 1] - record.time[0]) < 0.002 * reach
@@ -85,9 +85,9 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 def starts_at_rest(record: Record) -> bool:
     """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
 
-    At least ten samples and a hundredth of the record must stay within one encoder step, or be noise without a slope.
+    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope.
     """
-    count = max(10, record.samples // 100)
+    count = max(10, min(record.samples // 100, 200))
     head = record.position[:count]
     spread = float(np.ptp(head))
     if spread <= 1e-4 * float(np.ptp(record.position)) or np.unique(head).size <= 2:

@@ -23,6 +23,8 @@ NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
 #: Effects of a finite-difference step on the position, as a part of the motion: far above rounding, far below bends.
 _RELATIVE_STEP = 1e-5
+#: Beyond this many samples a second Jacobian beside the first would be too much memory.
+_LONG_RECORD = 200_000
 #: A simulation that blows up counts as an error of this many amplitudes.
 _BLOWN_UP = 1e6
 
@@ -129,21 +131,30 @@ class Problem:
         return np.asarray(self.residuals(vector[None, :], record)[0])
 
     def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's)."""
+        """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's).
+
+        The Jacobian is the simulation's own buffer, so that a million samples need it once and no more.
+        """
         entries = self.entries(record)
-        simulated = [e for e in entries if e < len(self.free) or self.nuisances[e - len(self.free)].kind != "zero"]
-        points = np.repeat(vector[None, :], 1 + len(simulated), axis=0)
-        points[np.arange(1, len(points)), simulated] += steps[simulated]
+        points = np.repeat(vector[None, :], 1 + entries.size, axis=0)
+        places = np.arange(entries.size)
+        points[1 + places, entries] += steps[entries]
+        zero = entries[-1] >= len(self.free) and self.nuisances[entries[-1] - len(self.free)].kind == "zero"
+        if zero:  # the last entry of its record where it is free; it needs no simulation but a row of its own
+            points[-1] = vector
         rows = self.residuals(points, record)
-        jacobian = np.empty((entries.size, rows.shape[1]))
-        jacobian[entries.size - 1] = 1.0  # the zero, where free, is the last entry of its record
-        np.subtract(rows[1:], rows[0], out=jacobian[: len(simulated)])
-        jacobian[: len(simulated)] /= steps[simulated][:, None]
+        jacobian = rows[1:]
+        jacobian -= rows[0]
+        jacobian /= steps[entries][:, None]
+        if zero:
+            jacobian[-1] = 1.0
         return rows[0], jacobian
 
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual and Jacobian by central differences (one-sided at a bound): for the intervals."""
+        """Residual and Jacobian by central differences (one-sided at a bound, and for very long records)."""
         residual, ahead = self.linearised(vector, record, np.where(vector + steps > self.upper, -steps, steps))
+        if self.records[record].samples > _LONG_RECORD:
+            return residual, ahead
         _, behind = self.linearised(vector, record, np.where(vector - steps < self.lower, steps, -steps))
         ahead += behind
         ahead *= 0.5
@@ -203,7 +214,7 @@ class Problem:
         worst = _BLOWN_UP * self.typical.length
         if not np.isfinite(rows.sum()):
             np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
-        return np.asarray(np.clip(rows, -worst, worst, out=rows) if np.abs(rows).max() > worst else rows)
+        return np.asarray(np.clip(rows, -worst, worst, out=rows) if max(rows.max(), -rows.min()) > worst else rows)
 
 
 _KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")

@@ -19,7 +19,7 @@ import numpy as np
 from msd_ident.fit.objective import SquaredError, motion_weights
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.solver import Limits, Outcome, minimise
-from msd_ident.record import FloatArray
+from msd_ident.record import FloatArray, Record
 
 _REFINED = 3
 _FIRST = 6
@@ -173,10 +173,15 @@ def _deeper(one: Outcome, other: Outcome) -> Outcome:
 def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
     pairs = zip(problem.records, problem.encoder_steps, strict=True)
-    weights = tuple(motion_weights(record.position, step) for record, step in pairs)
+    weights = tuple(motion_weights(record.position, step, _part_of_a_swing(problem, record)) for record, step in pairs)
     plain = SquaredError(problem)
     resting = any(bool(np.any(weight < 1.0)) for weight in weights)
     return Valleys(problem, plain, SquaredError(problem, weights if resting else (), coarse=_COARSE), floor)
+
+
+def _part_of_a_swing(problem: Problem, record: Record) -> int:
+    """Samples of a tenth of a swing, at least 10 and at most a tenth of the record."""
+    return max(10, min(round(0.6 * problem.typical.time / record.period), record.samples // 10))
 
 
 def robust(problem: Problem, start: Outcome, softness: float) -> Outcome:

@@ -65,7 +65,7 @@ def rounding_variance(encoder_step: float, noise: float) -> float:
 
 
 def evidence(sensed: Sensed) -> Evidence:
-    """The middle of the sandwich for one record."""
+    """The middle of the sandwich for one record. Uses the Jacobian up, to keep to one of them in memory."""
     residual, step = sensed.residual, sensed.encoder_step
     rests = [span for span in rest_phases(sensed.position, step) if abs(float(np.mean(residual[span]))) < step]
     moving = np.ones(residual.size, dtype=bool)
@@ -79,10 +79,11 @@ def evidence(sensed: Sensed) -> Evidence:
         moving[:] = True
     size = _local_size(residual)
     coefficients, variance = autoregression(np.where(moving, residual / size, 0.0), int(np.count_nonzero(moving)))
-    meat = _coloured(sensed.jacobian * size, coefficients, variance)
+    meat = np.zeros((sensed.jacobian.shape[0],) * 2)
     for span in rests if common > 0.0 else []:
         total = sensed.jacobian[:, span].sum(axis=1)
         meat += common * np.outer(total, total)
+    meat += _coloured(sensed.jacobian, size, coefficients, variance)
     return Evidence(meat, residual.size * _independence(coefficients))
 
 
@@ -123,10 +124,12 @@ def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
     return best
 
 
-def _coloured(jacobian: FloatArray, coefficients: FloatArray, variance: float) -> FloatArray:
-    """JᵀΓJ for an autoregressive Γ: Γ = σ² L⁻¹L⁻ᵀ, and L⁻ᵀJ is J filtered backwards in time."""
+def _coloured(jacobian: FloatArray, size: FloatArray, coefficients: FloatArray, variance: float) -> FloatArray:
+    """JᵀΓJ for an autoregressive Γ = σ² L⁻¹L⁻ᵀ (L⁻ᵀJ is J filtered backwards in time); ``size`` scales samples."""
+    jacobian *= size
     if coefficients.size > 1:
-        jacobian = scipy.signal.lfilter([1.0], coefficients, jacobian[:, ::-1], axis=1)
+        for row in jacobian:
+            row[:] = scipy.signal.lfilter([1.0], coefficients, row[::-1])
     return np.asarray(variance * (jacobian @ jacobian.T))
 
 

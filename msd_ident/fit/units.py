@@ -61,10 +61,15 @@ def magnitudes(records: tuple[Record, ...], mass: float) -> Magnitudes:
 
 
 def _typical_speed(record: Record) -> float:
-    """Root mean square speed over short spans, long enough that noise does not pose as motion."""
-    span = max(1, record.samples // 300)
-    change = record.position[span:] - record.position[:-span]
-    return float(np.sqrt(np.mean((change / (record.time[span:] - record.time[:-span])) ** 2)))
+    """Root mean square speed over the shortest span in which motion outgrows noise."""
+    position, time = record.position, record.time
+    noise = float(np.mean(np.diff(position, 2) ** 2)) / 6.0
+    span = 1
+    while True:
+        change = position[span:] - position[:-span]
+        if float(np.mean(change**2)) > 40.0 * noise or 4 * span > record.samples:
+            return float(np.sqrt(np.mean((change / (time[span:] - time[:-span])) ** 2)))
+        span *= 2
 
 
 def unit_in(unit: str, record: Record) -> str:

@@ -24,11 +24,9 @@ def _study(repository: Path, name: str) -> ModuleType:
 
 @pytest.mark.parametrize("effect", [effect.name for effect in LIBRARY])
 def test_every_effect_is_found_again(effect: str, repository: Path) -> None:
-    trial = _study(repository, "study_recovery").trial
-    for seed in (1, 2):
-        one = trial(effect, seed)
-        assert one.recovered, (seed, dict(one.deviations), one.message)
-        assert one.see_over_floor < 1.2
+    one = _study(repository, "study_recovery").trial(effect, seed=1)
+    assert one.recovered, (dict(one.deviations), one.message)
+    assert one.see_over_floor < 1.2
 
 
 def test_intervals_cover_the_truth(repository: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scipy.optimize
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msd_ident.fit.solver import Limits, Normal, minimise
@@ -53,6 +53,7 @@ def test_rosenbrock() -> None:
     np.testing.assert_allclose(outcome.point, [1.0, 1.0], atol=1e-6)
 
 
+@settings(max_examples=30)
 @given(st.tuples(st.floats(0.5, 5.0), st.floats(0.2, 4.0), st.floats(-1.0, 1.0)))
 def test_agrees_with_scipy_inside_bounds(start: tuple[float, float, float]) -> None:
     bounds = ([0.0, 0.0, -0.3], [10.0, 10.0, 10.0])
