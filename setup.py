@@ -50,7 +50,7 @@ setup(
         "rich>=13.7",
         "rosbags>=0.11",
         "scipy>=1.13",
-        "typer>=0.12.4",
+        "typer>=0.16",
         "zstandard>=0.22",
     ],
     extras_require={
