@@ -83,7 +83,7 @@ class _Sizes:
 
 
 def _stribeck(s: _Sizes) -> dict[str, float]:
-    force = s.force * s.log(0.01, 0.08)
+    force, speed = s.force * s.log(0.01, 0.08), s.speed * s.log(0.03, 0.3)
     return {
         "coulomb_force": force,
         "static_force": force * s.even(1.3, 2.2),
@@ -95,6 +95,12 @@ def _gain(s: _Sizes) -> dict[str, float]:
     if s.rng.random() < 0.3:
         return {"gain_slope": 0.0, "force_limit": s.force * s.even(0.6, 0.95)}
     return {"gain_slope": s.sign() * s.log(0.01, 0.3) / s.force}
+
+
+def _cubic(s: _Sizes) -> dict[str, float]:
+    """Hardening, or softening by less than lets the cart run away on its largest swing."""
+    sign = s.sign()
+    return {"cubic_stiffness": sign * s.force * s.log(0.003, 0.08 if sign > 0.0 else 0.03) / s.reach**3}
 
 
 def _mode(s: _Sizes) -> dict[str, float]:
@@ -113,8 +119,8 @@ _STRENGTHS: Mapping[str, Callable[[_Sizes], dict[str, float]]] = {
         "coulomb_force": s.force * s.log(0.01, 0.1), "position_friction_slope": s.sign() * s.even(0.2, 0.5) / s.reach,
     },
     "quadratic_drag": lambda s: {"drag_coefficient": s.force * s.log(0.01, 0.4) / s.speed**2},
-    "cubic_spring": lambda s: {"cubic_stiffness": s.sign() * s.force * s.log(0.003, 0.08) / s.reach**3},
-    "asymmetric_spring": lambda s: {"quadratic_stiffness": s.sign() * s.force * s.log(0.005, 0.15) / s.reach**2},
+    "cubic_spring": _cubic,
+    "asymmetric_spring": lambda s: {"quadratic_stiffness": s.sign() * s.force * s.log(0.005, 0.1) / s.reach**2},
     "backlash": lambda s: {"backlash_half_width": s.reach * s.log(0.003, 0.15)},
     "end_stop": lambda s: {"stop_position": s.reach * s.even(0.9, 1.3), "stop_stiffness": s.stiffness * s.log(1.0, 20.0)},
     "force_offset": lambda s: {"offset_force": s.sign() * s.force * s.log(0.005, 0.1)},
@@ -137,7 +143,9 @@ _STRENGTHS: Mapping[str, Callable[[_Sizes], dict[str, float]]] = {
         "coulomb_force": s.force * 0.01, "later_coulomb_force": s.force * s.log(0.04, 0.15),
         "change_time": s.duration * s.even(0.3, 0.7),
     },
-    "fading_friction": lambda s: {"coulomb_force": s.force * s.log(0.04, 0.15), "fading_time": s.duration * s.even(0.2, 0.6)},
+    "fading_friction": lambda s: {
+        "coulomb_force": s.force * s.log(0.04, 0.15), "fading_time": s.duration * s.even(0.2, 0.6),
+    },
     "eccentric_friction": lambda s: {
         "coulomb_force": s.force * s.log(0.03, 0.1), "eccentric_ratio": s.even(0.5, 1.0),
         "eccentric_pitch": s.reach * s.even(0.3, 0.9),
@@ -150,7 +158,9 @@ _STRENGTHS: Mapping[str, Callable[[_Sizes], dict[str, float]]] = {
     "loose_cable": lambda s: {
         "cable_damping": 0.3 * s.mass * s.omega * s.log(0.3, 1.0), "cable_start": 0.2 * s.reach, "cable_end": s.reach,
     },
-    "creeping_spring": lambda s: {"creep_stiffness": s.stiffness * s.log(0.05, 0.2), "creep_time": s.even(1.0, 6.0) / s.omega},
+    "creeping_spring": lambda s: {
+        "creep_stiffness": s.stiffness * s.log(0.05, 0.2), "creep_time": s.even(1.0, 6.0) / s.omega,
+    },
     "coarse_actuator": lambda s: {"force_step": s.force * s.even(0.15, 0.28)},
     "encoder_slip": lambda s: {"slip_distance": s.reach * s.log(0.02, 0.1), "slip_time": s.duration * s.even(0.3, 0.7)},
 }  # fmt: skip

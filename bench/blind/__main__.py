@@ -1,6 +1,6 @@
 """``python -m bench.blind``: draw, diagnose, score.
 
-    python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only EXPERIMENT]
+python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only EXPERIMENT]
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ def _all(cases: Sequence[Case], jobs: int) -> list[Outcome]:
                 continue
             outcomes.append(outcome)
             named = ", ".join(f"{name} {p:.2f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in outcome.named)
-            mark = "ok" if outcome.exact else "--"
+            mark, truth = "ok" if outcome.exact else "--", "+".join(outcome.truth) or "nothing"
             print(
-                f"{number}/{len(cases)} {mark} seed {case.seed} {case.experiment} {'+'.join(outcome.truth) or 'nothing'} "
-                f"[{outcome.without_floors:.1f} of {outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'nothing'} "
+                f"{number}/{len(cases)} {mark} seed {case.seed} {case.experiment} {truth} [{outcome.without_floors:.1f} of "
+                f"{outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'nothing'} "
                 f"[{outcome.extended_floors:.2f}] {outcome.seconds:.1f} s",
                 file=sys.stderr,
                 flush=True,
@@ -67,14 +67,20 @@ def _safe(case: Case) -> Outcome | str:
 
 
 def _told(outcomes: Sequence[Outcome], seed: int) -> list[str]:
-    lines = [f"Blind study: {len(outcomes)} cases from seed {seed}", "", "| figure | got | of | must | aim |", "|---|---|---|---|---|"]
+    lines = [
+        f"Blind study: {len(outcomes)} cases from seed {seed}",
+        "",
+        "| figure | got | of | must | aim |",
+        "|---|---|---|---|---|",
+    ]
     for item in score.figures(outcomes):
         lines.append(f"| {item.what} | {item.percent:.1f} % | {item.total} | {item.must} | {item.aim} |")
     seconds = [o.seconds for o in score.main_experiment(outcomes)]
     lines += [
         f"| held-out SEE over noise, median when right | {score.heldout(outcomes):.3f} | | <= 1.2 | 1.05 |",
         f"| removable error removed, median | {100.0 * score.removed(outcomes):.1f} % | | | |",
-        f"| seconds a diagnosis, median (worst) | {np.median(seconds):.2f} ({max(seconds):.2f}) | {len(seconds)} | <= 2 | 0.5 |",
+        f"| seconds a diagnosis, median | {np.median(seconds):.2f} | {len(seconds)} | <= 2 | 0.5 |",
+        f"| seconds a diagnosis, longest | {max(seconds):.2f} | {len(seconds)} | | |",
         "", "| stated probability | causes | mean stated | observed |", "|---|---|---|---|",
     ]  # fmt: skip
     for low, high, count, stated, observed in score.reliability(outcomes):

@@ -1,4 +1,6 @@
-"""One blind case: a rig by lot writes a file, the diagnosis gets its path and nothing else, then the envelope is opened."""
+"""One blind case: a rig by lot writes a file, the diagnosis gets its path and nothing else, then the envelope is
+opened.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Is anything wrong with a model? Its residual against the noise, against itself and against the motion.
 
 Three questions, each with a probability that a right model would look so bad: is the residual larger than the noise; is
-it correlated with itself (Ljung and Box 1978, and sums over blocks for what is slow); does it depend on force and motion.
-All are asked of runs of equal readings, not of samples: the rounding error of an encoder at rest is constant and is
-no sign of anything.
+it correlated with itself (Ljung and Box 1978, and sums over blocks for what is slow); does it depend on force and
+motion. All are asked of runs of equal readings, not of samples: the rounding error of an encoder at rest is constant
+and is no sign of anything.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from msd_ident.diagnose.readings import Readings
 from msd_ident.record import FloatArray
 
 #: Probability of calling a right model wrong, for each question.
-LEVEL = 1e-4
+LEVEL = 1e-5
 #: Relative error that the noise floor itself may have.
 _FLOOR_ERROR = 0.04
 _LAGS = 20
@@ -61,13 +61,16 @@ def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adeq
     white, free = 1.0, 1.0
     for residual, part in zip(residuals, readings, strict=True):
         values = part.by_run(residual)
-        white = min(white, len(residuals) * _whiteness(values))
+        white = min(white, len(residuals) * _whiteness(values, part.rounded))
         free = min(free, len(residuals) * _independence(values, part))
     return Adequacy(math.sqrt(chi / pieces), float(stats.norm.sf(excess)), white, free)
 
 
-def _whiteness(values: FloatArray) -> float:
-    """Probability that independent values are as correlated, from lags and from block sums (two chances: doubled)."""
+def _whiteness(values: FloatArray, rounded: bool) -> float:
+    """Probability that independent values are as correlated, from lags and from block sums, corrected for the chances.
+
+    Rounding errors of a smooth motion beat from one run to the next, so neighbouring lags say nothing where they rule.
+    """
     count = values.size
     if count < 5 * _LAGS:
         return 1.0
@@ -77,7 +80,7 @@ def _whiteness(values: FloatArray) -> float:
         return 1.0
     lags = np.array([float(centred[lag:] @ centred[:-lag]) for lag in range(1, _LAGS + 1)]) / variance
     box = count * (count + 2.0) * float(np.sum(lags**2 / (count - np.arange(1, _LAGS + 1))))
-    found = [float(stats.chi2.sf(box, _LAGS))]
+    found = [1.0 if rounded else float(stats.chi2.sf(box, _LAGS))]
     for block in _BLOCKS:
         blocks = count // block
         if blocks < 8:
@@ -103,7 +106,16 @@ def _independence(values: FloatArray, part: Readings) -> float:
     velocity = np.gradient(np.convolve(position, np.ones(stretch) / stretch, mode="same"), record.time)
     force = record.force_at(record.time)
     time = record.time - record.time.mean()
-    columns = [position, velocity, np.sign(velocity), force, time, position**2, velocity * np.abs(velocity), position**3]
+    columns = [
+        position,
+        velocity,
+        np.sign(velocity),
+        force,
+        time,
+        position**2,
+        velocity * np.abs(velocity),
+        position**3,
+    ]
     basis = np.stack([run_mean(column) for column in columns], axis=1)
     basis -= basis.mean(axis=0)
     basis = basis[:, basis.std(axis=0) > 0.0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,19 +11,19 @@ import numpy as np
 
 from msd_ident.diagnose import resolvable
 from msd_ident.diagnose.descent import State, Weighting, descend, extended, step
+from msd_ident.diagnose.guesses import guesses
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
-from msd_ident.model import Effect, Model
+from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.record import FloatArray, Record
 
 Causes = frozenset[str]
 
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 _DAMPED = 1e-3
-_KEPT = 2
+_KEPT = 3
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further.
 _HOPELESS = 4.0
 
@@ -54,6 +54,17 @@ class Experiment:
     def records(self) -> tuple[Record, ...]:
         """The records."""
         return tuple(part.record for part in self.readings)
+
+    @cached_property
+    def library(self) -> tuple[str, ...]:
+        """Names of the causes that can act here: none on the spring without one, none on the force without any."""
+        sprung = "stiffness" not in self.fixed
+        forced = any(bool(np.any(record.force_at(record.time))) for record in self.records)
+        return tuple(
+            effect.name
+            for effect in LIBRARY
+            if (sprung or not effect.needs_spring) and (forced or effect.acts_on != "input")
+        )
 
     @cached_property
     def nuisances(self) -> tuple[Nuisance, ...]:
@@ -101,7 +112,7 @@ class Fitted:
     @property
     def information(self) -> FloatArray:
         """Information matrix (p, p) in units of the noise."""
-        return self.state.jacobian @ self.state.jacobian.T
+        return np.asarray(self.state.jacobian @ self.state.jacobian.T)
 
     @property
     def initial(self) -> tuple[Initial, ...]:
@@ -113,13 +124,19 @@ class Fitted:
         """Parameters that were free, those of single records left out."""
         return len(self.problem.free)
 
+    @cached_property
+    def _residuals(self) -> tuple[FloatArray, ...]:
+        return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))
+
     def residuals(self) -> tuple[FloatArray, ...]:
         """Model − data of each record [m]."""
-        return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))
+        return self._residuals
 
 
 def switched_off(model: Model) -> frozenset[str]:
-    """Parameters that stand for the absence of a part of an effect: a limit at infinity, and the slope beside a limit."""
+    """Parameters that stand for the absence of a part of an effect: a limit at infinity, and the slope beside a
+    limit.
+    """
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     off = {name for name, value in values.items() if math.isinf(value)}
     if values.get("gain_slope") == 0.0 and "force_limit" not in off:
@@ -133,29 +150,17 @@ def causes_that_fit(causes: Causes) -> bool:
     return len(families) == len(set(families))
 
 
-def library() -> tuple[str, ...]:
-    """Names of all causes."""
-    return tuple(effect.name for effect in LIBRARY)
-
-
 def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
     """Models to start from: the parent's values, with guesses for the effects that it lacks."""
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
+    liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
+    residual = parent.residuals()[liveliest]
     for name in sorted(causes - parent.causes):
-        guesses = _guesses(experiment, name, plant)
-        models = [model + guess for model in models for guess in guesses]
+        found = guesses(name, plant, experiment.records[liveliest], residual)
+        models = [model + guess for model in models for guess in found]
     return models
-
-
-def _guesses(experiment: Experiment, name: str, plant: Model) -> tuple[Effect, ...]:
-    liveliest = max(experiment.records, key=lambda record: float(np.ptp(record.position)))
-    guesses = by_name(name).guess(liveliest, plant)
-    if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
-        largest = float(np.max(np.abs(liveliest.force)))
-        guesses += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
-    return guesses
 
 
 def begin(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Fitted]:
@@ -179,13 +184,13 @@ def begin(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> 
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
-def finish(experiment: Experiment, begun: Sequence[Fitted], best_chi: Callable[[], float]) -> Fitted:
+def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fitted:
     """The best of a set's beginnings, refined.
 
     Args:
-        best_chi: gives chi² of the best set so far: a set that stays far above it is not refined to the last digit.
+        least: chi² of the best set so far: a set that stays far above it is not refined to the last digit.
     """
-    refined = [_settled(experiment, fitted, best_chi) for fitted in _distinct(begun)]
+    refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     return min(refined, key=lambda fitted: fitted.chi)
 
 
@@ -198,16 +203,16 @@ def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
     return kept
 
 
-def _settled(experiment: Experiment, fitted: Fitted, best_chi: Callable[[], float]) -> Fitted:
+def _settled(experiment: Experiment, fitted: Fitted, least: float) -> Fitted:
     for _ in range(_CHUNKS):
         before = fitted.chi
         fitted = _lower(experiment, fitted, _CHUNK)
         fall = before - fitted.chi
         if fall <= _settled_gain(experiment, fitted):
             break
-        if fitted.chi > _HOPELESS * best_chi() and fall < 0.5 * before:
+        if fitted.chi > _HOPELESS * least and fall < 0.5 * before:
             return fitted
-    return exactly(experiment, fitted) if fitted.chi < _HOPELESS * best_chi() else fitted
+    return exactly(experiment, fitted) if fitted.chi < _HOPELESS * least else fitted
 
 
 def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:

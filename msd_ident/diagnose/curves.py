@@ -3,8 +3,8 @@
     m x'' + D(x') + S(x) = F
 
 with S and D piecewise linear between knots, D with a jump at rest (dry friction, told apart from a steep line only as
-finely as the samples allow), all fitted by simulation error. No law is assumed: where no cause of the library fits, this
-is what can be said of the rig.
+finely as the samples allow), all fitted by simulation error. No law is assumed: where no cause of the library fits,
+this is what can be said of the rig.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Characteristics:
-    """Both curves, the mass [kg], the SEE [m] that they reach, and their gain over the base model in per cent, eq. 15."""
+    """Both curves, the mass [kg], the SEE [m] that they reach, and their gain over the base model in per cent, eq.
+    15.
+    """
 
     spring: Curve
     damper: Curve

@@ -58,6 +58,8 @@ def sentence(missing: Sequence[MissingForce], unit: str) -> str:
     size = float(np.sqrt(np.mean(np.concatenate([part.force for part in missing]) ** 2)))
     known = [item for item in dependences(missing) if item.share >= _WORTH]
     if not known:
-        return f"The missing force ({size:.3g} {unit} rms) goes with neither position, velocity, time nor applied force."
+        return (
+            f"The missing force ({size:.3g} {unit} rms) goes with neither position, velocity, time nor applied force."
+        )
     listed = ", ".join(f"{item.signal} ({100.0 * item.share:.0f} %)" for item in known)
     return f"The missing force ({size:.3g} {unit} rms) depends on {listed} of its variance, each taken alone."

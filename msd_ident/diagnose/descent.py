@@ -1,9 +1,9 @@
 """Levenberg–Marquardt with few simulations: the Jacobian is updated after Broyden and renewed when it misleads.
 
 ``fit`` renews its Jacobian at every step, which is the safest way to one answer. Here some fifty models are fitted to
-one record, most of them wrong, and each starts from a smaller model whose Jacobian is known: its columns are taken over,
-and later steps update them by what each simulation teaches (Broyden 1965). Whatever ends here ends with a Jacobian that
-was computed anew.
+one record, most of them wrong, and each starts from a smaller model whose Jacobian is known: its columns are taken
+over, and later steps update them by what each simulation teaches (Broyden 1965). Whatever ends here ends with a
+Jacobian that was computed anew.
 """
 
 from __future__ import annotations
@@ -101,9 +101,9 @@ def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, fl
 
 def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
     try:
-        return np.linalg.solve(matrix, right)
+        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
     except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0], dtype=np.float64)
 
 
 def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -> State:
@@ -164,4 +164,3 @@ def extended(weighting: Weighting, parent: Problem, known: State, point: FloatAr
         else:
             jacobian[entry] = weighting.column(point, residual, entry, float(steps[entry]))
     return State(point, residual, jacobian, False)
-

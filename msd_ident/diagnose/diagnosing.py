@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.diagnose import curves, dependence, evidence, identities, readings, spread, verdict
-from msd_ident.diagnose.adequacy import Adequacy, judge
+from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
+from msd_ident.diagnose.guesses import plain_axes
 from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
 from msd_ident.diagnose.search import NOTHING, Progress, Search
@@ -20,11 +21,12 @@ from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, fit, see_reduction
 from msd_ident.fit.concluding import conclude
 from msd_ident.fit.solver import Outcome
-from msd_ident.model import Model, Plant
+from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.quality import Finding
+from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 
 _RIVALS = 8
@@ -123,7 +125,10 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
     helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), task.records, fixed=fixed, zero="known")
     near = fit(helped.model.without("coulomb_friction", "force_offset"), task.records, fixed=fixed, search="near")
     rubbing = fit(helped.model.without("force_offset"), task.records, fixed=fixed, search="near")
-    bases = [refine(experiment, NOTHING, found.model, found.initial) for found in (plain, near)]
+    starts = [(found.model, found.initial) for found in (plain, near)]
+    if not task.sprung:
+        starts += plain_axes(task.records)
+    bases = [refine(experiment, NOTHING, model, initial) for model, initial in starts]
     friction = refine(experiment, frozenset({"coulomb_friction"}), rubbing.model, rubbing.initial)
     return min(bases, key=lambda one: one.chi), friction
 
@@ -135,9 +140,7 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     return Search(experiment, at_floor, progress).run(known[0], known[1:])
 
 
-def _conclude(
-    task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress
-) -> Diagnosis:
+def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     best, heldout = _predicting(experiment, base, ranking)
     progress("verdict", 0.95, "")
@@ -201,9 +204,9 @@ def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, .
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 
 
-def _finite(parameters: Mapping[str, object]) -> dict[str, object]:
+def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
     """Without limits that stand at infinity, i.e. are not there."""
-    return {name: q for name, q in parameters.items() if math.isfinite(q.value)}  # type: ignore[attr-defined]
+    return {name: q for name, q in parameters.items() if math.isfinite(q.value)}
 
 
 def _result(experiment: Experiment, fitted: Fitted) -> FitResult:
@@ -232,9 +235,7 @@ def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, 
         error = replace(part.record, position=-residual, force=np.zeros(part.record.force.size))
         force = missing_force(error, plant, part.noise)
         whole = missing_force(part.record, plant, part.noise)
-        found.append(
-            replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied)
-        )
+        found.append(replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied))
     return tuple(found)
 
 

@@ -19,7 +19,6 @@ import numpy as np
 
 from msd_ident.diagnose.candidates import Causes, Fitted
 from msd_ident.diagnose.readings import Readings
-from msd_ident.fit.uncertainty import autoregression
 from msd_ident.record import FloatArray
 
 #: Odds, before any data, that a given cause acts.
@@ -59,18 +58,27 @@ def scale_from(best: Fitted, readings: Sequence[Readings]) -> Scale:
 
 
 def independence(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> float:
-    """Independent pieces of evidence for each piece that ``Readings`` counts, from the residual's correlation."""
+    """Independent pieces of evidence for each piece that ``Readings`` counts, from the residual's correlation.
+
+    One over the integrated autocorrelation time, summed up to the first lag at which the correlation is gone.
+    """
     total, independent = 0.0, 0.0
     for residual, part in zip(residuals, readings, strict=True):
         values = part.by_run(residual)
         total += values.size
-        if values.size < 30:
-            independent += values.size
-            continue
-        coefficients, _ = autoregression(values, values.size)
-        spectrum = 1.0 / np.abs(np.fft.rfft(coefficients, 4096)) ** 2
-        independent += values.size * float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
+        independent += values.size / _correlation_time(values)
     return independent / total
+
+
+def _correlation_time(values: FloatArray) -> float:
+    count = values.size
+    if count < 30 or not np.any(values):
+        return 1.0
+    spectrum = np.abs(np.fft.rfft(values, 2 * count)) ** 2
+    correlation = np.fft.irfft(spectrum)[:count]
+    correlation /= correlation[0]
+    gone = np.flatnonzero(correlation < 0.05)
+    return max(1.0 + 2.0 * float(correlation[1 : int(gone[0]) if gone.size else count].sum()), 1.0)
 
 
 def log_evidence(fitted: Fitted, scale: Scale) -> float:

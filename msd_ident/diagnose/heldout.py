@@ -86,11 +86,15 @@ def _training(cut: FloatArray, fold: int) -> FloatArray:
 
 
 def _by_piece(base: Sequence[FloatArray], extended: Sequence[FloatArray], cuts: Sequence[FloatArray]) -> FloatArray:
-    """(3, pieces): sums of squares of both errors and counts, over pieces of segments: what the bootstrap draws from."""
+    """(3, pieces): sums of squares of both errors and counts, over pieces of segments: what the bootstrap draws
+    from.
+    """
     found = []
     for one, other, cut in zip(base, extended, cuts, strict=True):
         for number in np.unique(cut):
             for piece in np.array_split(np.flatnonzero(cut == number), _PIECES):
                 if piece.size:
-                    found.append((float(one[piece] @ one[piece]), float(other[piece] @ other[piece]), float(piece.size)))
-    return np.array(found).T
+                    found.append(
+                        (float(one[piece] @ one[piece]), float(other[piece] @ other[piece]), float(piece.size))
+                    )
+    return np.ascontiguousarray(np.asarray(found, dtype=np.float64).T)

@@ -15,7 +15,7 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
     dry = [name for name in _DRY if model.has(name)]
     if model.has("force_offset") and dry:
         said.append(
-            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more friction one way than the other): "
+            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more of it one way than the other): "
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
     if model.has("force_offset") and model.stiffness > 0.0 and not any(model.has(name) for name in _BENT):
@@ -24,9 +24,13 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
             "the spring relaxed to tell them apart."
         )
     if model.has("hysteresis"):
-        said.append("Hysteresis with a short length turns into Coulomb friction: the two differ only in small reversals.")
+        said.append(
+            "Hysteresis with a short length turns into Coulomb friction: the two differ only in small reversals."
+        )
     if model.has("time_offset"):
-        said.append("A delay of the force, of the encoder's stamps or between two clocks is one and the same time_offset.")
+        said.append(
+            "A delay of the force, of the encoder's stamps or between two clocks is one and the same time_offset."
+        )
     if not forced:
         said.append("No force acts in this data, so mass, damping, stiffness and friction are known only as ratios.")
     elif not gain_known:

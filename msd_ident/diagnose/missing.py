@@ -4,8 +4,8 @@ The unknown force d joins the state (x, v, d) of
 
     m x'' + b x' + k x + d = F,      d a random walk,
 
-and a Kalman filter with a Rauch–Tung–Striebel smoother estimates it from the readings; how fast d may walk is what makes
-the readings likeliest. Nothing is differentiated. (Kalman 1960; Rauch, Tung, Striebel 1965.)
+and a Kalman filter with a Rauch–Tung–Striebel smoother estimates it from the readings; how fast d may walk is what
+makes the readings likeliest. Nothing is differentiated. (Kalman 1960; Rauch, Tung, Striebel 1965.)
 """
 
 from __future__ import annotations

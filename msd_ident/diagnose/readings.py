@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from msd_ident import quality
 from msd_ident.fit import noise_floor
@@ -36,12 +37,17 @@ class Readings:
     record: Record
     noise: float
     weight: FloatArray
-    runs: FloatArray
+    runs: npt.NDArray[np.intp]
 
     @property
     def evidence(self) -> float:
         """Pieces of evidence in all samples."""
         return float(self.weight.sum())
+
+    @property
+    def rounded(self) -> bool:
+        """Whether rounding rules: readings repeat far more often than noise would let them."""
+        return self.evidence < 0.8 * self.record.samples
 
     @property
     def factor(self) -> FloatArray:

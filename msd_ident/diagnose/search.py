@@ -11,10 +11,12 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TypeVar
 
-from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, library, refine
+from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, refine
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.model import Model
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
 _Task = TypeVar("_Task", Causes, list[Fitted])
@@ -52,43 +54,49 @@ class Search:
     progress: Progress
     sets: dict[Causes, Fitted] = field(default_factory=dict)
     tried: set[Causes] = field(default_factory=set)
+    pruned: set[Causes] = field(default_factory=set)
 
     def run(self, base: Fitted, known: Sequence[Fitted] = ()) -> Ranking:
         """Search from the base model and from sets that are fitted already."""
         for fitted in (base, *known):
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
-        self._fit([frozenset({name}) for name in library()], 0.05, 0.35)
+        self._fit([frozenset({name}) for name in self.experiment.library], 0.05, 0.35)
         leader = self.ranking().best
         if not self.at_floor(leader):
             companions = [causes for causes in (leader.causes, frozenset({_COMPANION})) if causes]
-            self._fit([pair for causes in companions for pair in _grown(causes)], 0.35, 0.6)
+            self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
         for turn in range(_ROUNDS):
-            best = self._simplified(self.ranking().best)
+            best = self._pruned(self.ranking().best)
             share = min(0.6 + 0.03 * turn, 0.85)
             if self._fit(self._swapped(best.causes), share, share + 0.015):
                 continue
-            if self.at_floor(best) or not self._fit(_grown(best.causes), share + 0.015, share + 0.03):
+            if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
                 break
         return self.ranking()
 
-    def _simplified(self, best: Fitted) -> Fitted:
-        """The leader, after a second look at its simpler limits: friction's surface has many valleys.
+    def _pruned(self, best: Fitted) -> Fitted:
+        """The leader, after a second look at what is simpler than it, fitted again from where the leader stands.
 
-        Coulomb friction with its number of half-swings wrong loses against a richer law that found the right one; so the
-        simpler law is fitted again from where the richer one stands.
+        The surfaces of friction, stops and delays have many valleys. A simpler set that ended in a wrong one loses
+        against a richer one that found the right one; started from there, it shows what it can do.
         """
-        for name, parameter in _SIMPLER.items():
+        if best.causes in self.pruned:
+            return best
+        self.pruned.add(best.causes)
+        for name in sorted(best.causes):
+            model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
+            self._look_again(best.causes - {name}, model, best)
             causes = best.causes - {name} | {_COMPANION}
-            if name not in best.causes or not causes_that_fit(causes):
-                continue
-            effects = tuple(effect for effect in best.model.effects if effect.name not in (name, _COMPANION))
-            model = replace(best.model, effects=effects) + CoulombFriction(best.model[parameter])
-            fitted = refine(self.experiment, causes, model, best.initial)
-            self.tried.add(causes)
-            if causes not in self.sets or fitted.chi < self.sets[causes].chi:
-                self.sets[causes] = fitted
+            if name in _SIMPLER and _COMPANION not in best.causes and causes_that_fit(causes):
+                self._look_again(causes, model + CoulombFriction(best.model[_SIMPLER[name]]), best)
         return self.ranking().best
+
+    def _look_again(self, causes: Causes, model: Model, leader: Fitted) -> None:
+        fitted = refine(self.experiment, causes, model, leader.initial)
+        self.tried.add(causes)
+        if causes not in self.sets or fitted.chi < self.sets[causes].chi:
+            self.sets[causes] = fitted
 
     def scale(self) -> Scale:
         """How likelihoods are to be read, by what the best set leaves."""
@@ -105,8 +113,14 @@ class Search:
         for name in sorted(causes):
             rest = causes - {name}
             found.append(rest)
-            found += [rest | {other} for other in library() if other not in causes]
+            found += [rest | {other} for other in self.experiment.library if other not in causes]
         return found
+
+    def _grown(self, causes: Causes) -> list[Causes]:
+        """Sets with one cause more."""
+        if len(causes) >= LARGEST:
+            return []
+        return [causes | {name} for name in self.experiment.library if name not in causes]
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """Fit those of the sets that are new; False when none was."""
@@ -117,12 +131,17 @@ class Search:
         middle = 0.5 * (start + end)
         begun = [found for found in self._each(self._begin, new, (start, middle)) if found]
         begun.sort(key=lambda found: found[0].chi)
-        for fitted in self._each(self._finish, begun, (middle, end)):
-            self.sets[fitted.causes] = fitted
+        # The most promising set goes first, alone: what counts as hopeless must not depend on which thread is faster.
+        for group in (begun[:1], begun[1:]):
+            least = min(fitted.chi for fitted in self.sets.values())
+            for fitted in self._each(partial(self._finish, least), group, (middle, end)):
+                self.sets[fitted.causes] = fitted
         return True
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
         """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""
+        if not tasks:
+            return []
         with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
             jobs = {pool.submit(work, task): i for i, task in enumerate(tasks)}
             results: dict[int, _Done] = {}
@@ -139,13 +158,8 @@ class Search:
     def _begin(self, causes: Causes) -> list[Fitted]:
         return begin(self.experiment, causes, self._parents(causes))
 
-    def _finish(self, begun: list[Fitted]) -> Fitted:
-        fitted = finish(self.experiment, begun, self._least)
-        self.sets[fitted.causes] = fitted
-        return fitted
-
-    def _least(self) -> float:
-        return min(fitted.chi for fitted in list(self.sets.values()))
+    def _finish(self, least: float, begun: list[Fitted]) -> Fitted:
+        return finish(self.experiment, begun, least)
 
     def _parents(self, causes: Causes) -> list[Fitted]:
         """The best two fitted sets that lack just one of the causes, or else the base."""
@@ -158,9 +172,3 @@ class Search:
 def _named(task: Causes | list[Fitted]) -> str:
     causes = task if isinstance(task, frozenset) else task[0].causes
     return " + ".join(sorted(causes))
-
-
-def _grown(causes: Causes) -> list[Causes]:
-    if len(causes) >= LARGEST:
-        return []
-    return [causes | {name} for name in library() if name not in causes]

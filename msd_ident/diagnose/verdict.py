@@ -40,8 +40,8 @@ def summary(
     if verdict == "unexplained":
         helped = f"{named} helped ({gain}), but " if causes else ""
         return (
-            f"Something is missing that no cause of the library repairs: {helped}{extended.ratio:.3g} noise floors remain "
-            f"(base model: {base.ratio:.3g}). {depends}"
+            f"Something is missing that no cause of the library repairs: {helped}{extended.ratio:.3g} noise floors "
+            f"remain (base model: {base.ratio:.3g}). {depends}"
         )
     opened = f"Without it the model is wrong by {base.ratio:.3g} noise floors, with it by {extended.ratio:.2f}; {gain}."
     if verdict == "ambiguous":

@@ -44,7 +44,9 @@ def models_table(diagnosis: Diagnosis) -> Table:
     table.add_row("SEE", numbers.number(diagnosis.base.see), "", numbers.number(diagnosis.extended.see), "", unit)
     table.add_row("left, in noise floors", *(part for f in floors for part in (numbers.number(f, 3), "")), "")
     held = diagnosis.heldout
-    table.add_row("SEE on left-out data", numbers.number(held.see_base), "", numbers.number(held.see_extended), "", unit)
+    table.add_row(
+        "SEE on left-out data", numbers.number(held.see_base), "", numbers.number(held.see_extended), "", unit
+    )
     return table
 
 

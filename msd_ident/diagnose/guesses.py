@@ -1,0 +1,98 @@
+"""Starting values for a cause beside a model that is fitted already: from the library, and from what that model
+leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from msd_ident.fit.problem import Initial
+from msd_ident.model import Effect, Model, Plant, Simulator
+from msd_ident.model.effects import by_name
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.record import FloatArray, Record
+
+_LINES = 4
+_RATES = 60
+
+
+def guesses(name: str, plant: Model, record: Record, residual: FloatArray) -> tuple[Effect, ...]:
+    """Starting values of an effect.
+
+    Args:
+        name: of the effect.
+        plant: mass, damping and stiffness of the fitted model.
+        record: the liveliest record, and ``residual`` (n,), model − data [m], of the fitted model there.
+    """
+    found = by_name(name).guess(record, plant)
+    if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
+        largest = float(np.max(np.abs(record.force)))
+        found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
+    if name == "periodic_disturbance":
+        found = lines(record, plant, residual) + found[:1]
+    return found
+
+
+def lines(record: Record, plant: Model, residual: FloatArray) -> tuple[Effect, ...]:
+    """Disturbances at the strongest lines of a residual, as large as the plant's impedance says.
+
+    What a model without the disturbance leaves is the plant's response to it: A·sin(ωt + φ) / (k − mω² + ibω).
+    """
+    period = record.duration / (record.samples - 1)
+    time = record.time[0] + period * np.arange(record.samples)
+    left = np.interp(time, record.time, residual)
+    left = left - left.mean()
+    omega = 2.0 * np.pi * np.fft.rfftfreq(8 * left.size, period)
+    power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
+    power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
+    found: list[Effect] = []
+    for _ in range(_LINES):
+        w = float(omega[int(np.argmax(power))])
+        if w == 0.0:
+            break
+        basis = np.column_stack([np.cos(w * time), np.sin(w * time)])
+        c, s = np.linalg.lstsq(basis, left, rcond=None)[0]
+        force = complex(c, -s) * complex(plant.stiffness - plant.mass * w * w, plant.damping * w)
+        # Re(force·exp(iωt)) = A·sin(ωt + φ)
+        found.append(PeriodicDisturbance(max(abs(force), 1e-12), w, float(np.angle(force)) + 0.5 * np.pi))
+        power[np.abs(omega - w) < 4.0 * np.pi / record.duration] = 0.0
+    return tuple(found)
+
+
+def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ...]]]:
+    """Best mass and damping of a plain axis on a fine scale of b/m, each with the initial states that go with it.
+
+    For a given b/m the motion is linear in 1/m, position and velocity at the start, so each trial is one linear
+    regression: no valley is missed (variable projection, Golub and Pereyra 1973).
+    """
+    duration = max(record.duration for record in records)
+    found = []
+    for rate in np.geomspace(0.02 / duration, 500.0 / duration, _RATES):
+        solved = _regressed(records, float(rate))
+        if solved is not None:
+            found.append(solved)
+    found.sort(key=lambda item: item[0])
+    return [(model, initial) for _, model, initial in found[:2]]
+
+
+def _regressed(records: Sequence[Record], rate: float) -> tuple[float, Model, tuple[Initial, ...]] | None:
+    unit = Plant(1.0, rate, 0.0)
+    rows, right = [], []
+    for i, record in enumerate(records):
+        time = record.time - record.time[0]
+        own = np.zeros((record.samples, 2 * len(records)))
+        own[:, 2 * i], own[:, 2 * i + 1] = 1.0, -np.expm1(-rate * time) / rate
+        rows.append(np.column_stack([Simulator(unit, record).positions(unit.values), own]))
+        right.append(record.position)
+    matrix, target = np.concatenate(rows), np.concatenate(right)
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+    solution = np.linalg.lstsq(matrix / size, target, rcond=1e-12)[0] / size
+    if solution[0] <= 0.0:
+        return None
+    error = float(np.sum((matrix @ solution - target) ** 2))
+    mass = 1.0 / float(solution[0])
+    starts = tuple(Initial(float(solution[1 + 2 * i]), float(solution[2 + 2 * i])) for i in range(len(records)))
+    return error, Plant(mass, rate * mass, 0.0), starts

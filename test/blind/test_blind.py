@@ -1,0 +1,72 @@
+"""Rigs with a hidden effect: the diagnosis gets a file path and nothing else, then the envelope is opened.
+
+Every case is drawn from its seed by the rig itself: plant, encoder, effect and strength. The long study over many more
+is ``make blind``.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from bench.blind.cases import Case, Outcome, run
+from msd_sim import lottery
+
+#: Where the truth without the hidden effect leaves this many noise floors, the effect is there to be found.
+VISIBLE = 3.0
+DRY = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
+#: With a linear spring it is a shift of the zero and nothing else: no record shows it.
+INVISIBLE = "force_offset"
+
+ALONE = [Case(1000 + i, name, False) for i, name in enumerate(lottery.NAMES)]
+BESIDE = [Case(1100 + i, name, True) for i, name in enumerate(lottery.NAMES) if name not in DRY]
+CLEAN = [Case(1200 + i, None, False) for i in range(8)]
+ODD = [
+    Case(1300 + i, name, False)
+    for i, name in enumerate(("friction_change", "mass_drop", "loose_cable", "eccentric_friction"))
+]
+
+
+def label(case: Case) -> str:
+    return f"{case.seed}-{case.hidden or 'nothing'}{'-and-coulomb' if case.beside else ''}"
+
+
+@cache
+def outcome(case: Case) -> Outcome:
+    return run(case)
+
+
+@pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden != INVISIBLE], ids=label)
+def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
+    found = outcome(case)
+    if found.without_floors < VISIBLE:
+        assert found.verdict != "unexplained"
+        assert found.names <= set(found.truth)
+        return
+    assert found.exact, found
+    assert found.verdict in ("explained", "ambiguous")
+    assert found.extended_floors < 1.2
+    assert found.heldout_floors < 1.5
+
+
+@pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)
+def test_what_no_record_shows_is_not_claimed(case: Case) -> None:
+    found = outcome(case)
+    assert found.without_floors < 1.1
+    assert found.names == set(found.truth) - {INVISIBLE}
+
+
+@pytest.mark.parametrize("case", CLEAN, ids=label)
+def test_nothing_is_invented(case: Case) -> None:
+    found = outcome(case)
+    assert found.verdict == "adequate"
+    assert not found.named
+
+
+@pytest.mark.parametrize("case", ODD, ids=label)
+def test_what_the_library_lacks_gets_no_confident_name(case: Case) -> None:
+    found = outcome(case)
+    assert found.base_floors > VISIBLE
+    assert found.verdict == "unexplained"
+    assert found.extended_floors > 2.0

@@ -1,0 +1,77 @@
+"""msd diagnose: words first, one JSON object a path, errors in one line, exit codes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msd_ident.cli import main as command
+from msd_sim.api import simulate
+
+RIG = {
+    "mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0,
+    "encoder": {"counts_per_metre": 100000.0}, "experiment": {"name": "steps", "force": 8.0, "hold": 0.5},
+}  # fmt: skip
+
+
+def written(path: Path, **more: object) -> Path:
+    made = simulate({**RIG, **more})
+    place = np.searchsorted(made.force_time, made.time, side="right") - 1
+    table = np.stack([made.time, made.force[place], made.position], axis=1)
+    np.savetxt(path, table, delimiter=",", header="time_s,force_n,position_m", comments="", fmt="%.10g")
+    return path
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    monkeypatch.setattr("sys.argv", ["msd", "diagnose", *(str(argument) for argument in arguments)])
+    return command.main()
+
+
+def test_words_and_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path / "rubbing.csv", effects={"coulomb_friction": {"coulomb_force": 0.2}})
+    assert run(monkeypatch, path) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("rubbing.csv: explained\n")
+    assert "The model lacks coulomb_friction (probability 0.999)." in shown.replace("\n", " ")
+    assert "on left-out data" in shown
+
+
+def test_json_on_standard_output_is_one_object_a_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clean = written(tmp_path / "clean.csv")
+    missing = tmp_path / "missing.csv"
+    assert run(monkeypatch, clean, missing, "--json", "-") == 2
+    told = capsys.readouterr()
+    first, second = (json.loads(line) for line in told.out.splitlines())
+    assert first["schema"] == "msd.diagnosis/1" and first["path"] == str(clean)
+    assert first["verdict"] == "adequate" and first["causes"] == []
+    assert second["path"] == str(missing) and "error" in second
+    assert len(told.err.splitlines()) == 1
+
+
+def test_together_is_one_experiment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = [written(tmp_path / f"{name}.csv", seed=seed) for seed, name in enumerate("ab")]
+    assert run(monkeypatch, *paths, "--together", "--json", "-") == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert json.loads(line)["path"] == " + ".join(str(path) for path in paths)
+
+
+def test_nothing_is_overwritten(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path / "clean.csv")
+    target = tmp_path / "found.json"
+    target.write_text("kept")
+    assert run(monkeypatch, path, "--json", target) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert target.read_text() == "kept"
+    assert run(monkeypatch, path, "--json", target, "--quiet", "--overwrite") == 0
+    assert json.loads(target.read_text())["verdict"] == "adequate"

@@ -1,0 +1,40 @@
+"""Real rigs: what a lab measured, and what must be said about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from msd_ident import pipeline
+from msd_ident.bag import SourceOptions, read
+from msd_ident.diagnose import Diagnosis
+
+DRY = ("coulomb_friction", "stribeck_friction", "hysteresis", "position_dependent_friction")
+
+
+def cart(folder: Path, name: str, force: str = "control_effort_v") -> Diagnosis:
+    """560 counts are one centimetre, a positive voltage moves to negative counts; newtons per volt are unknown."""
+    options = SourceOptions(
+        force=force, position="encoder_counts", time="time_s", force_unit="V", position_scale=-1.0 / 56000.0,
+        position_unit="m",
+    )  # fmt: skip
+    return pipeline.diagnose([read(folder / "ecp210" / name, options)])
+
+
+@pytest.mark.parametrize("name", ["step_1.csv", "step_2.csv"])
+def test_the_cart_rubs_and_what_remains_is_said(shared_data: Path, name: str) -> None:
+    found = cart(shared_data, name)
+    assert found.causes[0].name in DRY
+    assert found.verdict == "unexplained"
+    assert "noise floors remain" in found.summary
+    assert found.heldout.reduction_percent > 20.0
+    assert found.characteristics is not None
+    assert any("known only up to that gain" in sentence for sentence in found.warnings)
+
+
+def test_the_released_cart_rubs_and_the_hand_is_cut_off(shared_data: Path) -> None:
+    found = cart(shared_data, "release_1.csv", force="none")
+    assert found.causes[0].name in DRY
+    assert any("left out" in sentence and "by hand" in sentence for sentence in found.warnings)
+    assert any("only as ratios" in sentence for sentence in found.warnings)
