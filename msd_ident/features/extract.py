@@ -8,7 +8,7 @@ from typing import Literal
 
 from msd_ident.features.decay import free_decay
 from msd_ident.features.form import StandardForm, combine, combine_chain, pool
-from msd_ident.features.onsets import Onset, held_share, is_constant, onsets
+from msd_ident.features.onsets import Onset, held_share, is_constant, levels, onsets
 from msd_ident.features.response import Noise, Response, noise_of, step_response, with_dead_width
 from msd_ident.record import Record
 
@@ -55,7 +55,8 @@ class Features:
 def extract(record: Record) -> Features:
     """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
     noise = noise_of(record)
-    steps = onsets(record) if held_share(record) >= _HELD else ()
+    held = levels(record)
+    steps = onsets(record, held) if held_share(record, held) >= _HELD else ()
     responses = _responses(record, steps, noise)
     if responses:
         return Features(

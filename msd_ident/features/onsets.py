@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,13 +62,14 @@ def levels(record: Record) -> tuple[Level, ...]:
     The first level may be short: it is the rest before a first step.
     """
     stamps, force = _stream(record)
+    shortest = _SHORTEST_LEVEL * record.period
     noise = _noise(force)
     flat = _FLATNESS * float(np.ptp(force))
     jumps = np.flatnonzero(np.abs(np.diff(force)) > max(flat, 7.0 * noise, 1e-12)) + 1
     found: list[Level] = []
     for first, last in zip([0, *jumps.tolist()], [*jumps.tolist(), force.size], strict=True):
         start, end = float(stamps[first]), _level_end(record, stamps, last)
-        long_enough = first == 0 or end - start >= _SHORTEST_LEVEL * record.period
+        long_enough = first == 0 or end - start >= shortest
         if long_enough and float(np.ptp(force[first:last])) <= 2.0 * max(flat, 5.0 * noise, 1e-12):
             found.append(Level(start, end, float(np.mean(force[first:last])), noise / math.sqrt(last - first)))
     return tuple(found)
@@ -98,14 +100,14 @@ def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def onsets(record: Record) -> tuple[Onset, ...]:
+def onsets(record: Record, held: Sequence[Level]) -> tuple[Onset, ...]:
     """Steps of the force: jumps between neighbouring levels that follow each other at once."""
-    held = levels(record)
+    period = record.period
     sampled = float(np.median(np.diff(record.force_time))) / math.sqrt(3.0) if record.force.size >= _MEASURED else 0.0
     smallest = _SMALLEST_JUMP * float(np.ptp([level.force for level in held])) if held else 0.0
     found = []
     for before, after in zip(held, held[1:], strict=False):
-        rise = max(_RISE_SAMPLES * record.period, _RISE_SHARE * (after.end - after.start))
+        rise = max(_RISE_SAMPLES * period, _RISE_SHARE * (after.end - after.start))
         if after.start - before.end <= rise and abs(after.force - before.force) > max(smallest, 1e-12):
             # Where the force takes a while to rise, or runs linearly between its stamps, the middle of it counts.
             time = 0.5 * (before.end + after.start)
@@ -113,9 +115,9 @@ def onsets(record: Record) -> tuple[Onset, ...]:
     return tuple(found)
 
 
-def held_share(record: Record) -> float:
+def held_share(record: Record, held: Sequence[Level]) -> float:
     """Part of the record's duration during which the force rests on some level, 0 to 1."""
-    return sum(level.end - level.start for level in levels(record)) / record.duration
+    return sum(level.end - level.start for level in held) / record.duration
 
 
 def is_constant(record: Record) -> bool:

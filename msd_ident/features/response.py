@@ -33,9 +33,9 @@ class Response:
         amplitude_std: its standard deviation, 0 for a command.
         initial: reading before the step.
         steady_state: reading at rest, xss.
-        turns: all turning points.
+        turns: all turning points that stand clear of the noise.
         peaks: the paper's two-peak values; ``None`` with fewer than two peaks on one side.
-        swings: ζ(A) and ωn(A) a half-swing.
+        swings: ζ(A) and ωn(A) around each turning point but the first and the last.
         shape: the fitted response where peaks were too few.
         form: ωn, ζ, K by all that the response shows; ``None`` when it shows none.
     """
