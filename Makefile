@@ -3,6 +3,7 @@
 # make setup    only set up
 # make bench    speed of solver and fit
 # make blind    the long study with hidden causes
+# make study    are all effects recovered, do the intervals cover the truth (long)
 # make clean    remove what these made
 
 SHELL := /bin/bash
@@ -13,7 +14,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint bench blind clean
+.PHONY: help setup demo test lint bench blind study clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -36,6 +37,9 @@ bench: setup
 
 blind: setup
 	@$(PY) -m bench.blind $(ARGS)
+
+study: setup
+	@$(PY) bench/study_coverage.py && $(PY) bench/study_recovery.py
 
 clean:
 	@rm -rf .venv build install log dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
