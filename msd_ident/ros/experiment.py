@@ -20,7 +20,7 @@ from msd_interfaces.msg import EncoderBatch, Estimate
 from msd_interfaces.srv import Identify, StartRecording
 
 #: Longest wait for anything that should take a second [s]; a first start compiles for a while.
-LONGEST_WAIT = 60.0
+LONGEST_WAIT = 180.0
 
 Watch = Callable[[], None]
 Advance = Callable[[float], None]

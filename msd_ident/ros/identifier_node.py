@@ -105,9 +105,9 @@ class Identifier:
         self._make_outputs()
         self._worker.submit(self._prepare)
 
-    def close(self) -> None:
-        """Drop fits that wait; one in progress is given up with the process."""
-        self._worker.close()
+    def close(self) -> bool:
+        """Drop fits that wait; whether the one in progress ended in time."""
+        return self._worker.close()
 
     @property
     def failure(self) -> str:
@@ -157,7 +157,7 @@ class Identifier:
             from msd_ident import pipeline  # noqa: F401
             from msd_ident.model import warm_up
 
-            warm_up(self._log.info)
+            warm_up()
         except Exception:
             self._log.error(traceback.format_exc())
 

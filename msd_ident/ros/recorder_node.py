@@ -90,10 +90,11 @@ class Recorder:
         except MsdError as error:
             self._log.warning(str(error))
 
-    def close(self) -> None:
+    def close(self) -> bool:
         """Finish the bag in progress."""
         if self._recording:
             self.stop()
+        return True
 
     def start(self, folder: str, topics: Sequence[str] = (), every: bool = False, compression: str = "") -> Path:
         """Start a recording; empty arguments are taken from the parameters. The bag's folder.

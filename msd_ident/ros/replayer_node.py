@@ -66,10 +66,11 @@ class Replayer:
     def on_signal(self, number: int) -> None:
         """No signal but the ending ones has a meaning here."""
 
-    def close(self) -> None:
+    def close(self) -> bool:
         """Stop playing."""
         self._stop.set()
         self._thread.join()
+        return True
 
     def _make_publishers(self, bag: Bag) -> dict[str, Publisher]:
         wanted = [self._in_bag(bag, topic) for topic in self.settings["topics"] if topic]

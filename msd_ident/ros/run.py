@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import traceback
@@ -31,8 +32,8 @@ class Owned(Protocol):
     def on_signal(self, number: int) -> None:
         """Called in the executor for a signal that does not end the node."""
 
-    def close(self) -> None:
-        """Finish all work; called once, when nothing spins any more."""
+    def close(self) -> bool:
+        """Finish all work, called once, when nothing spins any more; whether no thread is left."""
 
 
 class Spinner:
@@ -87,11 +88,17 @@ def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None 
                 spinner.executor.create_task(owner.on_signal, number)
         finally:
             spinner.stop()
-            owner.close()
+            ended = owner.close()
             owner.node.destroy_node()
-        return 1 if spinner.failed or owner.failure else 0
+        code = 1 if spinner.failed or owner.failure else 0
     finally:
         rclpy.try_shutdown()
+    if not ended:
+        # A fit goes on in compiled code, which nobody can interrupt: the process must not wait for it.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    return code
 
 
 def _made(make: Callable[[], Owned]) -> Owned:
