@@ -12,9 +12,7 @@ from msd_ident.features.paper_models import (
     TIMES,
     Closest,
     Response,
-    coulomb_starts,
-    most_even,
-    nearest,
+    nearest_coulomb,
     respond,
     single_causes,
     step_record,
@@ -120,9 +118,9 @@ def study(table: Table1 = Table1(), progress: Progress = lambda stage, fraction:
     refined = printed_refined(Printed())
     printed_response = respond(refined, Simulator(refined, step_record(table)))
     progress("the nearest viscous + Coulomb model", 0.1)
-    starts = coulomb_starts(table)
-    coulomb, even = nearest(starts, table), most_even(starts, table)
-    if printed_response is None or coulomb is None or even is None:
+    coulomb = nearest_coulomb(table)
+    if printed_response is None or coulomb is None:
         raise UsageError("no model with two peaks comes near Table 1; expected the numbers of an oscillation")
-    progress("every single cause", 0.4)
-    return Paper(table, Printed(), derived, printed_response, coulomb, even, single_causes(table), undecidable())
+    progress("every single cause", 0.5)
+    near, even = coulomb
+    return Paper(table, Printed(), derived, printed_response, near, even, single_causes(table, near), undecidable())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,7 +166,7 @@ class _Search:
             method="SLSQP",
             bounds=scipy.optimize.Bounds(lower, upper),
             constraints=scipy.optimize.NonlinearConstraint(off, 0.0, np.inf),
-            options={"maxiter": 200, "ftol": 1e-6, "eps": 1e-6},
+            options={"maxiter": 80, "ftol": 1e-6, "eps": 1e-6},
         )
         return np.asarray(found.x[:-1], dtype=np.float64)
 
@@ -183,35 +183,45 @@ def _searches(starts: Sequence[Model], table: Table1) -> list[_Search]:
     return [_Search(start, simulator, table) for start in starts]
 
 
-def _best(found: Sequence[Closest | None], cost: Callable[[Closest], float]) -> Closest | None:
-    return min((one for one in found if one is not None), key=cost, default=None)
-
-
 def nearest(starts: Sequence[Model], table: Table1) -> Closest | None:
     """The model of one structure nearest to all five numbers of the table, by least squares from several starts."""
-    found = [search.closest(search.least_squares()) for search in _searches(starts, table)]
-    return _best(found, lambda one: float(np.sum(one.response.misfit(table) ** 2)))
+    return _nearest([search.closest(search.least_squares()) for search in _searches(starts, table)], table)
 
 
-def most_even(starts: Sequence[Model], table: Table1) -> Closest | None:
-    """The model of one structure whose largest difference of a peak or the rest value is least, at any times."""
-    searches = _searches(starts, table)
-    found = [search.closest(search.evenly(search.least_squares())) for search in searches]
-    return _best(found, lambda one: one.distance)
+def _nearest(found: Sequence[Closest | None], table: Table1) -> Closest | None:
+    known = [one for one in found if one is not None]
+    return min(known, key=lambda one: float(np.sum(one.response.misfit(table) ** 2)), default=None)
+
+
+def nearest_coulomb(table: Table1) -> tuple[Closest, Closest] | None:
+    """The viscous + Coulomb model nearest by least squares, and the most even one.
+
+    The most even one has the least largest difference of a peak or the rest value that any such model has, at any
+    times. ``None`` when no such model has two peaks.
+    """
+    searches = _searches(coulomb_starts(table), table)
+    points = [search.least_squares() for search in searches]
+    near = _nearest([search.closest(point) for search, point in zip(searches, points, strict=True)], table)
+    found = [search.closest(search.evenly(point)) for search, point in zip(searches, points, strict=True)]
+    even = min((one for one in found if one is not None), key=lambda one: one.distance, default=None)
+    return (near, even) if near is not None and even is not None else None
 
 
 def coulomb_starts(table: Table1) -> list[Model]:
-    """Viscous + Coulomb models around the paper's, from no to much dry friction."""
+    """Viscous + Coulomb models around the paper's, from little to much dry friction."""
     derived = derive(table)
     base = plant(derived)
     return [
         base.with_values({"damping": part * derived.damping}) + CoulombFriction(share * derived.force)
-        for share, part in ((0.0, 1.0), (0.003, 1.5), (0.01, 1.0), (0.03, 0.7), (0.06, 0.2))
+        for share, part in ((0.003, 1.5), (0.01, 1.0), (0.03, 0.7), (0.06, 0.2))
     ]
 
 
-def single_causes(table: Table1) -> tuple[Closest, ...]:
-    """Every effect of the library that five numbers can decide about, alone beside m, b, k: nearest first."""
+def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
+    """Every effect of the library that five numbers can decide about, alone beside m, b, k: nearest first.
+
+    ``coulomb`` is dry friction's own row, known already.
+    """
     base = plant(derive(table))
     record = step_record(table)
     position = Simulator(base, record).positions(base.values)
@@ -237,8 +247,6 @@ def _decidable(effect: type[Effect]) -> bool:
 
 
 def _with_effect(effect: type[Effect], base: Model, record: Record, table: Table1) -> Closest | None:
-    if effect is CoulombFriction:
-        return nearest(coulomb_starts(table), table)
     starts = [base + guess for guess in effect.guess(record, base)[:_STARTS]]
     if starts and "coulomb_force" in starts[0].names:
         # A law that has Coulomb's as a special case begins there too, so its sum of squares is never larger.
