@@ -116,7 +116,7 @@ link_share() {
 set_up() {
     local packages interfaces python
     packages=$( (echo "$ROOT $LOCK"; cat setup.py setup.cfg package.xml requirements/*.txt) | inputs -)
-    interfaces=$( (echo "$packages"; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
+    interfaces=$( (echo "$ROOT $LOCK"; cat requirements/*.txt; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
     if done_with packages "$packages" && done_with interfaces "$interfaces" && [ -x "$VENV/bin/msd" ]; then
         link_share  # files may be new
         return
