@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,7 +21,8 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import Float64  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from msd_ident.bag import iterate_messages, open_bag  # noqa: E402
+from msd_ident import quality  # noqa: E402
+from msd_ident.bag import SourceOptions, iterate_messages, open_bag, read  # noqa: E402
 from msd_ident.errors import UsageError  # noqa: E402
 from msd_ident.ros.recorder_node import Recorder  # noqa: E402
 from msd_ident.ros.recording import Recording, TopicCount  # noqa: E402
@@ -176,3 +179,23 @@ def test_a_disk_that_fails_ends_the_recording_with_a_sentence(tmp_path: Path, mo
     recording.put("/x", serialize_message(Float64(data=1.0)), 1, 1)
     summary = recording.close()
     assert summary.error and summary.sentence.endswith(summary.error)
+
+
+@pytest.mark.parametrize(
+    ("rate", "topic", "least"), [(1000.0, "/encoder", 2000), (10_000.0, "/encoder_batch", 20_000)], ids=["1k", "10k"]
+)
+def test_no_sample_of_the_rig_is_lost(ros: Graph, tmp_path: Path, rate: float, topic: str, least: int) -> None:
+    node = recorder(ros, tmp_path, autostart=True, folder="rig", topics=[topic])
+    command = [sys.executable, "-m", "msd_sim.node", "--ros-args", "-p", f"rate:={rate}", "-p", "encoder.noise:=1e-5"]
+    messages = least // (100 if rate > 2000 else 1)
+    with subprocess.Popen(command) as rig:
+        try:
+            until(lambda: node.summary and node.summary.messages >= messages or rig.poll() is not None, "samples", 60.0)
+        finally:
+            rig.send_signal(signal.SIGINT)
+            rig.wait(30.0)
+    summary = node.stop()
+    assert summary.lost == 0
+    position = f"{topic}:positions" if rate > 2000 else topic
+    record = read(tmp_path / "rig", SourceOptions(force="none", position=position))
+    assert record.samples >= least - 100 and quality.missing_samples(record) == 0

@@ -1,0 +1,99 @@
+"""``msd record`` and ``msd replay``: into a bag and back, refusals in one line."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from msd_ident.cli.needs_ros import require_ros
+from msd_ident.errors import SetupError
+
+MSD = [sys.executable, "-m", "msd_ident.cli.main"]
+
+needs_ros = pytest.mark.skipif(importlib.util.find_spec("rclpy") is None, reason="no ROS 2 here")
+
+
+@contextmanager
+def msd(*arguments: str) -> Iterator[subprocess.Popen[str]]:
+    with subprocess.Popen([*MSD, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@needs_ros
+def test_what_is_recorded_is_replayed(ros_domain: int, tmp_path: Path) -> None:
+    from bagmaker import START_NS, joints
+    from graph import graph, until
+    from sensor_msgs.msg import JointState
+
+    from msd_ident.bag import iterate_messages
+
+    sent = [joints(START_NS + index, [index * 1e-3]) for index in range(50)]
+    with graph(ros_domain) as ros:
+        publisher = ros.node.create_publisher(JointState, "joint_states", 100)
+        with msd("record", "/joint_states", "--out", str(tmp_path / "bag")) as recording:
+            until(lambda: publisher.get_subscription_count() or recording.poll() is not None, "the recorder", 60.0)
+            for raw in sent:
+                publisher.publish(raw)
+            publisher.wait_for_all_acked()
+            os.kill(recording.pid, signal.SIGINT)
+            output, _ = recording.communicate(timeout=60.0)
+        assert recording.returncode == 0
+        assert output == f"50 messages of 1 topics, none lost, in {tmp_path / 'bag'}\n"
+        assert [message.data for message in iterate_messages(tmp_path / "bag")] == sent
+        ros.node.destroy_publisher(publisher)
+        heard: list[bytes] = []
+        ros.node.create_subscription(JointState, "joint_states", heard.append, 100, raw=True)
+        with msd("replay", str(tmp_path / "bag"), "--rate", "10", "--wait", "60") as replaying:
+            until(lambda: len(heard) == 50 or replaying.poll(), "all messages", 60.0)
+            assert replaying.wait(60.0) == 0
+    assert heard == sent
+
+
+@needs_ros
+def test_a_recording_ends_after_its_duration(ros_domain: int, tmp_path: Path) -> None:
+    with msd("record", "--out", str(tmp_path / "bag"), "--duration", "0.1") as recording:
+        output, _ = recording.communicate(timeout=60.0)
+    assert recording.returncode == 0
+    assert output == f"0 messages of 0 topics, none lost, in {tmp_path / 'bag'}\n"
+
+
+@needs_ros
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["record", "--out", "old"], "old exists; expected a new name: the recorder overwrites nothing"),
+        (["record", "--all", "force"], "--all and topics were given; expected one of the two"),
+        (["record", "--compression", "zip"], "compression is 'zip'; expected one of zstd, none"),
+        (["record", "a b"], "topic 'a b': "),
+        (["replay", "nowhere"], "nowhere does not exist; expected a bag folder"),
+        (["replay", "old", "--rate", "0"], "rate is 0.0; expected 0.01 to 100"),
+    ],
+    ids=["exists", "all", "compression", "topic", "nowhere", "rate"],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(
+    ros_domain: int, tmp_path: Path, arguments: list[str], words: str
+) -> None:
+    (tmp_path / "old").mkdir()
+    done = subprocess.run([*MSD, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == 2
+    assert done.stderr.startswith("msd: ") and words in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("missing", ["rclpy", "msd_interfaces"])
+def test_without_ros_one_line_says_what_to_do(monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else object())
+    with pytest.raises(SetupError) as refused:
+        require_ros("msd demo")
+    assert f"{'ROS 2' if missing == 'rclpy' else missing} is not here, and msd demo needs it" in str(refused.value)
+    assert "make setup" in str(refused.value) and "source" in str(refused.value)
