@@ -37,7 +37,7 @@ class Cogging(Effect):
     @staticmethod
     def force(x: float, cogging_amplitude: float, cogging_pitch: float, cogging_phase: float) -> float:
         """Force [N] against +x."""
-        return cogging_amplitude * math.sin(2.0 * math.pi * x / cogging_pitch + cogging_phase)
+        return cogging_amplitude * math.sin((2.0 * math.pi / cogging_pitch) * x + cogging_phase)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Cogging, ...]:

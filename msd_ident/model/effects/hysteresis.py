@@ -40,7 +40,7 @@ class Hysteresis(Effect):
         x: float, direction: float, hysteresis_force: float, hysteresis_length: float, anchor_x: float, anchor_z: float
     ) -> float:
         """Force [N] against +x."""
-        way = direction * (x - anchor_x) / hysteresis_length
+        way = direction * (x - anchor_x) * (1.0 / hysteresis_length)
         left = math.exp(-way) if way < 40.0 else 0.0
         return hysteresis_force * (direction + (anchor_z - direction) * left)
 

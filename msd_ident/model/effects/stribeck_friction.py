@@ -39,7 +39,7 @@ class StribeckFriction(Effect):
     @staticmethod
     def friction(speed: float, coulomb_force: float, static_force: float, stribeck_velocity: float) -> float:
         """Kinetic friction [N]."""
-        square = (speed / stribeck_velocity) ** 2
+        square = speed * speed * (1.0 / stribeck_velocity**2)
         bump = math.exp(-square) if square < 40.0 else 0.0
         return coulomb_force + (static_force - coulomb_force) * bump
 

@@ -104,12 +104,25 @@ def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
 
 
 @lean
-def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hold, f, r, e, decay, c):
+def _way_out(wait, net, r, e, rate):
+    """Direction in which a cart leaves that was held for ``wait`` [s]; ``net`` [N] is the force when the wait began.
+
+    After a wait, the force has left what friction holds on the side that it moves to.
+    """
+    if wait > 0.0 or net == 0.0:
+        net = r - e * rate * math.exp(-rate * wait)
+    return 1 if net > 0.0 else -1
+
+
+@lean
+def walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c):
     """One segment of length h [s] from event to event; returns (x, v, s, i, time left).
 
-    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``c``: room for a series. Time is left over where
-    the plant is so stiff that a series would take too many pieces.
+    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``plant``: (m, b, constant, kinetic, hold), see
+    ``exact``. ``c``: room for a series. Time is left over where the plant is so stiff that a series would take too many
+    pieces.
     """
+    m, b, constant, kinetic, hold = plant
     t = 0.0
     for _ in range(EVENTS):
         left = h - t
@@ -125,11 +138,7 @@ def walk(h, x, v, s, i, m, b, edges, springs, intercepts, constant, kinetic, hol
             t += wait
             if wait >= left:
                 break
-            net += e_now
-            if wait > 0.0 or net == 0.0:
-                # The force left what friction holds on the side that it moves to.
-                net = r - e_now * rate * math.exp(-rate * wait)
-            s = 1 if net > 0.0 else -1
+            s = _way_out(wait, net + e_now, r, e_now, rate)
             i = piece(edges, x, s)
             continue
         k = springs[i]
@@ -189,55 +198,65 @@ def drift(h, x, v, m, b, k, f, r, e, decay, c):
     return x, v, 0.0
 
 
-@making
+@lean
 def _leap(left, h, x, v, m, b, k, level, r, e, decay, c):
     """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events: (x, v, s)."""
     begun = h - left
-    row = np.empty(10)
+    row = c[linear.TERMS :]
     linear.propagator(row, m, b, k, left, decay, c)
     x, v = linear.propagate(row, x, v, level + r * begun, r, e * math.exp(-decay * begun))
     return x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0)
 
 
-# fmt: off
+@lean
+def _through(h, x, v, s, i, plant, eventful, edges, springs, intercepts, f, r, e, decay, c):
+    """(x, v, s, i) after one segment that the matrices do not carry: with an event in it, or of an odd length."""
+    m, b, constant, kinetic, _ = plant
+    if eventful:
+        x, v, s, i, left = walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c)
+    else:
+        x, v, left = drift(h, x, v, m, b, springs[i], f - constant, r, e, decay, c)
+    if left > 0.0:
+        net = f - constant - intercepts[i] - s * kinetic
+        x, v, s = _leap(left, h, x, v, m, b, springs[i], net, r, e, decay, c)
+    return x, v, s, i
+
+
 @making
-def exact(
-    m, b, edges, springs, intercepts, constant, kinetic, hold, length, kind, lengths, level, slope, transient, decay,
-    x, v, out_x, out_v,
-):
-    # fmt: on
+def exact(plant, edges, springs, intercepts, length, kind, lengths, level, slope, transient, decay, x, v, out_x, out_v):
     """Positions (and velocities) at all segment boundaries.
 
     Args:
+        plant: (m, b, constant, kinetic, hold): ``constant`` force [N] against +x, dry friction [N] while sliding and
+            the most that it holds at rest.
         edges, springs, intercepts: the spring, see ``spring.characteristic``.
-        constant: force [N] against +x.
-        kinetic, hold: dry friction [N] while sliding, and the most that it holds at rest.
         length, kind, lengths: segments, see ``segments.merge``.
         level, slope, transient, decay: force on each, level + slope t + transient exp(-decay t); the two in the middle
             may be empty.
     """
+    m, b, constant, kinetic, hold = plant
     steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
     eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
     table = np.empty((springs.size, lengths.size, 10))
     ready = np.zeros(springs.size, np.bool_)
-    c = np.empty(linear.TERMS)
+    c = np.empty(linear.TERMS + 10)
     out_x[0] = x
     if keep:
         out_v[0] = v
     s = 1 if v > 0.0 else (-1 if v < 0.0 else 0)
     i = piece(edges, x, s)
     j = 0
-    while j < length.size:
+    while True:
+        k, load = springs[i], constant + intercepts[i]
         if s == 0 and eventful:
-            spring = constant + intercepts[i] + springs[i] * x
-            j = rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v)
+            j = rest(j, x, load + k * x, hold, length, level, slope, transient, out_x, out_v)
         else:
             if not ready[i]:
                 for n in range(lengths.size):
-                    linear.propagator(table[i, n], m, b, springs[i], lengths[n], decay, c)
+                    linear.propagator(table[i, n], m, b, k, lengths[n], decay, c)
                 ready[i] = True
-            load = constant + intercepts[i] + s * kinetic
-            k, way, low, high = springs[i], s if eventful else 0, edges[i], edges[i + 1]
+            way, low, high = s if eventful else 0, edges[i], edges[i + 1]
+            load += s * kinetic
             if steep or lagged:
                 j, x, v = glide(
                     j, x, v, way, low, high, m, b, k, load, table[i], kind, level, slope, transient, out_x, out_v
@@ -247,32 +266,9 @@ def exact(
         if j == length.size:
             break
         r, e = slope[j] if steep else 0.0, transient[j] if lagged else 0.0
-        if eventful:
-            x, v, s, i, left = walk(
-                length[j],
-                x,
-                v,
-                s,
-                i,
-                m,
-                b,
-                edges,
-                springs,
-                intercepts,
-                constant,
-                kinetic,
-                hold,
-                level[j],
-                r,
-                e,
-                decay,
-                c,
-            )
-        else:
-            x, v, left = drift(length[j], x, v, m, b, springs[i], level[j] - constant, r, e, decay, c)
-        if left > 0.0:
-            net = level[j] - constant - intercepts[i] - s * kinetic
-            x, v, s = _leap(left, length[j], x, v, m, b, springs[i], net, r, e, decay, c)
+        x, v, s, i = _through(
+            length[j], x, v, s, i, plant, eventful, edges, springs, intercepts, level[j], r, e, decay, c
+        )
         j += 1
         out_x[j] = x
         if keep:

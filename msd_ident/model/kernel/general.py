@@ -1,7 +1,7 @@
 """The general path: any smooth law, integrated step by step between located events.
 
-A segment is one step of fourth order where that is accurate enough, else steps of fifth order of even lengths. Names:
-see ``rk``.
+While nothing happens each segment is one step of fourth order; a segment with an event in it, or one that needs smaller
+steps, is left to ``passage``. Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -9,198 +9,82 @@ see ``rk``.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import give_up, inlined, lean, making
-from msd_ident.model.kernel.events import knee, rest, slowest, turn
-from msd_ident.model.kernel.rk import (
-    STAGES,
-    acceleration_at,
-    applied,
-    forces_at,
-    second_acceleration,
-    step4,
-    step5,
-    step_to,
-)  # fmt: skip
+from msd_ident.model.kernel.passage import RETRY, calm, needs_fifth, passage, place_of
+from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
 #: an order below the step's own, so the motion is better than this by far.
-TOLERANCE4, TOLERANCE5 = 1e-7, 2e-8
-#: Events in one segment after which the rest of it is passed over: a motion too small to matter.
-EVENTS = 200
+TOLERANCE4, TOLERANCE5 = 2e-7, 2e-8
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
 STEPS_A_SEGMENT, STEPS = 120, 100_000
-_SHORTEST = 1e-10
-_NONE, _TURN, _KNEE, _AGAIN = 0, 1, 2, 3
-
-
-@lean
-def _settle(world, p, w, place, drive, t, x, y, u):
-    """Direction in which a cart at v = 0 goes on; 0 if dry friction holds it."""
-    net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
-    hold = laws.breakaway(world[0], p, w, x) if world[0] & laws.DRY_BITS else 0.0
-    if abs(net) <= hold:
-        return 0.0
-    return 1.0 if net > 0.0 else -1.0
-
-
-@lean
-def _leave(world, p, w, place, drive, t, soon, x, y, u):
-    """Direction in which a cart breaks away at t: of the force then, or shortly after if it is just 0."""
-    net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
-    if net == 0.0:
-        net = forces_at(world, p, w, place, drive, 0.0, t + soon, x, 0.0, y, u)
-    return 1.0 if net > 0.0 else -1.0
-
-
-@lean
-def _place(springs, i):
-    """(slope, intercept, own slope, own intercept) of piece i of the spring."""
-    return springs[0, i], springs[1, i], springs[2, i], springs[3, i]
-
-
-@lean
-def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, end, k):
-    """The first event in a step of length h from ``start`` to ``end``, each (x, v, a, y, u, c).
-
-    Returns (event, length, x, v, a, y, u, c) with the state at the event, or at the end of the step without one.
-    ``_AGAIN``: the step begins at rest and ends beyond its next turn; a shorter one must be tried.
-    """
-    x, v, a, y, u, c = start
-    x1, v1, a1, y1, u1, c1 = end
-    event = _NONE
-    if v == 0.0 and not s * v1 > 0.0:
-        return _AGAIN, h, x1, v1, a1, y1, u1, c1
-    if s * v1 > 0.0 and s * a < 0.0 and s * a1 > 0.0:
-        dip = slowest(h, s * v, s * a, s * v1, s * a1)
-        x2, v2, a2, y2, u2, c2, _, _ = step_to(fifth, world, p, w, place, drive, s, t, dip, x, v, a, y, u, c, k)
-        if s * v2 <= 0.0:
-            h, x1, v1, a1, y1, u1, c1 = dip, x2, v2, a2, y2, u2, c2
-    if not s * v1 > 0.0:
-        event = _TURN
-        h = turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k)
-        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
-        v1 = 0.0
-    edge = high if s > 0.0 else low
-    if s * (x1 - edge) > 0.0:
-        event = _KNEE
-        h = knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k)
-        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
-        x1 = edge
-        if not s * v1 > 0.0:
-            v1 = 0.0
-    return event, h, x1, v1, a1, y1, u1, c1
 
 
 @inlined
-def _attempt(world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k):
-    """A step towards the end of the segment, ``left`` [s] away: (length, error in parts of what is allowed, end)."""
-    if fifth:
-        h = left if left <= longest5 else left / math.ceil(left / longest5)
-        x1, v1, a1, y1, u1, c1, error_x, error_v = step5(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
-        return h, max(error_x / tolerances[2], error_v / tolerances[3]), x1, v1, a1, y1, u1, c1
-    x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, t, left, x, v, a, y, u, c)
-    return left, max(error_x / tolerances[0], error_v / tolerances[1]), x1, v1, a1, y1, u1, c1
+def _drive(start, level, slope, transient, decay, j):
+    """Force on segment j, see ``rk``."""
+    rise = slope[j] if slope.size > 0 else 0.0
+    return start[j], level[j], rise, transient[j] if transient.size > 0 else 0.0, decay
 
 
-@inlined
-def _adapt(fifth, h, error, longest4, longest5):
-    """The longest steps that either method may take next."""
-    if not error <= 1.0:
-        shorter = h * (max(0.2, 0.9 * error**-0.2) if error < 1e12 else 0.2)
-        return (longest4, shorter) if fifth else (shorter, longest5)
-    if fifth:
-        # Now and then the fourth-order method is worth another try.
-        longest4 *= 1.02
-        if error < 0.1 and longest5 < 2.0 * h:
-            longest5 = 1.5 * h
-    return longest4, longest5
-
-
+# fmt: off
 @lean
-def _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u):
-    """(direction, piece of the spring, acceleration) after a turn or at a knee."""
-    if event == _TURN:
-        laws.remember(world[0], p, w, x, s)
-        s = _settle(world, p, w, _place(springs, i), drive, t, x, y, u)
-        i = piece(edges, x, s)
-    else:
-        i += 1 if s > 0.0 else -1
-    if s == 0.0:
-        return s, i, 0.0
-    return s, i, acceleration_at(world, p, w, _place(springs, i), drive, s, t, x, v, y, u)
+def _cruise(
+    j, world, p, w, place, low, high, eventful, quick, start, length, level, slope, transient, decay,
+    x, v, a, y, u, c, s, before, longest4, longest5, tolerances, k, out_x, out_v,
+):
+    # fmt: on
+    """Segment after segment in one step each, while nothing happens and the step is accurate.
 
-
-@lean
-def _stay(world, held, p, w, edges, springs, drive, restless, length, t, longest, x, y, u, c, i, tolerances, k):
-    """A stretch of rest: (time when it ends, whether the cart leaves, s, i, a, y, u, c, longest)."""
-    left = length - t
-    place = _place(springs, i)
-    wait, leaves, y, u, c, longest = rest(
-        world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c, tolerances[2], tolerances[3], k
-    )
-    t = length if wait >= left else t + wait
-    if not leaves:
-        return t, False, 0.0, i, 0.0, y, u, c, longest
-    s = _leave(world, p, w, place, drive, t, 1e-6 * length, x, y, u)
-    i = piece(edges, x, s)
-    a = acceleration_at(world, p, w, _place(springs, i), drive, s, t, x, 0.0, y, u)
-    return t, True, s, i, a, y, u, c, longest
-
-
-@lean
-def _segment(world, held, p, w, edges, springs, drive, length, eventful, restless, quick, state, tolerances, k):
-    """The state at the end of one segment; NaN where the motion runs away.
-
-    state: (x, v, a, y, u, c, s, i, longest4, longest5, budget) with i the piece of the spring, the longest steps [s]
-    that either method may take now, and the number of steps left. tolerances: of position and velocity for the
-    fourth-order step, then for the fifth.
+    Returns (j, x, v, a, y, u, c, before, longest4) in front of the first segment of another kind; ``before`` [N] is the
+    force just before it.
     """
-    x, v, a, y, u, c, s, i, longest4, longest5, budget = state
-    t, events = 0.0, 0
-    while t < length and events <= EVENTS and budget > 0:
-        budget -= 1
-        if eventful and s == 0.0:
-            t, leaves, s, i, a, y, u, c, longest5 = _stay(
-                world, held, p, w, edges, springs, drive, restless, length, t, longest5, x, y, u, c, i, tolerances, k
+    keep = out_v.size > 0
+    while j < length.size:
+        left = length[j]
+        drive = _drive(start, level, slope, transient, decay, j)
+        # Position and velocity go on smoothly, so only the force can have jumped.
+        a0 = a + (applied(drive, 0.0) - before) * world[1]
+        fifth = needs_fifth(quick, left, longest4, v, a0)
+        if fifth:
+            if left > longest5:
+                break
+            x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
+                world, p, w, place, drive, s, 0.0, left, x, v, a0, y, u, c, k
             )
-            events += leaves
-            continue
-        left = length - t
-        place = _place(springs, i)
-        fifth = left > longest4 or (quick and abs(v) < 2.0 * abs(a) * left)
-        h, error, x1, v1, a1, y1, u1, c1 = _attempt(
-            world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k
-        )
-        longest4, longest5 = _adapt(fifth, h, error, longest4, longest5)
-        if not error <= 1.0:
-            if h < _SHORTEST * length:
-                budget = 0
-            continue
-        event = _NONE
-        if eventful and not (s * v1 > 0.0 and edges[i] <= x1 <= edges[i + 1] and (s * a >= 0.0 or s * a1 <= 0.0)):
-            event, h, x1, v1, a1, y1, u1, c1 = _first_event(
-                fifth, world, p, w, place, drive, s, t, h, edges[i], edges[i + 1],
-                (x, v, a, y, u, c), (x1, v1, a1, y1, u1, c1), k,
-            )  # fmt: skip
-            events += event != _NONE
-            if event == _AGAIN:
-                if h > 1e-6 * length and events < EVENTS:
-                    longest4, longest5 = min(longest4, 0.5 * h), 0.5 * h
-                    continue
-                v1, event = 0.0, _TURN
+            accurate = error_x <= tolerances[2] and error_v <= tolerances[3]
+            longest4 *= RETRY
+        else:
+            x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, 0.0, left, x, v, a0, y, u, c)
+            accurate = error_x <= tolerances[0] and error_v <= tolerances[1]
+            if not accurate:
+                longest4 = 0.5 * left
+        if not accurate:
+            break
+        if eventful and not calm(s, low, high, a0, x1, v1, a1):
+            break
         x, v, a, y, u, c = x1, v1, a1, y1, u1, c1
-        t = length if h >= left else t + h
-        if event != _NONE:
-            s, i, a = _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u)
-    if budget <= 0:
-        x = math.nan
-    return x, v, a, y, u, c, s, i, longest4, longest5, budget
+        before = applied(drive, left)
+        j += 1
+        out_x[j] = x
+        if keep:
+            out_v[j] = v
+    return j, x, v, a, y, u, c, before, longest4
+
+
+@lean
+def _begin(world, p, w, edges, springs, drive, eventful, x, v):
+    """(direction, piece of the spring, acceleration) of the first instant; at rest until a force says otherwise."""
+    laws.remember(world[0], p, w, x, 0.0)
+    s = (1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)) if eventful else 0.0
+    i = piece(edges, x, s)
+    if eventful and s == 0.0:
+        return s, i, 0.0
+    return s, i, acceleration_at(world, p, w, place_of(springs, i), drive, s, 0.0, x, v, x, v)
 
 
 @making
@@ -219,42 +103,45 @@ def general(
         level, slope, transient, decay: force on each, see ``exact``.
         scales: sizes [m] and [m/s] that errors are compared with.
     """
-    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    keep = out_v.size > 0
     eventful = (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or edges.size > 2
     restless = (active & laws.RESTLESS_BITS) != 0 or second[0] > 0.0
     quick = (active & laws.QUICK_BITS) != 0
-    world = (active, m, b, constant, second[0], second[1], second[2])
-    held = (active, math.inf, b, constant, second[0], second[1], second[2])
+    world = (active, 1.0 / m, b, constant, second[0], second[1], second[2])
+    held = (active, 0.0, b, constant, second[0], second[1], second[2])
     tolerances = (TOLERANCE4 * scales[0], TOLERANCE4 * scales[1], TOLERANCE5 * scales[0], TOLERANCE5 * scales[1])
     k = np.zeros(STAGES)
     out_x[0] = x
     if keep:
         out_v[0] = v
-    laws.remember(active, p, w, x, 0.0)
-    s = (1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)) if eventful else 0.0
-    i = piece(edges, x, s)
-    drive = (start[0], level[0], slope[0] if steep else 0.0, transient[0] if lagged else 0.0, decay)
-    a, c = 0.0, second_acceleration(world, x, v, x, v)
-    if s != 0.0 or not eventful:
-        a = acceleration_at(world, p, w, _place(springs, i), drive, s, 0.0, x, v, x, v)
+    drive = _drive(start, level, slope, transient, decay, 0)
+    s, i, a = _begin(world, p, w, edges, springs, drive, eventful, x, v)
+    y, u, c = x, v, second_acceleration(world, x, v, x, v)
     before = applied(drive, 0.0)
-    budget = STEPS + STEPS_A_SEGMENT * length.size
-    state = (x, v, a, x, v, c, s, i, 2.0 * length[0], 2.0 * length[0], budget)
-    for j in range(length.size):
-        drive = (start[j], level[j], slope[j] if steep else 0.0, transient[j] if lagged else 0.0, decay)
-        x, v, a, y, u, c, s, i, longest4, longest5, budget = state
+    longest4, longest5, budget = 2.0 * length[0], 2.0 * length[0], STEPS + STEPS_A_SEGMENT * length.size
+    j = 0
+    while True:
         if s != 0.0 or not eventful:
-            # Position and velocity go on smoothly, so only the force can have jumped.
+            j, x, v, a, y, u, c, before, longest4 = _cruise(
+                j, world, p, w, place_of(springs, i), edges[i], edges[i + 1], eventful, quick,
+                start, length, level, slope, transient, decay,
+                x, v, a, y, u, c, s, before, longest4, longest5, tolerances, k, out_x, out_v,
+            )  # fmt: skip
+        if j == length.size:
+            break
+        drive = _drive(start, level, slope, transient, decay, j)
+        if s != 0.0 or not eventful:
             a += (applied(drive, 0.0) - before) / m
-        state = _segment(
+        x, v, a, y, u, c, s, i, longest4, longest5, budget = passage(
             world, held, p, w, edges, springs, drive, length[j], eventful, restless, quick,
             (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,
         )  # fmt: skip
         before = applied(drive, length[j])
-        out_x[j + 1] = state[0]
+        j += 1
+        out_x[j] = x
         if keep:
-            out_v[j + 1] = state[1]
-        if not abs(state[0]) < 1e12 * scales[0]:
-            give_up(out_x, j + 1)
-            give_up(out_v, j + 1)
+            out_v[j] = v
+        if not abs(x) < 1e12 * scales[0]:
+            give_up(out_x, j)
+            give_up(out_v, j)
             break

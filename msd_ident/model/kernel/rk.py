@@ -5,10 +5,10 @@ in place of its fourth slope, the slope at the end makes a third-order result, a
 (weights 1/6, 1/3, 1/3, 0, 1/6). And Dormand & Prince 1980 (J. Comput. Appl. Math. 6), of fifth order, where longer
 steps are wanted.
 
-Names, here and in ``events`` and ``general``. world: (active, m, b, constant, m2, k2, b2); p, w: parameters and memory;
-piece: (slope, intercept, own slope, own intercept) of the spring; drive: (start, f, r, e, decay) of the force on the
-segment; s: direction of motion; t: time since the segment began; x, v, a: position, velocity, acceleration of the
-cart; y, u, c: of the second mass. A held cart has an infinite mass in its ``world``: the second one moves alone.
+Names, here and wherever ``rk`` is referred to. world: (active, 1/m, b, constant, m2, k2, b2); p, w: parameters and
+memory; piece: (slope, intercept, own slope, own intercept) of the spring; drive: (start, f, r, e, decay) of the force
+on the segment; s: direction of motion; t: time since the segment began; x, v, a: position, velocity, acceleration of
+the cart; y, u, c: of the second mass. A held cart has 0 for 1/m in its ``world``: the second one moves alone.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -74,7 +74,7 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
     if world[0] & laws.DRY_BITS:
         net -= s * laws.friction(world[0], p, w, x, s * v)
-    return net / world[1]
+    return net * world[1]
 
 
 @inlined

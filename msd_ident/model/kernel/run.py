@@ -91,7 +91,7 @@ def row(bits, values, place, plan, out_x, out_v):
         if bits & laws.DRY_BITS:
             kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
         exact(
-            m, b, edges, springs[0], springs[1], constant, kinetic, hold,
+            (m, b, constant, kinetic, hold), edges, springs[0], springs[1],
             length, kind, lengths, level, slope, transient, decay, x, v, path_x, path_v,
         )  # fmt: skip
     _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v)

@@ -1,0 +1,88 @@
+"""Speed and memory of the fit."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+
+from bench.measure import Row, median_seconds
+from msd_ident.fit import fit
+from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.record import Record
+
+TRUTH = Plant(0.9407, 3.927, 694.1) + CoulombFriction(0.1227)
+START = TRUTH.with_values(TRUTH.values * np.array([1.3, 0.7, 0.7, 1.3]))
+
+
+def record(samples: int, seed: int = 1) -> Record:
+    """Steps of either sign at 1 kHz, read with noise of 0.1 % of the amplitude."""
+    time = np.arange(samples) / 1000.0
+    random = np.random.default_rng(seed)
+    steps = random.choice([-10.0, -5.0, 0.0, 5.0, 10.0], samples // 700 + 2)
+    steps[0] = 10.0
+    force = steps[(time / 0.7).astype(int)]
+    quiet = Record(time=time, position=0.0 * time, force_time=time, force=force)
+    position = simulate(TRUTH, quiet).position
+    noise = 1e-3 * float(np.max(np.abs(position))) * random.standard_normal(samples)
+    return Record(time=time, position=position + noise, force_time=time, force=force)
+
+
+def rows() -> list[Row]:
+    """All figures of the fit."""
+    return [joint_row(), length_row(), memory_row()]
+
+
+def joint_row() -> Row:
+    """m, b, k, Fc with the record's own state and zero, 3 s at 1 kHz, from 30 % wrong; intervals included."""
+    measured = record(3000)
+    result = fit(START, measured)
+    worst = float(np.max(np.abs(result.model.values / TRUTH.values - 1.0)))
+    near = median_seconds(lambda: fit(START, measured, search="near"), budget=1.0)
+    seconds = median_seconds(lambda: fit(START, measured), budget=1.0)
+    return Row("joint fit of m, b, k, Fc, 3 s at 1 kHz, from 30 % wrong", 1e3 * seconds, "ms", must=20.0, aim=5.0,
+               detail=f"off by {100 * worst:.2f} % at most; {1e3 * near:.1f} ms from the given start alone")  # fmt: skip
+
+
+def fit_seconds(measured: Record, fewest: int) -> float:
+    """Median duration of the whole fit."""
+    return median_seconds(lambda: fit(START, measured), budget=1.0, fewest=fewest)
+
+
+def length_row() -> Row:
+    """Cost of the whole fit against length: departure of the added cost a sample from its median."""
+    lengths = np.array([1e3, 1e4, 1e5, 1e6])
+    seconds = []
+    for n in lengths:
+        measured = record(int(n))
+        seconds.append(
+            median_seconds(lambda measured=measured: fit(START, measured), budget=1.0, fewest=1 if n > 2e5 else 3)
+        )
+    slopes = np.diff(seconds) / np.diff(lengths)
+    departure = 100.0 * float(np.max(np.abs(slopes / np.median(slopes) - 1.0)))
+    detail = ", ".join(f"{1e3 * s:.4g} ms" for s in seconds)
+    return Row("fit against length 1e3..1e6, departure from linear", departure, "%", must=20.0, detail=detail)
+
+
+_MEMORY = """
+import json, resource
+from bench.fitting import START, record
+from msd_ident.fit import fit
+peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+fit(START, record(3000))
+measured = record(1_000_000)
+before = peak()
+fit(START, measured)
+print(json.dumps({"before": before, "after": peak()}))
+"""
+
+
+def memory_row() -> Row:
+    """Peak memory of a process that fits 1e6 samples, beyond what it held before the fit."""
+    done = subprocess.run([sys.executable, "-c", _MEMORY], capture_output=True, text=True, check=True)
+    held = json.loads(done.stdout)
+    return Row("memory of a fit of 1e6 samples", held["after"] - held["before"], "MB", must=300.0,
+               detail=f"peak of the whole process {held['after']:.0f} MB, {held['before']:.0f} MB before the fit")  # fmt: skip

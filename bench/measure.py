@@ -1,0 +1,59 @@
+"""How the benchmark measures: medians of repeated runs on one core, rows with what must and should be reached."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure.
+
+    Attributes:
+        figure: what was measured.
+        value: the median, in ``unit``.
+        must, aim: bounds, NaN where there is none; ``at_least``: whether they are lower ones.
+        detail: the numbers behind it, for the table's last column.
+    """
+
+    figure: str
+    value: float
+    unit: str
+    must: float = math.nan
+    aim: float = math.nan
+    at_least: bool = False
+    detail: str = ""
+
+    def _holds(self, bound: float) -> bool:
+        return self.value >= bound if self.at_least else self.value <= bound
+
+    @property
+    def grade(self) -> str:
+        """``aim``, ``must`` or ``missed``; empty for a figure without bounds."""
+        if math.isnan(self.must) and math.isnan(self.aim):
+            return ""
+        if not math.isnan(self.aim) and self._holds(self.aim):
+            return "aim"
+        return "must" if math.isnan(self.must) or self._holds(self.must) else "missed"
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON: bounds that are not there are null."""
+        plain = {key: None if isinstance(v, float) and math.isnan(v) else v for key, v in asdict(self).items()}
+        return {**plain, "grade": self.grade}
+
+
+def median_seconds(call: Callable[[], object], *, budget: float = 0.5, fewest: int = 5) -> float:
+    """Median duration [s] of calls repeated for about ``budget`` seconds, the first one not counted."""
+    call()
+    runs: list[float] = []
+    end = time.perf_counter() + budget
+    while len(runs) < fewest or (time.perf_counter() < end and len(runs) < 5000):
+        begun = time.perf_counter()
+        call()
+        runs.append(time.perf_counter() - begun)
+    return statistics.median(runs)
