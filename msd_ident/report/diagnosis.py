@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from msd_ident.report import numbers
@@ -13,40 +14,47 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from msd_ident.diagnose import Diagnosis
+    from msd_ident.quantity import Quantity
 
 _COLOURS = {"adequate": "green", "explained": "green", "ambiguous": "yellow", "unexplained": "red"}
 
 
 def causes_table(diagnosis: Diagnosis) -> Table | None:
-    """The causes by name, probability, parameters and ties; ``None`` without any."""
+    """The causes by name, probability and parameters; ``None`` without any."""
     if not diagnosis.causes:
         return None
-    table = new_table("Causes", "name", "probability", "parameter", "value", "95 % interval", "tied with")
+    table = new_table("Causes", "name", "sure", "parameter", "value ± 95 %")
     for cause in diagnosis.causes:
         lead = (cause.name, f"{min(cause.probability, 0.999):.3f}")
-        tied = ", ".join(cause.tied_with)
         for name, quantity in cause.parameters.items():
-            unit = quantity.unit if quantity.unit != "1" else ""
-            table.add_row(*lead, name, f"{numbers.value(quantity)} {unit}".strip(), numbers.interval(quantity), tied)
-            lead, tied = ("", ""), ""
+            table.add_row(*lead, name, f"{numbers.with_band(quantity)} {_unit(quantity)}".strip())
+            lead = ("", "")
     return table
 
 
+def _unit(quantity: Quantity) -> str:
+    return quantity.unit if quantity.unit != "1" else ""
+
+
+def ties(diagnosis: Diagnosis) -> Iterator[str]:
+    """A sentence for each cause that the data cannot tell from others."""
+    for cause in diagnosis.causes:
+        if cause.tied_with:
+            yield f"This data cannot tell {cause.name} from {', '.join(cause.tied_with)}."
+
+
 def models_table(diagnosis: Diagnosis) -> Table:
-    """Base and extended model side by side."""
-    table = new_table("Models", "", "base", "95 % interval", "extended", "95 % interval", "unit")
+    """Base and extended model side by side, ± half of the 95 % interval."""
+    table = new_table("Models, ± 95 %", "", "base", "extended", "unit")
     for name, quantity in diagnosis.base.quantities.items():
         other = diagnosis.extended.quantities[name]
-        cells = (numbers.value(quantity), numbers.interval(quantity), numbers.value(other), numbers.interval(other))
-        table.add_row(name, *cells, quantity.unit)
+        table.add_row(name, numbers.with_band(quantity), numbers.with_band(other), quantity.unit)
+    table.add_section()
     unit = diagnosis.records[0].position_unit
-    floors = (diagnosis.base_adequacy.ratio, diagnosis.adequacy.ratio)
-    table.add_row("SEE", numbers.number(diagnosis.base.see), "", numbers.number(diagnosis.extended.see), "", unit)
-    table.add_row("left, in noise floors", *(part for f in floors for part in (numbers.number(f, 3), "")), "")
-    held = diagnosis.heldout
-    table.add_row(
-        "SEE on left-out data", numbers.number(held.see_base), "", numbers.number(held.see_extended), "", unit
-    )
+    base, extended, held = diagnosis.base_adequacy, diagnosis.adequacy, diagnosis.heldout
+    table.add_row("SEE", numbers.number(diagnosis.base.see), numbers.number(diagnosis.extended.see), unit)
+    table.add_row("SEE on left-out data", numbers.number(held.see_base), numbers.number(held.see_extended), unit)
+    table.add_row("left over", numbers.number(base.ratio, 3), numbers.number(extended.ratio, 3), "noise floors")
     return table
 
 
@@ -71,6 +79,8 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     for table in (causes_table(diagnosis), models_table(diagnosis), rivals_table(diagnosis)):
         if table is not None:
             console.print(table)
+    for sentence in ties(diagnosis):
+        console.print(f"[yellow]tied:[/yellow] {sentence}")
     unit = diagnosis.records[0].position_unit
     console.print(f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit}; {_gain(diagnosis)}")
     for sentence in diagnosis.warnings:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.quantity import Quantity
+from msd_ident.quantity import Z95, Quantity
 
 
 def shown(quantity: Quantity) -> Quantity:
@@ -53,3 +53,14 @@ def interval(quantity: Quantity) -> str:
     if abs(quantity.value) < 1e-4 and quantity.value != 0.0:
         return f"{number(quantity.low)} … {number(quantity.high)}"
     return f"{quantity.low:.{places}f} … {quantity.high:.{places}f}"
+
+
+def with_band(quantity: Quantity) -> str:
+    """``value ± half of the 95 % interval``; words where there is no interval."""
+    if not quantity.known or quantity.std == 0.0:
+        return f"{value(quantity)} ({interval(quantity)})"
+    half = Z95 * quantity.std
+    places = decimals(quantity.value, half)
+    if abs(quantity.value) >= 1e6 or max(abs(quantity.value), half) < 1e-4:
+        return f"{number(quantity.value)} ± {number(half, 2)}"
+    return f"{quantity.value:.{places}f} ± {half:.{places}f}"

@@ -1,0 +1,55 @@
+"""Tables and pictures of an identification hold its numbers and fit 80 columns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from msd_ident.bag import SourceOptions, read
+from msd_ident.identification import Identification
+from msd_ident.pipeline import identify
+from msd_ident.report import figures, tables
+
+BAGS = Path(__file__).resolve().parents[2] / "bags"
+
+
+@pytest.fixture(scope="module", params=["paper_step", "release"])
+def found(request: pytest.FixtureRequest) -> Identification:
+    return identify([read(BAGS / request.param, SourceOptions())])
+
+
+def printed(found: Identification) -> str:
+    console = Console(width=80, record=True, file=open("/dev/null", "w"))  # noqa: SIM115 - rich closes nothing
+    tables.print_identification(found, console)
+    return console.export_text()
+
+
+def test_tables_fit_80_columns_and_nothing_is_cut(found: Identification) -> None:
+    text = printed(found)
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text.replace(" … ", "")
+
+
+def test_every_parameter_and_sentence_is_printed(found: Identification) -> None:
+    text = " ".join(printed(found).split())
+    for name in found.refined.parameters:
+        assert tables.WORDS[name][1] in text
+    for sentence in (*found.warnings, *found.open, found.route):
+        assert sentence in text
+
+
+def test_peaks_survive_thinning() -> None:
+    time = np.linspace(0.0, 1.0, 50_000)
+    signal = np.zeros(time.size)
+    signal[31_234] = 5.0
+    thin_time, thin = figures.thinned(time, signal, 1000)
+    assert thin.size <= 1000 and thin.max() == 5.0 and np.all(np.diff(thin_time) > 0)
+
+
+def test_figures_7_and_8_are_written_for_each_record(found: Identification, tmp_path: Path) -> None:
+    written = figures.save(found, tmp_path / "new", suffix="svg")
+    assert written == figures.paths(found, tmp_path / "new", suffix="svg") and len(written) == 2
+    assert all("<svg" in path.read_text(encoding="utf-8") for path in written)
