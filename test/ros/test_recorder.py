@@ -191,10 +191,10 @@ def test_no_sample_of_the_rig_is_lost(ros: Graph, tmp_path: Path, rate: float, t
     with subprocess.Popen(command) as rig:
         try:
             until(lambda: node.summary and node.summary.messages >= messages or rig.poll() is not None, "samples", 60.0)
+            summary = node.stop()
         finally:
             rig.send_signal(signal.SIGINT)
             rig.wait(30.0)
-    summary = node.stop()
     assert summary.lost == 0
     position = f"{topic}:positions" if rate > 2000 else topic
     record = read(tmp_path / "rig", SourceOptions(force="none", position=position))
