@@ -87,7 +87,7 @@ def _stribeck(s: _Sizes) -> dict[str, float]:
     return {
         "coulomb_force": force,
         "static_force": force * s.even(1.3, 2.2),
-        "stribeck_velocity": s.speed * s.log(0.03, 0.3),
+        "stribeck_velocity": speed,
     }
 
 
@@ -122,12 +122,16 @@ _STRENGTHS: Mapping[str, Callable[[_Sizes], dict[str, float]]] = {
     "cubic_spring": _cubic,
     "asymmetric_spring": lambda s: {"quadratic_stiffness": s.sign() * s.force * s.log(0.005, 0.1) / s.reach**2},
     "backlash": lambda s: {"backlash_half_width": s.reach * s.log(0.003, 0.15)},
-    "end_stop": lambda s: {"stop_position": s.reach * s.even(0.9, 1.3), "stop_stiffness": s.stiffness * s.log(1.0, 20.0)},
+    "end_stop": lambda s: {
+        "stop_position": s.reach * s.even(0.9, 1.3), "stop_stiffness": s.stiffness * s.log(1.0, 20.0),
+    },
     "force_offset": lambda s: {"offset_force": s.sign() * s.force * s.log(0.005, 0.1)},
     "force_gain_nonlinearity": _gain,
     "actuator_lag": lambda s: {"lag_time": s.log(0.02, 0.4) / s.omega},
     "time_offset": lambda s: {"time_offset": s.sign() * s.log(0.02, 0.3) / s.omega},
-    "hysteresis": lambda s: {"hysteresis_force": s.force * s.log(0.01, 0.15), "hysteresis_length": s.reach * s.log(0.03, 0.6)},
+    "hysteresis": lambda s: {
+        "hysteresis_force": s.force * s.log(0.01, 0.15), "hysteresis_length": s.reach * s.log(0.03, 0.6),
+    },
     "periodic_disturbance": lambda s: {
         "disturbance_amplitude": s.force * s.log(0.003, 0.1), "disturbance_frequency": s.omega * s.log(0.3, 4.0),
         "disturbance_phase": s.even(-math.pi, math.pi),

@@ -50,8 +50,9 @@ def _all(cases: Sequence[Case], jobs: int) -> list[Outcome]:
             named = ", ".join(f"{name} {p:.2f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in outcome.named)
             mark, truth = "ok" if outcome.exact else "--", "+".join(outcome.truth) or "nothing"
             print(
-                f"{number}/{len(cases)} {mark} seed {case.seed} {case.experiment} {truth} [{outcome.without_floors:.1f} of "
-                f"{outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'nothing'} "
+                f"{number}/{len(cases)} {mark} seed {case.seed} {case.experiment} {truth} "
+                f"[{outcome.without_floors:.1f} of {outcome.base_floors:.1f}] "
+                f"-> {outcome.verdict}: {named or 'nothing'} "
                 f"[{outcome.extended_floors:.2f}] {outcome.seconds:.1f} s",
                 file=sys.stderr,
                 flush=True,

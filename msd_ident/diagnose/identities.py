@@ -15,7 +15,7 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
     dry = [name for name in _DRY if model.has(name)]
     if model.has("force_offset") and dry:
         said.append(
-            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more of it one way than the other): "
+            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
     if model.has("force_offset") and model.stiffness > 0.0 and not any(model.has(name) for name in _BENT):
