@@ -35,7 +35,7 @@ class _Sandwich:
 
 def conclude(problem: Problem, outcome: Outcome, floor: float) -> FitResult:
     """The result of a fit that ended at ``outcome``; ``floor`` is the records' noise floor."""
-    sums = _sandwich(problem, outcome.point)
+    sums = _sandwich(problem, outcome)
     found, null = _open(problem, outcome.point, sums)
     if not _moves(problem, floor):
         found = [openness.motionless(problem.names[: len(problem.free)])]
@@ -77,8 +77,10 @@ def _finite(outcome: Outcome, residuals: tuple[FloatArray, ...]) -> bool:
     return bool(np.isfinite(outcome.cost)) and all(bool(np.all(np.isfinite(residual))) for residual in residuals)
 
 
-def _sandwich(problem: Problem, point: FloatArray) -> _Sandwich:
-    steps = 10.0 * problem.steps(SquaredError(problem).linearise(point).matrix)
+def _sandwich(problem: Problem, outcome: Outcome) -> _Sandwich:
+    point = outcome.point
+    matrix = outcome.matrix if outcome.matrix is not None else SquaredError(problem).linearise(point).matrix
+    steps = 10.0 * problem.steps(matrix)
     size = problem.size
     bread, meat, pinned = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
     residuals, effective = [], 0.0

@@ -64,7 +64,8 @@ def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int
     """The problem with the balance of forces at rest before the first push, as far as this model's friction holds."""
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     holding = sum(values.get(name, 0.0) for name in _HOLDING) / max(values["stiffness"], 1e-300) / math.sqrt(3.0)
-    spread = holding + values.get("backlash_half_width", 0.0) + max(noise, 1e-4 * problem.typical.length)
+    length = problem.typical.length
+    spread = min(holding + values.get("backlash_half_width", 0.0), 1e3 * length) + max(noise, 1e-4 * length)
     return replace(problem, balances=tuple(Balance(r, spread, noise) for r in resting))
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Valleys:
 
     def settle(self, start: FloatArray) -> Outcome:
         """From a start to the bottom of its valley, rests weighted down first."""
-        rough = minimise(self.weighted, start, limits(self.problem, 40))
+        rough = minimise(self.weighted, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
         return minimise(self.plain, rough.point, limits(self.problem))
 
     def at_floor(self, outcome: Outcome) -> bool:

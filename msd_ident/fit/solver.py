@@ -41,13 +41,17 @@ class Objective(Protocol):
 
 @dataclass(frozen=True)
 class Outcome:
-    """Where the solver ended. A bad end is a value too: ``converged`` False and a sentence."""
+    """Where the solver ended. A bad end is a value too: ``converged`` False and a sentence.
+
+    ``matrix`` (p, p) is the last Gauss–Newton matrix, at the point or one small step before it.
+    """
 
     point: FloatArray
     cost: float
     iterations: int
     converged: bool
     message: str
+    matrix: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,9 @@ class Limits:
 
 _DAMPING_START = 1e-4
 _DAMPING_END = 1e10
+_NO_STEP = "Converged: no step would lower the error."
+_NO_SMALLER = "Converged: no smaller step lowers the error."
+_SETTLED = "Converged: the error settled."
 
 
 def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome:
@@ -75,21 +82,21 @@ def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome
         step = _step(normal, damping, point, limits)
         gain_expected = -float(normal.gradient @ step) - 0.5 * float(step @ normal.matrix @ step)
         if gain_expected <= limits.cost_tolerance * 1e-2 * normal.cost:
-            return Outcome(point, normal.cost, iteration, True, "Converged: no step would lower the error.")
+            return Outcome(point, normal.cost, iteration, True, _NO_STEP, normal.matrix)
         cost = objective.cost(point + step)
         gain = normal.cost - cost
         if not gain > 0.0:
             damping, growth = damping * growth, growth * 2.0
             if damping > _DAMPING_END or _small(step, point, limits):
-                return Outcome(point, normal.cost, iteration, True, "Converged: no smaller step lowers the error.")
+                return Outcome(point, normal.cost, iteration, True, _NO_SMALLER, normal.matrix)
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
         point = point + step
         damping, growth = damping * max(1.0 / 10.0, 1.0 - (2.0 * gain / gain_expected - 1.0) ** 3), 2.0
         if done or _small(step, point, limits):
-            return Outcome(point, cost, iteration, True, "Converged: the error settled.")
+            return Outcome(point, cost, iteration, True, _SETTLED, normal.matrix)
         normal = objective.linearise(point)
-    return Outcome(point, normal.cost, limits.iterations, False, _not_settled(limits))
+    return Outcome(point, normal.cost, limits.iterations, False, _not_settled(limits), normal.matrix)
 
 
 def _not_settled(limits: Limits) -> str:

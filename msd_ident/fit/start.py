@@ -32,7 +32,7 @@ LINEAR = (
     "quadratic_stiffness",
 )
 _NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient")
-_WIDTHS = (6, 14, 32, 72, 160, 350)
+_WIDTHS = (6, 16, 42, 110, 290)
 _MOST_PLACES = 4000
 
 
