@@ -56,6 +56,7 @@ def generate_launch_description():
                 namespace=namespace,
                 parameters=[LaunchConfiguration("recorder_params"), on_clock],
                 output="screen",
+                sigkill_timeout="30",  # its bag must reach the disk
             ),
             Node(
                 package="msd_ident",

@@ -52,11 +52,18 @@ class Signals:
 
 @contextmanager
 def noted_signals(*others: signal.Signals) -> Iterator[Signals]:
-    """Hear the ending signals and ``others``; only in the main thread. They stay heard until the process ends."""
+    """Hear the ending signals and ``others``; only in the main thread. Once the work is done, they have no effect.
+
+    They are ignored then, since an interpreter that ends gives back their deadly defaults to those that are handled.
+    """
     signals = Signals()
     for number in (*ENDING, *others):
         signal.signal(number, signals.take)
-    yield signals
+    try:
+        yield signals
+    finally:
+        for number in (*ENDING, *others):
+            signal.signal(number, signal.SIG_IGN)
 
 
 def fail(error: MsdError) -> int:

@@ -12,6 +12,9 @@ from types import FrameType
 
 from msd_sim.errors import RigError
 
+#: Signals that end the node.
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
 
 class Stop:
     """Whether a signal has come that ends the node."""
@@ -27,7 +30,7 @@ class Stop:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the rig until a signal; exit code 0 then, 2 for parameters that make no sense."""
     stop = Stop()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in ENDING:
         signal.signal(number, stop.ask)
     try:
         from msd_sim.node.rig_node import run
@@ -36,4 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except RigError as error:
         print(f"rig: {error}", file=sys.stderr)
         return 2
+    finally:
+        # Not back to their deadly defaults, as the interpreter does at its end with those that are handled.
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
     return 0
