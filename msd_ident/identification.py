@@ -48,8 +48,10 @@ class Identification:
         records: what was used, the force turned where a positive one moves the encoder downwards.
         findings: what is odd about the data.
         features: of each record.
-        standard_form: ωn, ζ, K of all records together; ``None`` where no response tells.
-        original: the linear model, from features by eqs. 11–13, or fitted where there are none.
+        standard_form: ωn, ζ, K of all turning points of all records; ``None`` where no response tells.
+        two_peak_form: the paper's, from two peaks a step (eqs. 3 to 9); ``None`` where no response has two.
+        original: the linear model, from the two-peak form (or else the standard form) by eqs. 11–13, or fitted where
+            there are no features.
         paper_refined: the same with friction raised to the least SEE; ``None`` for several records or no features.
         refined: the joint refit.
         noise_floor: what no model can beat, in the position unit.
@@ -62,6 +64,7 @@ class Identification:
     findings: tuple[Finding, ...]
     features: tuple[Features, ...]
     standard_form: StandardForm | None
+    two_peak_form: StandardForm | None
     original: ModelFit
     paper_refined: ModelFit | None
     refined: ModelFit
@@ -101,6 +104,7 @@ class Identification:
             "position_unit": self.records[0].position_unit,
             "route": self.route,
             "standard_form": quantities_dict(form.quantities) if form else None,
+            "standard_form_two_peaks": quantities_dict(self.two_peak_form.quantities) if self.two_peak_form else None,
             "original": self.original.to_json_dict(),
             "paper_refined": self._paper_dict(),
             "refined": self.refined.to_json_dict(),

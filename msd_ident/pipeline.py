@@ -17,6 +17,7 @@ from msd_ident.diagnose import Diagnosis, diagnose_records
 from msd_ident.diagnose import Progress as DiagnosisProgress
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.features.form import pool
 from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.refine import GRAVITY, record_start
@@ -32,6 +33,8 @@ MODELS = ("auto", "spring", "no_spring")
 LOSSES = ("linear", "soft_l1")
 #: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
 SUSPICIOUS = 2.0
+#: More than any cart that a rig's motor pushes [kg].
+HEAVIEST = 500.0
 
 #: Called with what is being done and how much of all is done (0 to 1).
 Progress = Callable[[str, float], None]
@@ -84,19 +87,21 @@ def identify(
     used = tuple(_usable(record, found, turned) for record, found in zip(given, features, strict=True))
     sprung = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
-    joint = _joint(used, sprung, options)
+    joint = _joint(used, sprung, form, options)
     progress("the linear model", 0.6)
-    original = _original(used, form, joint, options)
+    two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
+    original = _original(used, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
     raised = _raised(used, original) if form is not None and len(used) == 1 else None
     floor = noise_floor(used)
-    warnings = _warnings(given, findings, features, turned) + _doubts(joint, floor)
+    warnings = _warnings(given, findings, features, turned) + _doubts(joint, used, floor)
     progress("done", 1.0)
     return Identification(
         records=used,
         findings=findings,
         features=features,
         standard_form=form,
+        two_peak_form=two_peaks,
         original=original,
         paper_refined=raised,
         refined=_with_friction(joint, used, "all parameters together, by simulation error"),
@@ -162,15 +167,21 @@ def _usable(record: Record, found: Features, turned: bool) -> Record:
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:
-    """Whether no force acts at all, so that only ratios of m, b, k and Fc are known."""
-    return not any(bool(np.any(record.force_at(record.time))) for record in records)
+    """Whether no force sets anything in motion, so that only ratios of m, b, k and Fc are known."""
+    return not any(_pushes(record) for record in records)
+
+
+def _pushes(record: Record) -> bool:
+    """Whether the force changes. One that has acted unchanged since before the record is part of the unknown zero."""
+    before = record.force_at([np.nextafter(record.time[0], -np.inf)])
+    return bool(np.ptp(np.concatenate((before, record.force_at(record.time)))))
 
 
 def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
     if not _forceless(records):
         return ()
     return (
-        "No force acts in this data, so m, b, k and Fc are known only as ratios: the numbers are those of 1 kg of "
+        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: the numbers are those of 1 kg of "
         "moving mass; push with a known force, or weigh the moving mass, to know them all.",
     )
 
@@ -193,16 +204,26 @@ def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | 
     base = _plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
     free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=options.loss)
     held = fit(free.model, records, zero="known", loss=options.loss)
+    if held.see < 0.2 * free.see:
+        return True  # nothing else explains the motion, even where the data leaves the stiffness itself open
     stiffness = held.quantities["stiffness"]
     return stiffness.known and stiffness.low > 0.0 and held.see < 0.8 * free.see
 
 
-def _joint(records: tuple[Record, ...], sprung: bool, options: Options) -> FitResult:
+def _joint(records: tuple[Record, ...], sprung: bool, form: StandardForm | None, options: Options) -> FitResult:
     """All parameters by simulation error; a plain axis has an offset in place of a spring's zero."""
-    base = _plant(records[0]) + CoulombFriction(0.0)
+    base = (_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
     if sprung:
         return fit(base, records, fixed={"mass": 1.0} if _forceless(records) else {}, loss=options.loss)
     return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)
+
+
+def _seen(form: StandardForm) -> Model:
+    """The plant that the features show, of 1 kg where there is no static gain."""
+    if form.physical is not None:
+        return Plant(**{name: quantity.value for name, quantity in form.physical.quantities.items()})
+    frequency, ratio = form.natural_frequency.value, form.damping_ratio.value
+    return Plant(mass=1.0, damping=2.0 * ratio * frequency, stiffness=frequency**2)
 
 
 def _original(records: tuple[Record, ...], form: StandardForm | None, joint: FitResult, options: Options) -> ModelFit:
@@ -210,7 +231,7 @@ def _original(records: tuple[Record, ...], form: StandardForm | None, joint: Fit
     if form is None or form.physical is None:
         return _linear_fit(records, joint, options)
     physical = form.physical.quantities
-    model = Plant(**{name: quantity.value for name, quantity in physical.items()})
+    model = _seen(form)
     initial = tuple(record_start(record) for record in records)
     predicted = tuple(
         Simulator(model, record).positions(model.values, start.position, start.velocity) + start.zero
@@ -270,9 +291,16 @@ def _warnings(
     return tuple(dict.fromkeys(said))
 
 
-def _doubts(joint: FitResult, floor: float) -> tuple[str, ...]:
+def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:
     """What a reader must know about the joint refit."""
     said = [] if joint.converged else [f"The joint refit did not settle: {joint.message}"]
+    mass = joint.quantities["mass"]
+    in_si = all((record.force_unit, record.position_unit) == ("N", "m") for record in records)
+    if in_si and mass.known and mass.value > HEAVIEST:
+        said.append(
+            f"The mass is {mass.value:.4g} kg: a unit wrong by a factor of 1000? If the force is in mN, use --force-scale "
+            "0.001; if the time is in milliseconds, --time-scale 0.001."
+        )
     if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
         said.append(
             f"The refined model leaves {joint.see / floor:.3g} times the noise floor: something is missing in it; "

@@ -86,9 +86,12 @@ def standard_form_table(identification: Identification) -> Table | None:
     """ωn, ζ, K with their intervals (the paper's Table 2); ``None`` where no response tells."""
     if identification.standard_form is None:
         return None
-    table = new_table("Standard form (Table 2)", "", "value", "95 % interval", "unit")
+    two = identification.two_peak_form.quantities if identification.two_peak_form else {}
+    table = new_table("Standard form (Table 2)", "", "two peaks", "all peaks", "95 % interval", "unit")
     for name, quantity in identification.standard_form.quantities.items():
-        _row(table, name, quantity)
+        shown = numbers.shown(quantity)
+        paper = numbers.number(numbers.shown(two[name]).value) if name in two else "–"
+        table.add_row(_label(name), paper, numbers.value(shown), numbers.interval(shown), shown.unit)
     return table
 
 
