@@ -30,8 +30,7 @@ def record(
     from msd_ident.ros.signals import noted_signals
 
     with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
-        from rclpy.parameter import Parameter
-
+        from msd_ident.ros.parameters import overrides
         from msd_ident.ros.recorder_node import Recorder
         from msd_ident.ros.run import run
 
@@ -47,7 +46,7 @@ def record(
         made: list[Recorder] = []
 
         def make() -> Recorder:
-            made.append(Recorder([Parameter(name, value=value) for name, value in given.items()]))
+            made.append(Recorder(overrides(given)))
             if duration:
                 signals.finish_after(duration)
             return made[0]

@@ -23,8 +23,7 @@ def replay(
     from msd_ident.ros.signals import noted_signals
 
     with noted_signals() as signals:
-        from rclpy.parameter import Parameter
-
+        from msd_ident.ros.parameters import overrides
         from msd_ident.ros.replayer_node import Replayer
         from msd_ident.ros.run import run
 
@@ -38,6 +37,6 @@ def replay(
         }
 
         def make() -> Replayer:
-            return Replayer([Parameter(name, value=value) for name, value in given.items()], on_end=signals.finish)
+            return Replayer(overrides(given), on_end=signals.finish)
 
         return run(make, signals, args=[])

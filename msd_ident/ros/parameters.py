@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,6 +44,11 @@ class Setting:
     upper: float | None = None
     choices: tuple[str, ...] = ()
     fixed: bool = True
+
+
+def overrides(values: Mapping[str, Any]) -> list[Parameter]:
+    """Parameters for a node, which go before those of the command line."""
+    return [Parameter(name, value=value) for name, value in values.items()]
 
 
 class Settings:

@@ -105,9 +105,8 @@ class Replayer:
                 self._play_once()
                 again = self.settings["loop"]
             self._wait_until_taken()
-        except Exception as error:
+        except Exception as error:  # told at the end, as the one line of the program
             self.failure = str(error)
-            self._log.error(self.failure)
         self._log.info(f"played {self.sent} messages of {len(self._publishers)} topics")
         self._on_end()
 

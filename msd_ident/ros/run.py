@@ -14,8 +14,8 @@ from rclpy.executors import ExternalShutdownException, ShutdownException, Single
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from msd_ident.errors import UsageError
-from msd_ident.ros.signals import Signals
+from msd_ident.errors import DataError, UsageError
+from msd_ident.ros.signals import Signals, fail
 
 
 class Owned(Protocol):
@@ -90,7 +90,7 @@ def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None 
             spinner.stop()
             ended = owner.close()
             owner.node.destroy_node()
-        code = 1 if spinner.failed or owner.failure else 0
+        code = fail(DataError(owner.failure)) if owner.failure else int(spinner.failed)
     finally:
         rclpy.try_shutdown()
     if not ended:

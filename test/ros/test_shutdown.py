@@ -111,3 +111,13 @@ def test_what_makes_no_sense_ends_with_one_line_and_code_2(
     assert done.returncode == 2
     ours = [line for line in done.stderr.splitlines() if "[rcl]" not in line]
     assert len(ours) == 1 and ours[0].startswith(words), done.stderr
+
+
+def test_an_empty_bag_ends_with_one_line_and_code_2(ros_domain: int, tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/encoder", JOINTS)
+    given = ["-p", f"bag:={tmp_path / 'bag'}", "-p", "wait:=0.0"]
+    command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *given]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == 2
+    assert f"msd: {tmp_path / 'bag'} has no messages to play; expected some\n" in done.stderr
