@@ -181,8 +181,8 @@ def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
     if not _forceless(records):
         return ()
     return (
-        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: the numbers are those of 1 kg of "
-        "moving mass; push with a known force, or weigh the moving mass, to know them all.",
+        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: "
+        "the numbers are those of 1 kg of moving mass; push with a known force, or weigh the moving mass, to know them all.",
     )
 
 
@@ -298,8 +298,8 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tupl
     in_si = all((record.force_unit, record.position_unit) == ("N", "m") for record in records)
     if in_si and mass.known and mass.value > HEAVIEST:
         said.append(
-            f"The mass is {mass.value:.4g} kg: a unit wrong by a factor of 1000? If the force is in mN, use --force-scale "
-            "0.001; if the time is in milliseconds, --time-scale 0.001."
+            f"The mass is {mass.value:.4g} kg: a unit wrong by a factor of 1000? If the force is in mN, use "
+            "--force-scale 0.001; if the time is in milliseconds, --time-scale 0.001."
         )
     if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
         said.append(

@@ -30,6 +30,8 @@ _FEW_SAMPLES = 12
 #: Spans of the position [m] and mass [kg] beyond which a rig on a table is measured in another unit.
 _FARTHEST, _NEAREST = 3.0, 1e-4
 _LIGHTEST = 1e-3
+#: Sampling periods [s] beyond which no encoder is read.
+_SHORTEST, _LONGEST = 2e-6, 0.5
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ def check(record: Record) -> tuple[Finding, ...]:
         _rate,
         _clocks,
         _units,
+        _time_unit,
+        _outliers,
     )
     findings = [finding for one in checks for finding in one(record, motion)]
     order = ("error", "warning", "info")
@@ -77,6 +81,14 @@ def missing_samples(record: Record) -> int:
 
 def _excitation(record: Record, motion: Motion) -> Iterator[Finding]:
     unit = record.position_unit
+    factor = _same_signal(record)
+    if factor:
+        yield Finding(
+            "error",
+            "same_signal",
+            f"the force is the position times {factor:.4g} in every sample: name a force of its own",
+        )
+        return
     if motion.span == 0:
         yield Finding(
             "error",
@@ -106,6 +118,16 @@ def _excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             "free_decay",
             f"the force is {held} all the time: a free decay, which gives the parameters relative to each other only",
         )
+
+
+def _same_signal(record: Record) -> float:
+    """Factor that makes the position the force, 0.0 when they are two signals."""
+    largest = int(np.argmax(np.abs(record.position)))
+    if not record.shared_clock or not record.position[largest]:
+        return 0.0
+    factor = float(record.force[largest] / record.position[largest])
+    same = np.allclose(record.force, factor * record.position, rtol=1e-9, atol=0.0)
+    return factor if same and np.ptp(record.position) > 0 else 0.0
 
 
 def _sampling(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -271,6 +293,39 @@ def _units(record: Record, motion: Motion) -> Iterator[Finding]:
         "wrong_unit",
         f"the position spans {motion.span:.4g} m{implied}: wrong by a factor of 1000? {advice}",
     )
+
+
+def _time_unit(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Milliseconds (or less) taken for seconds, or the other way round."""
+    if _SHORTEST < record.period < _LONGEST:
+        return
+    rate = f"the samples lie {record.period:.4g} s apart, {record.duration:.4g} s in all"
+    long = record.period >= _LONGEST
+    advice = (
+        "if the time is in milliseconds, use --time-scale 0.001 (0.000001 for µs, 0.000000001 for ns)"
+        if long
+        else "if the time was scaled twice, use a --time-scale 1000 times larger"
+    )
+    yield Finding("warning", "wrong_time_unit", f"{rate}: wrong by a factor of 1000? {advice}")
+
+
+def _outliers(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Single readings far off both of their neighbours, which agree with each other."""
+    change = np.diff(record.position)
+    before, after = change[:-1], -change[1:]
+    height = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)[2:-2]
+    size = np.abs(change)
+    usual = np.max([size[:-5], size[1:-4], size[4:-1], size[5:]], axis=0)
+    wild = np.flatnonzero(height > 10 * usual + max(50 * motion.floor, 0.1 * motion.span)) + 3
+    highest = float(np.max(height[wild - 3], initial=0.0))
+    if wild.size and wild.size < 0.02 * record.samples:
+        yield Finding(
+            "warning",
+            "outliers",
+            f"{wild.size} single readings jump away from their neighbours, by up to {highest:.4g} "
+            f"{record.position_unit} (the first at {record.time[wild[0]]:.3f} s): "
+            "remove them, or use --loss soft_l1",
+        )
 
 
 def _rates(intervals: FloatArray) -> tuple[float, float]:

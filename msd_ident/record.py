@@ -21,6 +21,10 @@ Hold = Literal["zero", "linear"]
 #: Fewest position samples that any estimate may be made from.
 MINIMUM_SAMPLES = 20
 
+#: Sizes of force and position, and shortest and longest times [s], beyond which nothing mechanical was measured.
+SMALLEST, LARGEST = 1e-20, 1e20
+SHORTEST_PERIOD, LONGEST_DURATION = 1e-10, 1e12
+
 #: A sample that comes later than this [s] behind a newer one was not merely overtaken on the way.
 LATEST_SECONDS = 1.0
 
@@ -39,6 +43,25 @@ def _check_finite(array: FloatArray, what: str) -> None:
         raise DataError(
             f"{what} holds {bad.size} values that are not finite (first: {array[bad[0]]} at sample "
             f"{bad[0]}); expected numbers only: remove or repair those samples"
+        )
+
+
+def _check_size(array: FloatArray, what: str, unit: str) -> None:
+    largest = float(np.max(np.abs(array)))
+    if largest > LARGEST or 0.0 < largest < SMALLEST:
+        raise DataError(
+            f"{what} reaches {largest:.3g} {unit}; expected sizes from {SMALLEST:g} to {LARGEST:g}: repair the "
+            "samples, or check the scale"
+        )
+
+
+def _check_duration(time: FloatArray) -> None:
+    duration = float(time[-1] - time[0])
+    period = duration / (time.size - 1)
+    if period < SHORTEST_PERIOD or duration > LONGEST_DURATION:
+        raise DataError(
+            f"{time.size} position samples in {duration:.3g} s; expected times in seconds: check the time column and "
+            "its scale"
         )
 
 
@@ -79,7 +102,8 @@ class Record:
 
     Raises:
         DataError: fewer than ``MINIMUM_SAMPLES`` samples, lengths that differ, values that are not
-            finite, stamps that do not rise, or force and position that do not overlap in time.
+            finite or of a size that nothing has, stamps that do not rise, or force and position that do not overlap
+            in time.
     """
 
     time: FloatArray
@@ -114,6 +138,9 @@ class Record:
         _check_finite(self.force, "force")
         _check_increasing(self.time, "time")
         _check_increasing(self.force_time, "force time")
+        _check_size(self.position, "position", self.position_unit)
+        _check_size(self.force, "force", self.force_unit)
+        _check_duration(self.time)
         if self.force_time[0] > self.time[-1]:
             raise DataError(
                 f"force starts at {self.force_time[0]:.3f} s, after the last position at {self.time[-1]:.3f} s; "
@@ -284,6 +311,11 @@ def _ordered(
         notes.append(f"{what}: {late} of {stamps.size} samples came late and were put in their place by their stamps.")
     unique, first = np.unique(stamps, return_index=True)
     dropped = stamps.size - unique.size
+    if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
+        raise DataError(
+            f"{stamps.size} position samples have only {unique.size} different stamps; expected one each: check the "
+            "time column, or what stamps the messages"
+        )
     if dropped:
         other = int(np.count_nonzero(data != data[first][np.searchsorted(unique, stamps)]))
         differ = f", {other} of them with another value" if other else ""

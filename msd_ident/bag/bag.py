@@ -103,7 +103,7 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
         DataError: nothing is there, or a bag of ROS 1.
     """
     where = Path(path)
-    if not where.exists():
+    if not _exists(where):
         raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
     if where.is_dir() or plain_name(where).endswith(_STORAGE) or where.name == "metadata.yaml":
         return True
@@ -169,7 +169,10 @@ def _read_metadata(path: Path, notes: list[str]) -> Mapping[str, Any]:
 
 
 def _storage_paths(folder: Path, information: Mapping[str, Any], notes: list[str]) -> list[Path]:
-    present = sorted((path for path in folder.iterdir() if plain_name(path).endswith(_STORAGE)), key=_natural)
+    try:
+        present = sorted((path for path in folder.iterdir() if plain_name(path).endswith(_STORAGE)), key=_natural)
+    except OSError as error:
+        raise _unreadable(folder, error) from None
     listed = information.get("relative_file_paths")
     named = [folder / Path(str(entry)).name for entry in listed] if isinstance(listed, list) else []
     missing = [path.name for path in named if path not in present]
@@ -201,7 +204,7 @@ def _open_storage(path: Path) -> StorageFile:
             data = b"" if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
             return _McapStorage(data, path.name)
     except OSError as error:
-        raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
+        raise _unreadable(path, error) from None
 
 
 def _unpack(data: bytes) -> bytes:
@@ -212,12 +215,26 @@ def _unpack(data: bytes) -> bytes:
         return b""
 
 
+def _exists(path: Path) -> bool:
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise _unreadable(path, error) from None
+    return True
+
+
+def _unreadable(path: Path, error: OSError) -> DataError:
+    return DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read")
+
+
 def _begin(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
             return file.read(16)
     except OSError as error:
-        raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
+        raise _unreadable(path, error) from None
 
 
 def _check_encodings(path: Path, topics: Mapping[str, Topic]) -> None:

@@ -60,13 +60,26 @@ def choose_columns(table: Table, name: str, options: SourceOptions) -> tuple[int
 
     Raises:
         DataError: one of them is not there.
+        UsageError: two of them are the same.
     """
     time = choose_time(table, name, options)
+    force, position = _signals(table, name, options)
+    columns = [time, position] + ([force] if force is not None else [])
+    twice = next((column for column in columns if columns.count(column) > 1), None)
+    if twice is not None:
+        raise UsageError(
+            f"{name}: column {table.header[twice]} is taken twice; expected columns of their own for time, force and "
+            "position: correct --time, --force or --position"
+        )
+    return time, force, position
+
+
+def _signals(table: Table, name: str, options: SourceOptions) -> tuple[int | None, int]:
     position = _column(table.header, name, options.position, _POSITION_NAMES, "--position COLUMN")
     if options.no_force:
-        return time, None, position
+        return None, position
     hint = "--force COLUMN, or --force none for a free decay"
-    return time, _column(table.header, name, options.force, _FORCE_NAMES, hint), position
+    return _column(table.header, name, options.force, _FORCE_NAMES, hint), position
 
 
 def choose_time(table: Table, name: str, options: SourceOptions) -> int:

@@ -128,7 +128,11 @@ class _Signal:
 def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     """Record from a bag; see ``msd_ident.bag.read``."""
     bag = open_bag(path)
-    position, force = sources(bag, options)
+    try:
+        position, force = sources(bag, options)
+    except DataError as error:
+        # What is missing may have been in the part that is lost.
+        raise DataError(" ".join((f"{error};" if bag.notes else str(error), *bag.notes)).rstrip(".")) from None
     signals = [_Signal("position", position)]
     if force is not None:
         signals.append(_Signal("force", force))

@@ -160,6 +160,11 @@ class Table:
     def _layout(self, header: str, first: str, first_at: int) -> Layout:
         separator = next((mark for mark in _SEPARATORS if mark in header), None)
         names = _cells(header)
+        if len(names) < 2:
+            raise DataError(
+                f"{self._path} begins with one cell, {names[0][:40]!r}; expected the names of several columns, such as "
+                "time_s,force_n,position_m: is it a CSV file?"
+            )
         if all(_is_number(name) for name in names):
             raise DataError(
                 f"{self._path} begins with numbers; expected a header that names the columns, such as "
@@ -186,8 +191,9 @@ def _read_text(path: Path) -> str:
         data = path.read_bytes()
     except OSError as error:
         raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
-    if b"\0" in data[:1000] and not data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        raise DataError(f"{path} is not text; expected a CSV file: is it another kind of file?")
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    controls = sum(data[:1000].count(code) for code in range(32)) - sum(data[:1000].count(c) for c in b"\t\n\r\f")
+    if (b"\0" in data[:1000] or controls > 0.02 * len(data[:1000])) and not wide:
+        raise DataError(f"{path} is not text; expected a CSV file: is it another kind of file?")
     text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

@@ -50,6 +50,9 @@ def identify(
     options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
     output = run.Output(json, quiet, overwrite)
 
+    if figures is not None:
+        run.make_folder(figures)
+
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
         found = pipeline.identify(records, options, progress)
         if figures is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,11 +58,7 @@ def info(
         lines.append(_to_json(found))
         if output.tables:
             _show(found, console)
-    text = "".join(dumps(run.jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
-    if json == "-":
-        sys.stdout.write(text)
-    elif json:
-        Path(json).write_text(text, encoding="utf-8")
+    run.write(lines, output)
     return 2 if failed else 0
 
 

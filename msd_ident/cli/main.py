@@ -22,6 +22,8 @@ app = typer.Typer(
 
 
 def _register() -> None:
+    if app.registered_commands:
+        return
     for name in COMMANDS:
         try:
             module = importlib.import_module(f"msd_ident.cli.{name}")

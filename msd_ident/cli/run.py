@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from msd_ident.errors import MsdError, UsageError
+from msd_ident.errors import MsdError, SetupError, UsageError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -65,6 +65,21 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
     if not path.absolute().parent.is_dir():
         raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder, with its parents, where it is not there.
+
+    Raises:
+        UsageError: something else has this name.
+        SetupError: the disk does not take it.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
+    except OSError as error:
+        raise SetupError(f"cannot make {path}: {error.strerror}; expected a place that takes folders") from None
 
 
 def jsonable(value: Any) -> Any:
@@ -149,4 +164,7 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        Path(output.json).write_text(text, encoding="utf-8")
+        try:
+            Path(output.json).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise SetupError(f"cannot write {output.json}: {error.strerror}; expected a writable file") from None
