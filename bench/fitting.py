@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 
@@ -68,21 +70,38 @@ def length_row() -> Row:
 
 
 _MEMORY = """
-import json, resource
-from bench.fitting import START, record
+import json, sys
+import numpy as np
+from bench.fitting import START
 from msd_ident.fit import fit
-peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-fit(START, record(3000))
-measured = record(1_000_000)
-before = peak()
-fit(START, measured)
-print(json.dumps({"before": before, "after": peak()}))
+from msd_ident.record import Record
+
+def held(key):
+    lines = open("/proc/self/status").read().splitlines()
+    return next(float(line.split()[1]) / 1024.0 for line in lines if line.startswith(key))
+
+def read(name):
+    kept = np.load(name)
+    return Record(time=kept[0], position=kept[1], force_time=kept[0], force=kept[2])
+
+fit(START, read(sys.argv[1]))
+long = read(sys.argv[2])
+open("/proc/self/clear_refs", "w").write("5")  # the peak starts anew
+before = held("VmRSS")
+fit(START, long)
+print(json.dumps({"before": before, "peak": held("VmHWM")}))
 """
 
 
 def memory_row() -> Row:
-    """Peak memory of a process that fits 1e6 samples, beyond what it held before the fit."""
-    done = subprocess.run([sys.executable, "-c", _MEMORY], capture_output=True, text=True, check=True)
+    """Peak memory of a process that fits 1e6 samples, beyond what it held before the fit (Linux only)."""
+    with tempfile.TemporaryDirectory() as folder:
+        names = []
+        for samples in (3000, 1_000_000):
+            measured = record(samples)
+            names.append(str(Path(folder) / f"{samples}.npy"))
+            np.save(names[-1], np.stack([measured.time, measured.position, measured.force]))
+        done = subprocess.run([sys.executable, "-c", _MEMORY, *names], capture_output=True, text=True, check=True)
     held = json.loads(done.stdout)
-    detail = f"peak of the whole process {held['after']:.0f} MB, {held['before']:.0f} MB before the fit"
-    return Row("memory of a fit of 1e6 samples", held["after"] - held["before"], "MB", must=300.0, detail=detail)
+    detail = f"peak of the whole process {held['peak']:.0f} MB, {held['before']:.0f} MB before the fit"
+    return Row("memory of a fit of 1e6 samples", held["peak"] - held["before"], "MB", must=300.0, detail=detail)
