@@ -41,6 +41,8 @@ blind: setup
 study: setup
 	@$(PY) bench/study_coverage.py && $(PY) bench/study_recovery.py
 
+# The compiled solver lies in the user's cache, for all checkouts.
 clean:
+	@rm -rf "$${XDG_CACHE_HOME:-$$HOME/.cache}/msd_ident"
 	@rm -rf .venv build install log dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	@find . -name __pycache__ -type d -not -path './.git/*' -prune -exec rm -rf {} +
