@@ -25,6 +25,8 @@ from msd_ident.record import FloatArray
 PRIOR_ODDS = 1.0 / 20.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
+#: Sets whose residuals tell how errors are correlated.
+_CLOSEST = 5
 
 
 @dataclass(frozen=True)
@@ -46,15 +48,19 @@ class Scale:
         return information * (self.independence / self.inflation)
 
 
-def scale_from(best: Fitted, readings: Sequence[Readings]) -> Scale:
-    """The scale that the best set's residual suggests."""
+def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings]) -> Scale:
+    """The scale that the residuals of the closest sets suggest.
+
+    How many pieces are independent is read off several of them: one may happen to leave nothing but a slow drift, and
+    would make the others' swings count for nothing.
+    """
+    closest = sorted(sets, key=lambda fitted: fitted.chi)[:_CLOSEST]
     pieces = sum(part.evidence for part in readings)
-    inflation = best.chi / pieces
-    share = independence(best.residuals(), readings)
+    inflation = closest[0].chi / pieces
     # A few per cent above the noise may be the noise floor's own error; beyond that the model is at fault.
     if inflation < 1.0 + 5.0 * math.sqrt(2.0 / pieces) + 0.05:
         return Scale(1.0, 1.0, pieces)
-    return Scale(inflation, share, pieces)
+    return Scale(inflation, max(independence(fitted.residuals(), readings) for fitted in closest), pieces)
 
 
 def independence(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> float:

@@ -100,8 +100,7 @@ class Search:
 
     def scale(self) -> Scale:
         """How likelihoods are to be read, by what the best set leaves."""
-        closest = min(self.sets.values(), key=lambda fitted: fitted.chi)
-        return scale_from(closest, self.experiment.readings)
+        return scale_from(list(self.sets.values()), self.experiment.readings)
 
     def ranking(self) -> Ranking:
         """All sets by evidence."""
