@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.fit import openness, uncertainty
-from msd_ident.fit.objective import SquaredError
+from msd_ident.fit.objective import SquaredError, gram
 from msd_ident.fit.posing import balanced
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.result import FitResult
@@ -33,9 +33,12 @@ class _Sandwich:
     effective: float
 
 
-def conclude(problem: Problem, outcome: Outcome, floor: float) -> FitResult:
-    """The result of a fit that ended at ``outcome``; ``floor`` is the records' noise floor."""
-    sums = _sandwich(problem, outcome)
+def conclude(problem: Problem, outcome: Outcome, floor: float, soft: float = 0.0) -> FitResult:
+    """The result of a fit that ended at ``outcome``.
+
+    ``floor`` is the records' noise floor, ``soft`` the residual [m] where soft-L1 loss takes over (0: plain squares).
+    """
+    sums = _sandwich(problem, outcome, soft)
     found, null = _open(problem, outcome.point, sums)
     if not _moves(problem, floor):
         found = [openness.motionless(problem.names[: len(problem.free)])]
@@ -77,27 +80,30 @@ def _finite(outcome: Outcome, residuals: tuple[FloatArray, ...]) -> bool:
     return bool(np.isfinite(outcome.cost)) and all(bool(np.all(np.isfinite(residual))) for residual in residuals)
 
 
-def _sandwich(problem: Problem, outcome: Outcome) -> _Sandwich:
+def _sandwich(problem: Problem, outcome: Outcome, soft: float) -> _Sandwich:
     point = outcome.point
     matrix = outcome.matrix if outcome.matrix is not None else SquaredError(problem).linearise(point).matrix
     steps = 10.0 * problem.steps(matrix)
     size = problem.size
     bread, meat, pinned = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
-    residuals, effective = [], 0.0
+    residuals, pulls, effective = [], [], 0.0
     for r, record in enumerate(problem.records):
         residual, jacobian = problem.central(point, r, steps)
         entries = np.ix_(problem.entries(r), problem.entries(r))
-        sensed = uncertainty.Sensed(residual, jacobian, residual + record.position, problem.encoder_steps[r])
-        bread[entries] += jacobian @ jacobian.T
+        weight = 1.0 / np.sqrt(1.0 + (residual / soft) ** 2) if soft > 0.0 else None
+        pull = residual if weight is None else weight * residual
+        sensed = uncertainty.Sensed(pull, jacobian, residual + record.position, problem.encoder_steps[r])
+        bread[entries] += gram(jacobian, None if weight is None else weight**3)  # the slope of the loss, not its weight
         found = uncertainty.evidence(sensed)
         meat[entries] += found.meat
         residual.setflags(write=False)
         residuals.append(residual)
+        pulls.append(pull)
         effective += found.effective_samples
     if problem.balances:
         fitted = problem.model.with_values(problem.values(point))
         resting = [balance.record for balance in problem.balances]
-        for balance in balanced(problem, fitted, see(residuals), resting).balances:
+        for balance in balanced(problem, fitted, see(pulls), resting).balances:
             _, slope = problem.imbalance(point, balance)
             bread += balance.weight * np.outer(slope, slope)
             meat += (balance.weight * balance.spread) ** 2 * np.outer(slope, slope)

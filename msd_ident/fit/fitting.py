@@ -59,9 +59,12 @@ def fit(
     floor = noise_floor(group)
     models = [model, *(_same_structure(model, other) for other in starts)]
     outcome = _near(problem, models, initial) if search == "near" else _wide(problem, models, floor)
-    if loss == "soft_l1":
-        outcome = robust(problem, outcome, _softness(problem, outcome, floor))
-    return conclude(problem, outcome, floor)
+    if loss == "linear":
+        return conclude(problem, outcome, floor)
+    for _ in range(2):  # the scale of the first round is still spoiled by what it is meant to keep out
+        softness = _softness(problem, outcome, floor)
+        outcome = robust(problem, outcome, softness)
+    return conclude(problem, outcome, floor, softness)
 
 
 def _same_structure(model: Model, other: Model) -> Model:

@@ -127,6 +127,11 @@ def test_wild_samples_do_not_pull_with_soft_loss() -> None:
     robust, plain = fit(wrong(DEMO), spoiled, loss="soft_l1"), fit(wrong(DEMO), spoiled)
     assert _off(robust, DEMO, "stiffness") < 0.2 * _off(plain, DEMO, "stiffness")
     assert _off(robust, DEMO, "mass") < 0.001
+    clean = fit(wrong(DEMO), record)
+    for name in DEMO.names:
+        quantity = robust.quantities[name]
+        assert abs(quantity.value - DEMO[name]) < 4.0 * quantity.std
+        assert quantity.std < 2.0 * clean.quantities[name].std, name
 
 
 def test_near_search_starts_where_it_is_told() -> None:
