@@ -156,9 +156,10 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
     liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
-    residual = parent.residuals()[liveliest]
+    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
+    seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
     for name in sorted(causes - parent.causes):
-        found = guesses(name, plant, experiment.records[liveliest], residual)
+        found = guesses(name, plant, seen, residual, part.noise)
         models = [model + guess for model in models for guess in found]
     return models
 

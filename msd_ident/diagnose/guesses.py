@@ -5,27 +5,34 @@ leaves.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from msd_ident.diagnose.missing import missing_force
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.record import FloatArray, Record
 
 _LINES = 4
 _RATES = 60
+_PITCHES = 160
+_PLACES = 1500
 
 
-def guesses(name: str, plant: Model, record: Record, residual: FloatArray) -> tuple[Effect, ...]:
+def guesses(name: str, plant: Model, record: Record, residual: FloatArray, noise: float) -> tuple[Effect, ...]:
     """Starting values of an effect.
 
     Args:
         name: of the effect.
         plant: mass, damping and stiffness of the fitted model.
-        record: the liveliest record, and ``residual`` (n,), model − data [m], of the fitted model there.
+        record: the liveliest record, positions from the relaxed spring.
+        residual: (n,) model − data [m] of the fitted model there.
+        noise: standard deviation of a reading [m].
     """
     found = by_name(name).guess(record, plant)
     if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
@@ -33,7 +40,41 @@ def guesses(name: str, plant: Model, record: Record, residual: FloatArray) -> tu
         found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
     if name == "periodic_disturbance":
         found = lines(record, plant, residual) + found[:1]
+    if name == "cogging":
+        found = ripples(record, plant, residual, noise) + found[:1]
     return found
+
+
+def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> tuple[Effect, ...]:
+    """Cogging at the pitches that explain most of the force which the fitted model lacks.
+
+    That force is smoothed from the residual, and taken clean of what mass, spring, damper, friction and offset could
+    still take up. One regression on sine and cosine for each pitch.
+    """
+    error = replace(record, position=-residual, force=np.zeros(record.force.size))
+    lacking = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
+    keep = slice(None, None, max(1, record.samples // _PLACES))
+    x, force = record.position[keep], lacking[keep]
+    velocity = np.gradient(record.position, record.time)[keep]
+    common = np.column_stack([np.ones(x.size), x, velocity, np.sign(velocity)])
+    frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
+    force = force - frame @ (frame.T @ force)
+    span = float(np.ptp(x))
+    pitches = np.geomspace(0.02 * span, 2.0 * span, _PITCHES)
+    angle = np.outer(2.0 * np.pi / pitches, x)
+    pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    pair -= (pair @ frame) @ frame.T
+    gram = np.einsum("pix,pjx->pij", pair, pair) + 1e-9 * x.size * np.eye(2)
+    right = pair @ force
+    solution = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
+    gain = np.einsum("pi,pi->p", solution, right)
+    padded = np.concatenate(([-np.inf], gain, [-np.inf]))
+    peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
+    best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
+    return tuple(
+        Cogging(max(float(np.hypot(*solution[i])), 1e-12), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
+        for i in best
+    )
 
 
 def lines(record: Record, plant: Model, residual: FloatArray) -> tuple[Effect, ...]:
