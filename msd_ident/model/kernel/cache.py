@@ -75,7 +75,9 @@ def folder() -> Path:
 
 
 def compiled(module: ModuleType) -> bool:
-    """Whether numba's cache already holds code of the entry module."""
+    """Whether numba's cache already holds code of the entry module, or none is wanted (NUMBA_DISABLE_JIT)."""
+    if not hasattr(module.run, "_cache"):
+        return True
     return any(Path(module.run._cache.cache_path).glob("msd_solver_entry.run*.nbc"))
 
 

@@ -16,26 +16,29 @@ from msd_ident.model.kernel.rk import forces_at, step5, step_to
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
-#: A correction this small, in parts of the step, is the last: the error after it is of its square.
-_SETTLED = 1e-9
+#: A correction this small, in parts of the step, is left out: far below the error of the step itself.
+_SETTLED = 1e-8
 
 
 @lean
 def turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k):
-    """Length of the step in (0, h] that ends with v = 0, given the end (v1, a1) of the step h beyond it."""
+    """The step of length in (0, h] that ends with v = 0, given the end (v1, a1) of the step h beyond it.
+
+    Returns (length, x, v, a, y, u, c), v up to what is left of the search.
+    """
     low, high = 0.0, h
     tau = _cubic_root(h, s * v, s * a, s * v1, s * a1)
     for _ in range(_SEARCHES):
-        _, vt, at, _, _, _, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
+        xt, vt, at, yt, ut, ct, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
         if s * vt > 0.0:
             low = tau
         else:
             high = tau
         new = tau - vt / at if s * at < 0.0 else 0.5 * (low + high)
         if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
-            return min(max(new, 0.0), h)
+            break
         tau = new if low < new < high else 0.5 * (low + high)
-    return tau
+    return tau, xt, vt, at, yt, ut, ct
 
 
 @lean
@@ -71,22 +74,26 @@ def slowest(h, v0, a0, v1, a1):
 
 @lean
 def knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k):
-    """Length of the step in [0, h] that ends with x = edge, which the step h passes."""
+    """The step of length in [0, h] that ends with x = edge, which the step h passes; returned as by ``turn``."""
     low, high = 0.0, h
     if s * (x - edge) >= 0.0:
-        return 0.0
-    tau = h * (edge - x) / (x1 - x)
+        return 0.0, x, v, a, y, u, c
+    # First guess: the parabola through both ends with the velocity at the first.
+    bend = (x1 - x - v * h) / (h * h)
+    tau = 2.0 * (edge - x) / (v + s * math.sqrt(max(v * v + 4.0 * bend * (edge - x), 0.0)))
+    if not low < tau < high:
+        tau = h * (edge - x) / (x1 - x)
     for _ in range(_SEARCHES):
-        xt, vt, _, _, _, _, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
+        xt, vt, at, yt, ut, ct, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
         if s * (xt - edge) < 0.0:
             low = tau
         else:
             high = tau
         new = tau - (xt - edge) / vt if s * vt > 0.0 else 0.5 * (low + high)
         if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
-            return min(max(new, 0.0), h)
+            break
         tau = new if low < new < high else 0.5 * (low + high)
-    return tau
+    return tau, xt, vt, at, yt, ut, ct
 
 
 @lean

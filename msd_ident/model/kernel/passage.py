@@ -79,21 +79,22 @@ def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, en
     event = _NONE
     if v == 0.0 and not s * v1 > 0.0:
         return _AGAIN, h, x1, v1, a1, y1, u1, c1
+    edge = high if s > 0.0 else low
+    beyond = s * (x1 - edge) > 0.0
     if s * v1 > 0.0 and s * a < 0.0 and s * a1 > 0.0:
         dip = slowest(h, s * v, s * a, s * v1, s * a1)
         x2, v2, a2, y2, u2, c2, _, _ = step_to(fifth, world, p, w, place, drive, s, t, dip, x, v, a, y, u, c, k)
         if s * v2 <= 0.0:
             h, x1, v1, a1, y1, u1, c1 = dip, x2, v2, a2, y2, u2, c2
-    if not s * v1 > 0.0:
+            beyond = s * (x1 - edge) > 0.0
+    if not (s * v1 > 0.0 or beyond):
         event = _TURN
-        h = turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k)
-        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
+        h, x1, v1, a1, y1, u1, c1 = turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k)
         v1 = 0.0
-    edge = high if s > 0.0 else low
-    if s * (x1 - edge) > 0.0:
+        beyond = s * (x1 - edge) > 0.0
+    if beyond:
         event = _KNEE
-        h = knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k)
-        x1, v1, a1, y1, u1, c1, _, _ = step_to(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
+        h, x1, v1, a1, y1, u1, c1 = knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k)
         x1 = edge
         if not s * v1 > 0.0:
             v1 = 0.0
@@ -121,8 +122,8 @@ def _adapt(fifth, h, error, longest4, longest5):
         return (longest4, shorter) if fifth else (shorter, longest5)
     if fifth:
         longest4 *= RETRY
-        if error < 0.1 and longest5 < 2.0 * h:
-            longest5 = 1.5 * h
+        if error < 0.02:
+            longest5 = max(longest5, 2.0 * h)
     return longest4, longest5
 
 
