@@ -114,10 +114,12 @@ link_share() {
 }
 
 set_up() {
-    local packages interfaces python
+    local packages interfaces solver python
     packages=$( (echo "$ROOT $LOCK"; cat setup.py setup.cfg package.xml requirements/*.txt) | inputs -)
     interfaces=$( (echo "$ROOT $LOCK"; cat requirements/*.txt; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
-    if done_with packages "$packages" && done_with interfaces "$interfaces" && [ -x "$VENV/bin/msd" ]; then
+    solver=$( (echo "$packages"; find msd_ident/model -name '*.py' | LC_ALL=C sort | xargs cat) | inputs -)
+    if done_with packages "$packages" && done_with interfaces "$interfaces" && done_with solver "$solver" &&
+        [ -x "$VENV/bin/msd" ]; then
         link_share  # files may be new
         return
     fi
@@ -137,6 +139,11 @@ set_up() {
         say "building msd_interfaces (about half a minute)"
         build_interfaces
         mark interfaces "$interfaces"
+    fi
+    if ! done_with solver "$solver"; then
+        # Once for this user; without it the first fit compiles.
+        "$VENV/bin/python" -c 'from msd_ident.model import warm_up; warm_up()'
+        mark solver "$solver"
     fi
     say "done"
 }
