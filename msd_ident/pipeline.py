@@ -181,8 +181,8 @@ def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
     if not _forceless(records):
         return ()
     return (
-        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: "
-        "the numbers are those of 1 kg of moving mass; push with a known force, or weigh the moving mass, to know them all.",
+        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: the numbers are "
+        "those of 1 kg of moving mass; push with a known force, or weigh the moving mass, to know them all.",
     )
 
 

@@ -88,7 +88,7 @@ def _changed(path: Path, target: Path, change: str) -> Path:
     ("change", "words"),
     [
         ("five samples", "5 position samples; expected at least 20"),
-        ("nan", "not finite"),
+        ("nan", "expected a finite number"),
         ("constant", "never"),
         ("backwards", "backwards"),
     ],
