@@ -172,7 +172,7 @@ KNOWN = (
         "A sin(2 pi x / p + phi)",
         (
             _p("cogging_amplitude", "N", 0.3, "A", lower=0.0),
-            _p("cogging_pitch", "m", 0.01, "p", lower=1e-9),
+            _p("cogging_pitch", "m", 0.01, "p", lower=1e-5),
             _p("cogging_phase", "rad", 0.0, "phi"),
         ),
     ),
@@ -214,7 +214,7 @@ ODD = (
         (
             _coulomb("eccentric_coulomb", 0.3),
             _p("eccentric_ratio", "", 0.8, "a", lower=-1.0, upper=1.0),
-            _p("eccentric_pitch", "m", 0.008, "p", lower=1e-6),
+            _p("eccentric_pitch", "m", 0.008, "p", lower=1e-5),
         ),
         dry_friction=True,
     ),
@@ -232,7 +232,7 @@ ODD = (
         (
             _p("magnet_strength", "N m^2", 1e-3, "C", lower=0.0),
             _p("magnet_position", "m", 0.04, "d"),
-            _p("magnet_gap", "m", 0.003, "closest approach g of the poles", lower=1e-6),
+            _p("magnet_gap", "m", 0.003, "closest approach g of the poles", lower=1e-5),
         ),
     ),
     RigEffect(

@@ -26,7 +26,8 @@ from scipy.integrate import DOP853
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Truth as the compiled code sees it; an absent effect has strength 0. Meaning and units: ``effects.py``.
+#: Truth as the compiled code sees it; an absent effect has strength 0. Meaning and units: ``effects.py``. No step may
+#: go further than ``longest_move`` [m] or take longer than ``longest_step`` [s], lest it leaps over a force unseen.
 _NAMES = [
     *("mass", "damping", "stiffness", "coulomb_force", "static_force"),
     *("stribeck_coulomb", "stribeck_static", "stribeck_velocity", "position_coulomb", "position_slope"),
@@ -37,7 +38,7 @@ _NAMES = [
     *("cogging_amplitude", "cogging_pitch", "cogging_phase", "stiffness_drift_rate"),
     *("second_mass", "second_stiffness", "second_damping", "creep_stiffness", "creep_time"),
     *("dropped_mass", "drop_time", "magnet_strength", "magnet_position", "magnet_gap"),
-    *("cable_damping", "cable_start", "cable_end"),
+    *("cable_damping", "cable_start", "cable_end", "longest_move", "longest_step"),
 ]
 PARAMETERS = np.dtype([(name, np.float64) for name in _NAMES])
 _FLOATS = ["t", "step", "direction", "x_side", "t_side", "anchor_x", "anchor_z"]
@@ -47,6 +48,8 @@ MODE = np.dtype([(name, np.float64) for name in _FLOATS] + [(name, np.int64) for
 TOLERANCE = 1e-12
 SHORTEST_STEP = 1e-13
 MOST_IDLE_EVENTS = 1000
+#: Beyond this the cart has left the laboratory [m].
+FARTHEST = 1e4
 RUNS_AWAY, CHATTERS = 1, 2
 
 _STAGES, _STATES = 12, 5
@@ -220,19 +223,24 @@ def _trial(w: World, h: float) -> None:
 
 @njit(cache=True)
 def _error(w: World, h: float) -> float:
-    """Error of the trial step in units of what is allowed (<= 1: accept); DOP853's blend of two estimates."""
+    """Error of the trial step in units of what is allowed (<= 1: accept): DOP853's blend of two estimates.
+
+    It grows as h^8, and so does what it makes of a step that goes too far.
+    """
+    leap = (abs(w.out[0] - w.y[0]) / w.p.longest_move) ** 8
     fifth = third = 0.0
     for i in range(_STATES):
         e3 = e5 = 0.0
         for j in range(_STAGES + 1):
             e3 += _E3[j] * w.k[j, i]
             e5 += _E5[j] * w.k[j, i]
-        scale = TOLERANCE * max(w.reach[i], abs(w.out[i])) + 1e-300
+        scale = TOLERANCE * max(w.reach[i], abs(w.out[i])) + 1e-150
         third += (e3 / scale) ** 2
         fifth += (e5 / scale) ** 2
     if fifth == 0.0:
-        return 0.0
-    return h * fifth / math.sqrt((fifth + 0.01 * third) * _STATES)
+        return float(leap)
+    blend = h * fifth / math.sqrt((fifth + 0.01 * third) * _STATES)
+    return float(leap if blend < leap else blend)  # NaN stays NaN
 
 
 @njit(cache=True)
@@ -300,7 +308,7 @@ def _accept(w: World, h: float, end: float) -> None:
 def _controlled(w: World, end: float) -> float:
     """Try the longest step towards ``end`` within the tolerance; returns its length, or -1 when there is none."""
     m = w.m
-    h = min(m.step, end - m.t)
+    h = min(m.step, end - m.t, w.p.longest_step)
     while m.step >= SHORTEST_STEP:
         _trial(w, h)
         error = _error(w, h)
@@ -357,16 +365,14 @@ def _stick(w: World, end: float) -> int:
     if abs(other_forces(w, w.m.t, w.y)) > _static_friction(w.p, w.m, w.m.t, w.y[0]):
         _settle(w)
         return 0
-    if w.p.disturbance_amplitude != 0.0:
-        end = min(end, w.m.t + 1.0 / max(w.p.disturbance_frequency, 1e-9))
     h = _controlled(w, end)
     if h < 0.0:
         return RUNS_AWAY
     leaves = _breakaway(w, h)
     _trial(w, h if leaves < 0.0 else leaves)
     _accept(w, h if leaves < 0.0 else leaves, end)
-    if leaves >= 0.0:
-        _settle(w)
+    if leaves >= 0.0:  # whatever rounding makes of a push that equals the friction now
+        w.m.direction = math.copysign(1.0, other_forces(w, w.m.t, w.y))
     return 0
 
 
@@ -431,6 +437,10 @@ def _slide(w: World, end: float) -> int:
     if crosses:
         h = _locate(w, _EDGE, edge, 0.0, w.y[0] - edge, h, w.out[0] - edge)
         _trial(w, h)
+    if (crosses or reversal >= 0.0) and not _error(w, h) <= 1.0:  # its end first shows the force near rest; or NaN
+        m.step = 0.5 * h
+        return 0
+    if crosses:
         w.out[0] = edge
         m.zone += int(d)
     elif reversal >= 0.0:
@@ -472,6 +482,8 @@ def _advance(w: World, until: float) -> int:
         idle = 0 if w.m.t > before else idle + 1
         if idle > MOST_IDLE_EVENTS:
             return CHATTERS
+        if abs(w.y[0]) > FARTHEST:
+            return RUNS_AWAY
         end = _next_break(w, until)
     return 0
 

@@ -87,7 +87,15 @@ class Truth:
                 if parameter.slot in (dtype.names or ()):
                     array[parameter.slot] = values[parameter.name]
         array["static_force"] = max(array["static_force"][0], array["coulomb_force"][0])
+        array["longest_move"], array["longest_step"] = self._finest()
         return array
+
+    def _finest(self) -> tuple[float, float]:
+        """A fraction of the shortest length [m] and of the shortest time [s] over which a force rises and falls."""
+        lengths = (("magnet", "magnet_gap"), ("cogging", "cogging_pitch"), ("eccentric_friction", "eccentric_pitch"))
+        finest = min((self.value(effect, length, math.inf) for effect, length in lengths), default=math.inf)
+        turns = self.value("periodic_disturbance", "disturbance_frequency")
+        return 0.5 * finest, 1.0 / turns if turns > 0.0 else math.inf
 
     def edges(self) -> FloatArray:
         """Positions at which a force changes its form [m], rising."""

@@ -34,6 +34,34 @@ def test_sampling_does_not_change_the_motion(name):
     assert np.abs(fine.motion.position[::16] - coarse.motion.position).max() < 1e-11
 
 
+NARROW = {
+    "friction that rises within 0.7 mm/s": {
+        "stribeck_friction": {"coulomb_force": 0.06, "static_force": 0.6, "stribeck_velocity": 0.0007}
+    },
+    "a magnet a third of a millimetre wide": {
+        "magnet": {"magnet_strength": 1e-5, "magnet_position": 0.009, "magnet_gap": 0.0003}
+    },
+    "teeth of half a millimetre": {"cogging": {"cogging_amplitude": 0.5, "cogging_pitch": 5e-4}},
+    "a disturbance faster than the samples": {
+        "coulomb_friction": {"coulomb_force": 0.3},
+        "periodic_disturbance": {"disturbance_amplitude": 0.4, "disturbance_frequency": 900.0},
+    },
+}
+
+
+@pytest.mark.parametrize("worn", NARROW.values(), ids=NARROW)
+def test_no_force_is_leapt_over(worn):
+    spec = PLANT | {"effects": worn, "force_time": FORCE_TIME, "force": FORCE, "initial_velocity": -0.1}
+    fine, coarse = (simulate(spec | {"time": np.arange(0.0, 1.0, step)}).motion.position for step in (5e-5, 0.02))
+    assert np.abs(fine[::400] - coarse).max() < 1e-10
+
+
+def test_everything_wrong_at_once():
+    sweep = {"name": "sweep", "duration": 6.0}
+    seen = simulate(PLANT | {"effects": dict.fromkeys(e.name for e in effects.KNOWN), "experiment": sweep})
+    assert np.isfinite(seen.position).all() and 1e-3 < np.ptp(seen.motion.position) < 0.1
+
+
 @pytest.mark.parametrize("name", sorted(effects.ALL.keys() - LOPSIDED))
 def test_the_mirrored_force_gives_the_mirrored_motion(name):
     there, back = moves([name]), moves([name], sign=-1.0)
