@@ -46,7 +46,8 @@ class Search:
         experiment: the data.
         sets: all sets fitted, by their causes.
         at_floor: tells whether a fitted set leaves nothing but noise: then nothing is added to it.
-        progress: told about each set.
+        progress: told about each set; ``told`` is the fraction that it last heard.
+        tried, pruned: sets that need no fit, and leaders that need no second look, any more.
     """
 
     experiment: Experiment
@@ -55,6 +56,7 @@ class Search:
     sets: dict[Causes, Fitted] = field(default_factory=dict)
     tried: set[Causes] = field(default_factory=set)
     pruned: set[Causes] = field(default_factory=set)
+    told: float = 0.0
 
     def run(self, base: Fitted, known: Sequence[Fitted] = ()) -> Ranking:
         """Search from the base model and from sets that are fitted already."""
@@ -148,7 +150,8 @@ class Search:
                 for done, job in enumerate(as_completed(jobs), start=1):
                     results[jobs[job]] = job.result()
                     fraction = share[0] + (share[1] - share[0]) * done / len(tasks)
-                    self.progress("search", fraction, _named(tasks[jobs[job]]))
+                    self.told = max(self.told, fraction)  # a bar that runs backwards tells nobody anything
+                    self.progress("search", self.told, _named(tasks[jobs[job]]))
             except BaseException:
                 pool.shutdown(wait=True, cancel_futures=True)
                 raise
