@@ -51,13 +51,21 @@ def diagnose(
     if report is not None:
         run.check_target(report, overwrite)
 
+    done: list[Diagnosis] = []
+
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
         def tell(stage: str, fraction: float, cause: str) -> None:
             progress(f"{stage}: {cause}" if cause else stage, fraction)
 
-        return pipeline.diagnose(records, options, tell)
+        done.append(pipeline.diagnose(records, options, tell))
+        return done[-1]
 
     def show(found: Diagnosis, console: Console) -> None:
         tables.print_diagnosis(found, console)
 
-    return run.work(paths, source, together, output, solve, show)
+    code = run.work(paths, source, together, output, solve, show)
+    if report is not None and done:
+        from msd_ident.report import page
+
+        page.save(done, report)
+    return code

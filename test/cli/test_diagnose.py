@@ -30,9 +30,7 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
     return command.main()
 
 
-def test_words_and_tables(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_words_and_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path / "rubbing.csv", effects={"coulomb_friction": {"coulomb_force": 0.2}})
     assert run(monkeypatch, path) == 0
     shown = capsys.readouterr().out
@@ -75,3 +73,13 @@ def test_nothing_is_overwritten(
     assert target.read_text() == "kept"
     assert run(monkeypatch, path, "--json", target, "--quiet", "--overwrite") == 0
     assert json.loads(target.read_text())["verdict"] == "adequate"
+
+
+def test_a_report_is_one_page_with_the_words_and_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = written(tmp_path / "clean.csv")
+    page = tmp_path / "report.html"
+    assert run(monkeypatch, path, "--report", page, "--quiet") == 0
+    text = page.read_text(encoding="utf-8")
+    assert "Mass, damping and stiffness are enough" in text
+    assert "data:image/png;base64," in text
+    assert run(monkeypatch, path, "--report", page, "--quiet") == 2
