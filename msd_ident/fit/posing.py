@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from msd_ident import quality
 from msd_ident.errors import UsageError
 from msd_ident.fit.objective import SquaredError
 from msd_ident.fit.problem import Balance, Initial, Nuisance, Problem, build
@@ -55,9 +56,10 @@ def pose(
         raise UsageError("every parameter is fixed; expected at least one to fit")
     resting = [r for r, record in enumerate(records) if starts_unpushed(record, at_rest[r])]
     problem = build(model, records, kept, tuple(nuisances))
-    return (
-        problem if zero == "known" or springless else balanced(problem, model, 1e-4 * problem.typical.length, resting)
-    )
+    if zero == "known" or springless or not resting:
+        return problem
+    floors = [floor for floor in (quality.noise_floor(records[r]) for r in resting) if floor > 0.0]
+    return balanced(problem, model, max([*floors, 1e-4 * problem.typical.length]), resting)
 
 
 def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int]) -> Problem:
@@ -79,8 +81,10 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
     early = record.force_time[pushes[0]] <= record.time[0] + record.period
     count = max(4, min(record.samples // 500, 40))
     _, velocity = starting_state(record, count)
-    reach = float(np.ptp(record.position))
-    return early and abs(velocity) * float(record.time[count - 1] - record.time[0]) < 0.002 * reach
+    span = float(record.time[count - 1] - record.time[0])
+    noise = float(np.std(np.diff(record.position[: 5 * count], 2))) / math.sqrt(6.0)
+    uncertain = 14.0 * noise / math.sqrt(count)  # of a parabola's slope at its end, times its span
+    return early and abs(velocity) * span < 0.002 * float(np.ptp(record.position)) + 3.0 * uncertain
 
 
 def starts_at_rest(record: Record) -> bool:

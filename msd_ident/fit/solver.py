@@ -10,7 +10,7 @@ References: Marquardt 1963 (scaling by the diagonal); Nielsen, IMM-REP-1999-05 (
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -68,6 +68,8 @@ class Limits:
 
 _DAMPING_START = 1e-4
 _DAMPING_END = 1e10
+#: Eigenvalue of the unit-diagonal matrix below which nothing is told.
+_UNTOLD = 1e-10
 _NO_STEP = "Converged: no step would lower the error."
 _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."
@@ -80,23 +82,49 @@ def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome
     damping, growth = _DAMPING_START, 2.0
     for iteration in range(1, limits.iterations + 1):
         step = _step(normal, damping, point, limits)
-        gain_expected = -float(normal.gradient @ step) - 0.5 * float(step @ normal.matrix @ step)
-        if gain_expected <= limits.cost_tolerance * 1e-2 * normal.cost:
-            return Outcome(point, normal.cost, iteration, True, _NO_STEP, normal.matrix)
+        expected = _expected_gain(normal, step)
+        if expected <= limits.cost_tolerance * 1e-2 * normal.cost:
+            return _release(objective, normal, Outcome(point, normal.cost, iteration, True, _NO_STEP), limits)
         cost = objective.cost(point + step)
         gain = normal.cost - cost
         if not gain > 0.0:
             damping, growth = damping * growth, growth * 2.0
             if damping > _DAMPING_END or _small(step, point, limits):
-                return Outcome(point, normal.cost, iteration, True, _NO_SMALLER, normal.matrix)
+                return _release(objective, normal, Outcome(point, normal.cost, iteration, True, _NO_SMALLER), limits)
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
+        done = done or _small(step, point, limits)
         point = point + step
-        damping, growth = damping * max(1.0 / 10.0, 1.0 - (2.0 * gain / gain_expected - 1.0) ** 3), 2.0
-        if done or _small(step, point, limits):
-            return Outcome(point, cost, iteration, True, _SETTLED, normal.matrix)
+        damping, growth = damping * max(1.0 / 10.0, 1.0 - (2.0 * gain / expected - 1.0) ** 3), 2.0
+        if done:
+            normal = Normal(cost, normal.gradient + normal.matrix @ step, normal.matrix)
+            return _release(objective, normal, Outcome(point, cost, iteration, True, _SETTLED), limits)
         normal = objective.linearise(point)
     return Outcome(point, normal.cost, limits.iterations, False, _not_settled(limits), normal.matrix)
+
+
+def _expected_gain(normal: Normal, step: FloatArray) -> float:
+    return -float(normal.gradient @ step) - 0.5 * float(step @ normal.matrix @ step)
+
+
+def _release(objective: Objective, normal: Normal, outcome: Outcome, limits: Limits) -> Outcome:
+    """The outcome after one undamped step.
+
+    Damping holds back along directions that the data tells faintly, such as the scale of a single step; the last step
+    is free of it. Directions that the data does not tell at all are left alone.
+    """
+    diagonal = np.diag(normal.matrix)
+    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    values, vectors = np.linalg.eigh(normal.matrix / np.outer(size, size))
+    told = vectors[:, values > _UNTOLD * max(float(values[-1]), 1e-300)] / size[:, None]
+    strength = values[values > _UNTOLD * max(float(values[-1]), 1e-300)]
+    step = -told @ ((told.T @ normal.gradient) / strength)
+    step = np.clip(outcome.point + step, limits.lower, limits.upper) - outcome.point
+    if _expected_gain(normal, step) > limits.cost_tolerance * normal.cost:
+        cost = objective.cost(outcome.point + step)
+        if cost < outcome.cost:
+            return replace(outcome, point=outcome.point + step, cost=cost, matrix=normal.matrix)
+    return replace(outcome, matrix=normal.matrix)
 
 
 def _not_settled(limits: Limits) -> str:

@@ -73,7 +73,7 @@ class Regression:
 def candidates(records: tuple[Record, ...], regression: Regression) -> list[Start]:
     """One start for each bump width that the records allow; empty when the regression has nothing to say."""
     shortest = min(record.samples for record in records)
-    steady = regression.zero_free and all(float(np.ptp(record.force_at(record.time))) == 0.0 for record in records)
+    steady = regression.zero_free and all(_steady(record) for record in records)
     # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
     held = [steady and relaxed for relaxed in regression.relaxed]
     levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
@@ -92,6 +92,11 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
         shared = {name: values.get(name, value) for name, value in regression.given.items()}
         found.append(Start(shared, initial))
     return found
+
+
+def _steady(record: Record) -> bool:
+    """Whether one constant force acts but for the first fiftieth of the record."""
+    return float(np.ptp(record.force_at(record.time[record.samples // 50 + 2 :]))) == 0.0
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,19 @@ def test_a_single_step_from_rest_is_scaled_by_its_rest() -> None:
     assert squared.std / squared.value < 0.1 * held
 
 
+@pytest.mark.parametrize(
+    ("start", "noise", "seed"), [(0.0, 2e-5, 1), (0.001, 2e-5, 2), (0.001, 2e-5, 3), (0.2, 1e-4, 4)]
+)
+def test_a_single_noisy_step_recovers_the_scale(start: float, noise: float, seed: int) -> None:
+    experiment = {"name": "step", "hold": 2.0, "start": start}
+    record = measured(DEMO, experiment, zero=-0.01, rate=1000.0, encoder={"noise": noise}, seed=seed)
+    result = fit(wrong(DEMO), record)
+    assert result.open_directions == ()
+    for name in ("mass", "damping", "stiffness"):
+        quantity = result.quantities[name]
+        assert abs(quantity.value - DEMO[name]) < 2.0 * quantity.std < 0.04 * quantity.value, name
+
+
 def test_derived_static_gain_has_an_interval() -> None:
     result = fit(wrong(DEMO), demo_record(encoder=ENCODER))
     gain = result.derived(lambda p: 1.0 / p["stiffness"], "m/N")
