@@ -79,7 +79,8 @@ class Outcome:
 def write(draw: lottery.Draw, path: Path) -> None:
     """Run the rig and write its record as CSV, as a lab would."""
     made = api.simulate(draw.spec)
-    place = np.searchsorted(made.force_time, made.time, side="right") - 1
+    # A step on a tick acts from this very sample on, whichever way the last digit of its stamp was rounded.
+    place = np.searchsorted(made.force_time, made.time + 1e-9, side="right") - 1
     force = np.where(place < 0, 0.0, made.force[np.maximum(place, 0)])
     table = np.stack([made.time, force, made.position], axis=1)
     np.savetxt(path, table, delimiter=",", header="time_s,force_n,position_m", comments="", fmt="%.12g")

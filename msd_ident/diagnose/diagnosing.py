@@ -30,6 +30,8 @@ from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 
 _RIVALS = 8
+#: Samples that a search uses, and sets that are refined on all samples afterwards.
+_MOST_SAMPLES, _LEADERS = 9000, 8
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -134,10 +136,23 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
 
 
 def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress) -> Ranking:
-    def at_floor(fitted: Fitted) -> bool:
-        return judge(fitted.residuals(), experiment.readings).consistent
+    """All sets by evidence; a long record is searched on every few samples, and what leads is refined on all."""
+    thin = experiment.thinned(_MOST_SAMPLES)
+    whole = all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True))
+    data = experiment if whole else thin
 
-    return Search(experiment, at_floor, progress).run(known[0], known[1:])
+    def at_floor(fitted: Fitted) -> bool:
+        return judge(fitted.residuals(), data.readings).consistent
+
+    start = known if whole else tuple(refine(data, one.causes, one.model, one.initial) for one in known)
+    ranking = Search(data, at_floor, progress).run(start[0], start[1:])
+    if whole:
+        return ranking
+    sets = {one.causes: one for one in known}
+    for fitted in ranking.sets[:_LEADERS]:
+        if fitted.causes not in sets:
+            sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
+    return evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
 
 
 def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:

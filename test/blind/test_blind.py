@@ -7,10 +7,13 @@ is ``make blind``.
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
-from bench.blind.cases import Case, Outcome, run
+from bench.blind.cases import Case, Outcome, run, write
+from msd_ident import pipeline
+from msd_ident.bag import SourceOptions, read
 from msd_sim import lottery
 
 #: Where the truth without the hidden effect leaves this many noise floors, the effect is there to be found.
@@ -70,3 +73,29 @@ def test_what_the_library_lacks_gets_no_confident_name(case: Case) -> None:
     assert found.base_floors > VISIBLE
     assert found.verdict == "unexplained"
     assert found.extended_floors > 2.0
+
+
+@pytest.mark.parametrize(
+    ("hidden", "strength", "seed"),
+    [
+        ("sensor_drift", {"sensor_drift_rate": 0.004}, 1),
+        ("force_offset", {"offset_force": 0.05}, 2),
+        ("force_offset", {"offset_force": -0.08}, 3),
+    ],
+)
+def test_what_the_record_cannot_separate_stands_together(
+    tmp_path: Path, hidden: str, strength: dict[str, float], seed: int
+) -> None:
+    """On a plain axis with viscous friction a constant force and a drifting sensor are one and the same motion."""
+    spec = {
+        "mass": 1.0, "damping": 4.0, "stiffness": 0.0, "friction_coefficient": 0.0, "effects": {hidden: strength},
+        "encoder": {"counts_per_metre": 20000.0, "noise": 1e-5}, "rate": 250.0, "seed": seed,
+        "experiment": {"name": "steps", "force": 3.0, "hold": 0.4},
+    }  # fmt: skip
+    write(lottery.Draw(seed, spec, hidden, False, "steps", 2e-5), tmp_path / "record.csv")
+    plain = pipeline.Options(model="no_spring")
+    found = pipeline.diagnose([read(tmp_path / "record.csv", SourceOptions())], plain)
+    assert found.verdict == "ambiguous"
+    (cause,) = found.causes
+    assert {cause.name, *cause.tied_with} == {"sensor_drift", "force_offset"}
+    assert 0.2 < cause.probability < 0.8

@@ -38,3 +38,16 @@ def test_the_released_cart_rubs_and_the_hand_is_cut_off(shared_data: Path) -> No
     assert found.causes[0].name in DRY
     assert any("left out" in sentence and "by hand" in sentence for sentence in found.warnings)
     assert any("only as ratios" in sentence for sentence in found.warnings)
+
+
+@pytest.mark.timeout(900)  # 25 000 samples, and every one of them with a force of its own
+def test_the_drive_rubs_and_has_an_offset(shared_data: Path) -> None:
+    """EMPS: dry friction and an offset, which is the same as friction that differs between directions."""
+    found = pipeline.diagnose([read(shared_data / "emps" / "emps_train.csv", SourceOptions())])
+    assert found.verdict != "adequate"
+    assert {"coulomb_friction", "force_offset"} <= {cause.name for cause in found.causes}
+    assert any("asymmetric friction" in sentence for sentence in found.warnings)
+    assert found.heldout.interval_percent[0] > 50.0
+    assert found.extended.see < 2.6e-3
+    for name, published in (("mass", 95.1089), ("damping", 203.5034), ("coulomb_force", 20.3935)):
+        assert found.extended.quantities[name].value == pytest.approx(published, rel=0.15)
