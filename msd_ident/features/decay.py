@@ -112,5 +112,5 @@ def _let_go(height: FloatArray, floor: float) -> int | None:
 def _speed(time: FloatArray, height: FloatArray, at: int) -> float:
     """Speed towards the middle at a sample, by a straight line through its neighbours."""
     reach = max(2, min(at, height.size - 1 - at, 5))
-    window = slice(max(at - reach, 0), at + reach + 1)
+    window = slice(max(at - reach, 0), min(at + reach + 1, height.size))
     return -float(np.polynomial.polynomial.polyfit(time[window] - time[at], height[window], 1)[1])

@@ -194,3 +194,12 @@ def test_measured_release_begins_after_the_hand_pull(shared_data: Path) -> None:
 def test_measured_closed_loop_axis_has_no_step_response(shared_data: Path) -> None:
     found = extract(read(shared_data / "emps/emps_train.csv", SourceOptions()))
     assert found.kind == "none" and "a step response does not apply" in found.route
+
+
+@pytest.mark.parametrize("force", [FORCE, 0.0])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_twenty_slow_samples_are_read_or_declined_in_words(force: float, backwards: bool) -> None:
+    time = np.arange(20) * 0.04
+    position = GAIN * FORCE * unit_step_response(time, FREQUENCY, 0.0769)
+    found = extract(from_samples(time, np.full(20, force), position[::-1] if backwards else position))
+    assert found.kind in ("step", "free_decay", "none") and found.route
