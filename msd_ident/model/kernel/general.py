@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.compiled import give_up, inlined, lean, making
+from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
 from msd_ident.model.kernel.passage import RETRY, calm, needs_fifth, passage, place_of
 from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
@@ -76,7 +76,7 @@ def _cruise(
     return j, x, v, a, y, u, c, before, longest4
 
 
-@lean
+@joined
 def _begin(world, p, w, edges, springs, drive, eventful, x, v):
     """(direction, piece of the spring, acceleration) of the first instant; at rest until a force says otherwise."""
     laws.remember(world[0], p, w, x, 0.0)
@@ -114,12 +114,12 @@ def general(
     out_x[0] = x
     if keep:
         out_v[0] = v
-    drive = _drive(start, level, slope, transient, decay, 0)
+    j = 0 * length.size  # not the constant 0, for which numba would compile all that takes j once more
+    drive = _drive(start, level, slope, transient, decay, j)
     s, i, a = _begin(world, p, w, edges, springs, drive, eventful, x, v)
     y, u, c = x, v, second_acceleration(world, x, v, x, v)
     before = applied(drive, 0.0)
     longest4, longest5, budget = 2.0 * length[0], 2.0 * length[0], STEPS + STEPS_A_SEGMENT * length.size
-    j = 0
     while True:
         if s != 0.0 or not eventful:
             j, x, v, a, y, u, c, before, longest4 = _cruise(

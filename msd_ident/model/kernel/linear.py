@@ -115,10 +115,11 @@ def propagator(row, m, b, k, h, decay, c):
     while max(rate, lag) * step > 0.5 and doublings < 60:
         step *= 0.5
         doublings += 1
+    terms = terms_for(max(rate, lag) * step)
     for j in range(5):
         x, v, f, r, e = _UNITS[j]
-        series(c, 15, m, b, k, x, v, f, r, e, lag)
-        row[j], row[5 + j] = position(c, 15, step), velocity(c, 15, step)
+        series(c, terms, m, b, k, x, v, f, r, e, lag)
+        row[j], row[5 + j] = position(c, terms, step), velocity(c, terms, step)
     for _ in range(doublings):
         fade = math.exp(-lag * step)
         for j in range(5):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.compiled import inlined, lean
+from msd_ident.model.kernel.compiled import inlined, joined, lean
 from msd_ident.model.kernel.events import knee, rest, slowest, turn
 from msd_ident.model.kernel.rk import (
     acceleration_at,
@@ -101,7 +101,7 @@ def _first_event(fifth, world, p, w, place, drive, s, t, h, low, high, start, en
     return event, h, x1, v1, a1, y1, u1, c1
 
 
-@inlined
+@joined
 def _attempt(world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k):
     """A step towards the end of the segment, ``left`` [s] away: (length, error in parts of what is allowed, end)."""
     if fifth:
@@ -109,12 +109,12 @@ def _attempt(world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y,
         x1, v1, a1, y1, u1, c1, error_x, error_v = step5(world, p, w, place, drive, s, t, h, x, v, a, y, u, c, k)
         return h, max(error_x / tolerances[2], error_v / tolerances[3]), x1, v1, a1, y1, u1, c1
     x1, v1, a1, y1, u1, c1, error_x, error_v = step_to(
-        False, world, p, w, place, drive, s, t, left, x, v, a, y, u, c, k
+        fifth, world, p, w, place, drive, s, t, left, x, v, a, y, u, c, k
     )
     return left, max(error_x / tolerances[0], error_v / tolerances[1]), x1, v1, a1, y1, u1, c1
 
 
-@inlined
+@joined
 def _adapt(fifth, h, error, longest4, longest5):
     """The longest steps that either method may take next."""
     if not error <= 1.0:
@@ -127,7 +127,7 @@ def _adapt(fifth, h, error, longest4, longest5):
     return longest4, longest5
 
 
-@lean
+@joined
 def _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u):
     """(direction, piece of the spring, acceleration) after a turn or at a knee."""
     if event == _TURN:
@@ -141,7 +141,7 @@ def _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u):
     return s, i, acceleration_at(world, p, w, place_of(springs, i), drive, s, t, x, v, y, u)
 
 
-@lean
+@joined
 def _stay(world, held, p, w, edges, springs, drive, restless, length, t, longest, x, y, u, c, i, tolerances, k):
     """A stretch of rest: (time when it ends, whether the cart leaves, s, i, a, y, u, c, longest)."""
     left = length - t

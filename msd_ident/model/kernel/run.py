@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import laws, segments
-from msd_ident.model.kernel.compiled import give_up, lean, making
+from msd_ident.model.kernel.compiled import give_up, joined, lean
 from msd_ident.model.kernel.exact import exact
 from msd_ident.model.kernel.general import general
 from msd_ident.model.kernel.spring import characteristic
@@ -30,7 +30,7 @@ _BACKLASH, _END_STOP = laws.bits("backlash"), laws.bits("end_stop")
 _ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
 
 
-@making
+@joined
 def plan(time, force_time, force, straight):
     """What a record says before any parameter is known: (segments, their force), see ``segments.merge``.
 
@@ -45,7 +45,7 @@ def plan(time, force_time, force, straight):
     return start, length, kind, force_index, pick, lengths, level, slope
 
 
-@making
+@joined
 def row(bits, values, place, plan, out_x, out_v):
     """Simulate one parameter vector.
 
@@ -97,7 +97,7 @@ def row(bits, values, place, plan, out_x, out_v):
     _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v)
 
 
-@making
+@joined
 def _on_the_cart(bits, p, w, plan):
     """Segments and the force on them that arrives at the cart: shifted, mapped and lagged where effects do so.
 
