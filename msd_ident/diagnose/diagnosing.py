@@ -11,6 +11,7 @@ import numpy as np
 from msd_ident.diagnose import curves, dependence, evidence, identities, readings, spread, verdict
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
+from msd_ident.diagnose.contenders import standing
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.guesses import plain_axes
@@ -194,6 +195,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
+        contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings)),
     )
 
 

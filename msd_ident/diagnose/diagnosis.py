@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from msd_ident.diagnose.adequacy import Adequacy
+from msd_ident.diagnose.contenders import Contender
 from msd_ident.diagnose.curves import Characteristics
 from msd_ident.diagnose.dependence import Dependence
 from msd_ident.diagnose.heldout import HeldOut
@@ -69,6 +70,8 @@ class Diagnosis:
         rivals: the best other sets.
         warnings: what a reader must know, a sentence each.
         next_experiment: what would part tied causes; ``None`` when there is nothing to do.
+        contenders: the explanations still standing, as fitted models, the leading one first; for the design of a next
+            experiment, not in the JSON.
     """
 
     records: tuple[Record, ...]
@@ -91,6 +94,7 @@ class Diagnosis:
     rivals: tuple[Rival, ...]
     warnings: tuple[str, ...]
     next_experiment: Mapping[str, Any] | None = None
+    contenders: tuple[Contender, ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """The JSON contract's object, without ``path``."""
