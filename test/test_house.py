@@ -16,7 +16,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity"),
+    ("errors", "quantity", "stopping"),
     ("record",),
     ("motion", "noise"),
     ("quality",),

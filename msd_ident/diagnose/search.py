@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
+from msd_ident import stopping
 from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, refine
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
 from msd_ident.model import Model
@@ -144,7 +145,7 @@ class Search:
         if not tasks:
             return []
         with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
-            jobs = {pool.submit(work, task): i for i, task in enumerate(tasks)}
+            jobs = {pool.submit(stopping.carried(work), task): i for i, task in enumerate(tasks)}
             results: dict[int, _Done] = {}
             try:
                 for done, job in enumerate(as_completed(jobs), start=1):

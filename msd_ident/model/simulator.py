@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from msd_ident import stopping
 from msd_ident.errors import UsageError
 from msd_ident.model.model import Model
 from msd_ident.record import Record
@@ -65,7 +66,7 @@ class Simulator:
     """A model's structure and a record's force, ready to be simulated many times.
 
     Calls are thread-safe and release the GIL. ``values`` are in the order of ``model.names``; values of the
-    model itself are not used.
+    model itself are not used. Each call asks first whether the work should stop (``msd_ident.stopping``).
     """
 
     def __init__(self, model: Model, record: Record) -> None:
@@ -97,6 +98,7 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
+        stopping.check()
         row = self._row(values, initial_position, initial_velocity)
         out: FloatArray = np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, out, self._nothing)
@@ -106,6 +108,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
     ) -> FloatArray:
         """The same for several vectors in one call: values (r, p), initial states (r,) each; gives (r, n)."""
+        stopping.check()
         given = np.asarray(values, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != self._place.size:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
@@ -120,6 +123,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
+        stopping.check()
         row = self._row(values, initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, x, v)
