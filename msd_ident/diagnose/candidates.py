@@ -159,18 +159,26 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
     for name in sorted(causes - parent.causes):
-        found = guesses(name, plant, seen, residual, part.noise)
+        found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
         models = [model + guess for model in models for guess in found]
     return models
 
 
-def begin(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Fitted]:
-    """A few steps down from the most promising starts of a set, the best first; empty when there is no start.
+@dataclass(frozen=True)
+class Start:
+    """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
 
-    Every start is judged by what the first Gauss–Newton step from it promises, not by where it stands: a guess of the
-    wrong size but the right shape is a good one.
+    A start is judged by its promise, not by where it stands: a guess of the wrong size but the right shape is a good
+    one.
     """
-    begun: list[tuple[float, Fitted]] = []
+
+    promise: float
+    fitted: Fitted
+
+
+def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+    """All starts of a set, the most promising first; empty when there is none."""
+    found = []
     for parent in parents:
         for model in starts(experiment, causes, parent):
             problem = experiment.problem(model)
@@ -179,9 +187,16 @@ def begin(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> 
             point = np.clip(problem.vector(values, parent.initial), problem.lower, problem.upper)
             state = extended(weighting, parent.problem, parent.state, point)
             promised = step(problem, state, _DAMPED)[1]
-            begun.append((state.chi - promised, Fitted(causes, model, problem, state)))
-    begun.sort(key=lambda pair: pair[0])
-    ahead = [_lower(experiment, fitted, _FIRST) for _, fitted in begun[:_KEPT]]
+            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
+    return sorted(found, key=lambda start: start.promise)
+
+
+def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:
+    """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
+    best first.
+    """
+    kept = [start.fitted for i, start in enumerate(found[:_KEPT]) if i == 0 or start.promise < reach]
+    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 

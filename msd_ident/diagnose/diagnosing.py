@@ -31,8 +31,8 @@ from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 
 _RIVALS = 8
-#: Samples that a search uses, and sets that are refined on all samples afterwards.
-_MOST_SAMPLES, _LEADERS = 9000, 8
+#: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
+_MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -123,37 +123,45 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
     The base starts from a regression, and from what is left of a fit with friction and offset: a careless start ends
     anywhere.
     """
-    fixed = tuple(experiment.fixed)
-    plain = fit(experiment.base, task.records, fixed=fixed)
-    helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), task.records, fixed=fixed, zero="known")
-    near = fit(helped.model.without("coulomb_friction", "force_offset"), task.records, fixed=fixed, search="near")
-    rubbing = fit(helped.model.without("force_offset"), task.records, fixed=fixed, search="near")
+    fixed, few = tuple(experiment.fixed), experiment.thinned(_MOST_SAMPLES).records
+    plain = fit(experiment.base, few, fixed=fixed)
+    helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), few, fixed=fixed, zero="known")
+    near = fit(helped.model.without("coulomb_friction", "force_offset"), few, fixed=fixed, search="near")
+    rubbing = fit(helped.model.without("force_offset"), few, fixed=fixed, search="near")
     starts = [(found.model, found.initial) for found in (plain, near)]
     if not task.sprung:
-        starts += plain_axes(task.records)
+        starts += plain_axes(few)
     bases = [refine(experiment, NOTHING, model, initial) for model, initial in starts]
     friction = refine(experiment, frozenset({"coulomb_friction"}), rubbing.model, rubbing.initial)
     return min(bases, key=lambda one: one.chi), friction
 
 
 def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress) -> Ranking:
-    """All sets by evidence; a long record is searched on every few samples, and what leads is refined on all."""
+    """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
+
+    A set far behind on a part of the data is further behind on all of it. Where the part saw nothing wrong any more and
+    the whole does, the search goes on with the whole.
+    """
     thin = experiment.thinned(_MOST_SAMPLES)
-    whole = all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True))
-    data = experiment if whole else thin
-
-    def at_floor(fitted: Fitted) -> bool:
-        return judge(fitted.residuals(), data.readings).consistent
-
-    start = known if whole else tuple(refine(data, one.causes, one.model, one.initial) for one in known)
-    ranking = Search(data, at_floor, progress).run(start[0], start[1:])
-    if whole:
-        return ranking
+    if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
+        return _searching(experiment, progress).run(known[0], known[1:])
+    start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
+    ahead = _searching(thin, progress).run(start[0], start[1:])
     sets = {one.causes: one for one in known}
-    for fitted in ranking.sets[:_LEADERS]:
-        if fitted.causes not in sets:
-            sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
-    return evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
+    for fitted in ahead.within(_BEHIND)[:_LEADERS]:
+        sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
+    whole = _searching(experiment, progress)
+    ranking = evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
+    if whole.at_floor(ranking.best) or not judge(ahead.best.residuals(), thin.readings).consistent:
+        return ranking
+    return whole.resume(list(sets.values()))
+
+
+def _searching(experiment: Experiment, progress: Progress) -> Search:
+    def at_floor(fitted: Fitted) -> bool:
+        return judge(fitted.residuals(), experiment.readings).consistent
+
+    return Search(experiment, at_floor, progress)
 
 
 def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:

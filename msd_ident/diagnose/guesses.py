@@ -24,7 +24,9 @@ _PITCHES = 160
 _PLACES = 1500
 
 
-def guesses(name: str, plant: Model, record: Record, residual: FloatArray, noise: float) -> tuple[Effect, ...]:
+def guesses(
+    name: str, plant: Model, record: Record, residual: FloatArray, noise: float, *, first: bool = True
+) -> tuple[Effect, ...]:
     """Starting values of an effect.
 
     Args:
@@ -33,15 +35,17 @@ def guesses(name: str, plant: Model, record: Record, residual: FloatArray, noise
         record: the liveliest record, positions from the relaxed spring.
         residual: (n,) model − data [m] of the fitted model there.
         noise: standard deviation of a reading [m].
+        first: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
     """
+    harmonic = {"periodic_disturbance": lambda: lines(record, plant, residual),
+                "cogging": lambda: ripples(record, plant, residual, noise)}  # fmt: skip
+    if name in harmonic:
+        found = harmonic[name]()
+        return found if found and not first else found + by_name(name).guess(record, plant)[:1]
     found = by_name(name).guess(record, plant)
     if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
         largest = float(np.max(np.abs(record.force)))
         found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
-    if name == "periodic_disturbance":
-        found = lines(record, plant, residual) + found[:1]
-    if name == "cogging":
-        found = ripples(record, plant, residual, noise) + found[:1]
     return found
 
 

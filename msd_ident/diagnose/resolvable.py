@@ -28,8 +28,8 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
     fastest = 0.6 * np.pi / period
     rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
     return {
-        "second_mass": (0.01 * mass, 5.0 * mass),
-        "second_stiffness": (1e-3 * mass * rate**2, 100.0 * mass * rate**2),
+        "second_mass": (0.02 * mass, 5.0 * mass),
+        "second_stiffness": (1e-3 * mass * rate**2, 30.0 * mass * rate**2),
         "second_damping": (0.0, mass * rate),
         "disturbance_frequency": (np.pi / duration, fastest),
         "cogging_pitch": (0.02 * span, 4.0 * span),

@@ -7,6 +7,7 @@ have been fitted and none has more evidence.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -15,12 +16,22 @@ from functools import partial
 from typing import TypeVar
 
 from msd_ident import stopping
-from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, begin, causes_that_fit, finish, refine
+from msd_ident.diagnose.candidates import (
+    Causes,
+    Experiment,
+    Fitted,
+    Start,
+    begin,
+    causes_that_fit,
+    finish,
+    proposals,
+    refine,
+)
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
 from msd_ident.model import Model
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
-_Task = TypeVar("_Task", Causes, list[Fitted])
+_Task = TypeVar("_Task", Causes, list[Start], list[Fitted])
 _Done = TypeVar("_Done")
 
 #: ``progress(stage, fraction of the work done, cause being tried)``; what it raises ends the diagnosis.
@@ -37,6 +48,10 @@ LARGEST = 4
 _ROUNDS = 12
 #: The cause that most often stands beside another one: it is always tried as a companion.
 _COMPANION = "coulomb_friction"
+#: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
+_AHEAD, _REACH = 4, 30.0
+#: A second parent is worth starting from when it leaves not more than this many times what the first one does.
+_COMPARABLE = 3.0
 
 
 @dataclass
@@ -69,6 +84,17 @@ class Search:
         if not self.at_floor(leader):
             companions = [causes for causes in (leader.causes, frozenset({_COMPANION})) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
+        return self._walk()
+
+    def resume(self, sets: Sequence[Fitted]) -> Ranking:
+        """Go on from sets that were found on part of the data and are fitted to all of it."""
+        for fitted in sets:
+            self.sets[fitted.causes] = fitted
+            self.tried.add(fitted.causes)
+        return self._walk()
+
+    def _walk(self) -> Ranking:
+        """From leader to leader until no neighbour has more evidence."""
         for turn in range(_ROUNDS):
             best = self._pruned(self.ranking().best)
             share = min(0.6 + 0.03 * turn, 0.85)
@@ -130,13 +156,17 @@ class Search:
         self.tried.update(new)
         if not new:
             return False
-        middle = 0.5 * (start + end)
-        begun = [found for found in self._each(self._begin, new, (start, middle)) if found]
-        begun.sort(key=lambda found: found[0].chi)
-        # The most promising set goes first, alone: what counts as hopeless must not depend on which thread is faster.
-        for group in (begun[:1], begun[1:]):
+        near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
+        found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
+        found.sort(key=lambda starts: starts[0].promise)
+        # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
+        for group, share in ((found[:_AHEAD], (near, middle)), (found[_AHEAD:], (middle, end))):
             least = min(fitted.chi for fitted in self.sets.values())
-            for fitted in self._each(partial(self._finish, least), group, (middle, end)):
+            done = self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi))
+            begun = self._each(partial(self._begin, _REACH * least if done else math.inf), group, share)
+            # What counts as hopeless must not depend on which thread is faster.
+            least = min([least, *(tries[0].chi for tries in begun)])
+            for fitted in self._each(partial(self._finish, least), begun, share):
                 self.sets[fitted.causes] = fitted
         return True
 
@@ -158,20 +188,26 @@ class Search:
                 raise
         return [results[i] for i in range(len(tasks))]
 
-    def _begin(self, causes: Causes) -> list[Fitted]:
-        return begin(self.experiment, causes, self._parents(causes))
+    def _propose(self, causes: Causes) -> list[Start]:
+        return proposals(self.experiment, causes, self._parents(causes))
+
+    def _begin(self, reach: float, found: list[Start]) -> list[Fitted]:
+        return begin(self.experiment, found, reach)
 
     def _finish(self, least: float, begun: list[Fitted]) -> Fitted:
         return finish(self.experiment, begun, least)
 
     def _parents(self, causes: Causes) -> list[Fitted]:
-        """The best two fitted sets that lack just one of the causes, or else the base."""
+        """The best two fitted sets that lack just one of the causes, if they are comparable, or else the base."""
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
-        return smaller[:2] or [known[NOTHING]]
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
+        return worth or [known[NOTHING]]
 
 
-def _named(task: Causes | list[Fitted]) -> str:
-    causes = task if isinstance(task, frozenset) else task[0].causes
-    return " + ".join(sorted(causes))
+def _named(task: Causes | list[Start] | list[Fitted]) -> str:
+    if isinstance(task, frozenset):
+        return " + ".join(sorted(task))
+    one = task[0]
+    return _named((one.fitted if isinstance(one, Start) else one).causes)

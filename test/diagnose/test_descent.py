@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, refine, weigh
+from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, proposals, refine, weigh
 from msd_ident.diagnose.descent import descend
 from msd_ident.diagnose.readings import prepare
 from msd_ident.fit.problem import Initial
@@ -40,7 +40,8 @@ def test_ends_where_scipy_ends(experiment: Experiment) -> None:
 def test_a_cause_is_reached_from_the_model_without_it(experiment: Experiment) -> None:
     base = refine(experiment, frozenset(), Plant(1.1, 3.0, 650.0), (Initial(),))
     causes = frozenset({"cubic_spring"})
-    found = exactly(experiment, finish(experiment, begin(experiment, causes, [base]), np.inf))
+    begun = begin(experiment, proposals(experiment, causes, [base]), np.inf)
+    found = exactly(experiment, finish(experiment, begun, np.inf))
     assert base.chi > 4.0 * found.chi
     assert found.chi / experiment.evidence == pytest.approx(1.0, abs=0.1)
     assert found.model["cubic_stiffness"] == pytest.approx(8e4, rel=0.02)
