@@ -7,6 +7,7 @@ from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.qos import OfferedQos, qos_from_yaml, qos_to_yaml
 from msd_ident.bag.read import read
 from msd_ident.bag.record_writer import write_bag
+from msd_ident.bag.repair import Repair, repair
 from msd_ident.bag.topic import RawMessage, Topic
 from msd_ident.bag.writer import BagWriter
 
@@ -16,6 +17,7 @@ __all__ = [
     "BagWriter",
     "OfferedQos",
     "RawMessage",
+    "Repair",
     "SourceOptions",
     "Topic",
     "TopicInfo",
@@ -25,6 +27,7 @@ __all__ = [
     "qos_from_yaml",
     "qos_to_yaml",
     "read",
+    "repair",
     "write_bag",
     "write_csv",
 ]

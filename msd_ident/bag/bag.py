@@ -9,15 +9,15 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from msd_ident.bag import yaml_text
 from msd_ident.bag.compression import PACKED, DecodeError, decompress, plain_name, unpack_file
 from msd_ident.bag.database import DatabaseFile
-from msd_ident.bag.mcap_file import MAGIC, McapFile
+from msd_ident.bag.folder import STORAGE, look_into, unreadable
+from msd_ident.bag.mcap_file import McapFile
+from msd_ident.bag.mcap_records import MAGIC
+from msd_ident.bag.metadata import LOST, UNFINISHED
 from msd_ident.bag.qos import qos_from_yaml
 from msd_ident.bag.topic import RawMessage, StorageFile, Topic
 from msd_ident.errors import DataError
-
-_STORAGE = (".mcap", ".db3")
 
 
 class _McapStorage:
@@ -70,8 +70,8 @@ class Bag:
         self._files = files
         self._packed = str(information.get("compression_mode") or "").lower() == "message"
         self._notes = tuple(information.get("notes", ()))
-        custom = information.get("custom_data")
-        self.custom_data = {str(k): str(v) for k, v in custom.items()} if isinstance(custom, Mapping) else {}
+        self.custom_data = _texts(information.get("custom_data"))
+        self._notes += tuple(_ended(self.custom_data.pop(UNFINISHED, ""), self.custom_data.pop(LOST, "")))
         self.topics: dict[str, Topic] = {}
         for file in files:
             for topic in file.topics():
@@ -105,7 +105,7 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
     where = Path(path)
     if not _exists(where):
         raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
-    if where.is_dir() or plain_name(where).endswith(_STORAGE) or where.name == "metadata.yaml":
+    if where.is_dir() or plain_name(where).endswith(STORAGE) or where.name == "metadata.yaml":
         return True
     begin = _begin(where)
     if begin.startswith(b"#ROSBAG"):
@@ -146,50 +146,26 @@ def iterate_messages(path: str | os.PathLike[str], topics: Collection[str] | Non
 
 
 def _open_folder(folder: Path) -> Bag:
-    notes: list[str] = []
-    information = _read_metadata(folder / "metadata.yaml", notes)
-    paths = _storage_paths(folder, information, notes)
-    return Bag(folder, "rosbag2 folder", [_open_storage(path) for path in paths], {**information, "notes": notes})
+    found = look_into(folder)
+    files = [_open_storage(path) for path in found.paths]
+    return Bag(folder, "rosbag2 folder", files, {**found.information, "notes": found.notes})
 
 
-def _read_metadata(path: Path, notes: list[str]) -> Mapping[str, Any]:
-    """Content of metadata.yaml; a missing or damaged one costs no data, the files describe themselves."""
-    try:
-        content = yaml_text.load(path.read_text(encoding="utf-8"))
-        information = content["rosbag2_bagfile_information"]
-        if isinstance(information, Mapping):
-            return information
-    except FileNotFoundError:
-        notes.append("metadata.yaml is missing; the files of the folder were read in the order of their names.")
-        return {}
-    except (OSError, UnicodeDecodeError, yaml_text.YAMLError, KeyError, TypeError):
-        pass
-    notes.append("metadata.yaml cannot be read; the files of the folder were read in the order of their names.")
-    return {}
+def _texts(entries: object) -> dict[str, str]:
+    """Texts by name; what is neither text nor number is left out."""
+    found = entries.items() if isinstance(entries, Mapping) else ()
+    return {str(key): str(value) for key, value in found if isinstance(key, str) and isinstance(value, str | int)}
 
 
-def _storage_paths(folder: Path, information: Mapping[str, Any], notes: list[str]) -> list[Path]:
-    try:
-        present = sorted((path for path in folder.iterdir() if plain_name(path).endswith(_STORAGE)), key=_natural)
-    except OSError as error:
-        raise _unreadable(folder, error) from None
-    listed = information.get("relative_file_paths")
-    named = [folder / Path(str(entry)).name for entry in listed] if isinstance(listed, list) else []
-    missing = [path.name for path in named if path not in present]
-    if missing:
-        notes.append(f"{len(missing)} of {len(named)} files of the bag are missing: {', '.join(missing)}.")
-    extra = [path for path in present if path not in named]
-    if named and extra:
-        notes.append(f"files that metadata.yaml does not name were left out: {', '.join(p.name for p in extra)}.")
-    paths = [path for path in named if path in present] if named else present
-    if not paths:
-        raise DataError(f"{folder} holds no .mcap or .db3 file; expected a rosbag2 folder: check the path")
-    return paths
-
-
-def _natural(path: Path) -> tuple[int, str]:
-    """Sort key that puts ``bag_10`` behind ``bag_9``."""
-    return len(path.name), path.name
+def _ended(unfinished: str, lost: str) -> Iterator[str]:
+    """What the recorder left in the metadata about a recording that did not end as it should."""
+    if unfinished:
+        yield (
+            f"the recording was not finished: what came in its last {unfinished[:20]} s may be missing; msd repair "
+            "finishes the bag."
+        )
+    if lost:
+        yield f"the disk did not take the end of the recording: {lost[:40]} are lost."
 
 
 def _open_storage(path: Path) -> StorageFile:
@@ -204,7 +180,7 @@ def _open_storage(path: Path) -> StorageFile:
             data = b"" if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
             return _McapStorage(data, path.name)
     except OSError as error:
-        raise _unreadable(path, error) from None
+        raise unreadable(path, error) from None
 
 
 def _unpack(data: bytes) -> bytes:
@@ -221,12 +197,8 @@ def _exists(path: Path) -> bool:
     except FileNotFoundError:
         return False
     except OSError as error:
-        raise _unreadable(path, error) from None
+        raise unreadable(path, error) from None
     return True
-
-
-def _unreadable(path: Path, error: OSError) -> DataError:
-    return DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read")
 
 
 def _begin(path: Path) -> bytes:
@@ -234,7 +206,7 @@ def _begin(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(16)
     except OSError as error:
-        raise _unreadable(path, error) from None
+        raise unreadable(path, error) from None
 
 
 def _check_encodings(path: Path, topics: Mapping[str, Topic]) -> None:

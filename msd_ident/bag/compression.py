@@ -11,6 +11,7 @@ from msd_ident.errors import DataError
 
 #: Endings of a storage file that was compressed as a whole.
 PACKED = (".zstd", ".zst")
+_STEP = 2**22
 
 
 class DecodeError(Exception):
@@ -22,22 +23,39 @@ def plain_name(path: Path) -> str:
     return path.name.removesuffix(PACKED[0]).removesuffix(PACKED[1])
 
 
-def decompress(packed: bytes, compression: str) -> bytes:
-    """As much as the bytes give: a stream that is cut off yields what comes before the cut.
+def decompress(packed: bytes, compression: str, most: int = 2**40) -> bytes:
+    """As much as the bytes give, ``most`` at most: a stream that is cut off yields what comes before the cut.
 
     Raises:
         DecodeError: the bytes are damaged, or the compression is not known.
     """
     try:
         if compression == "zstd":
-            return zstandard.ZstdDecompressor().decompressobj().decompress(packed)
+            return _read_zstd(packed, most)
         if compression == "lz4":
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed))
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, most))
     except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError) as error:
         raise DecodeError(str(error)) from None
     if compression:
         raise DecodeError(f"compression {compression!r} is not known")
     return packed
+
+
+def _read_zstd(packed: bytes, most: int) -> bytes:
+    """In steps: a few damaged bytes may claim terabytes."""
+    with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
+        parts = []
+        while most > 0 and (part := stream.read(min(most, _STEP))):
+            parts.append(part)
+            most -= len(part)
+    return b"".join(parts)
+
+
+def compress(raw: bytes, compression: str) -> bytes:
+    """Bytes packed with ``zstd`` or ``lz4``, or as they are for an empty name."""
+    if compression == "zstd":
+        return zstandard.ZstdCompressor().compress(raw)
+    return bytes(lz4.frame.compress(raw)) if compression == "lz4" else raw
 
 
 def unpack_file(path: Path) -> bytes:

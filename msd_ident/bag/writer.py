@@ -1,48 +1,48 @@
-"""BagWriter: raw serialised messages into a rosbag2 folder (``metadata.yaml`` and one ``.mcap``).
+"""BagWriter: raw serialised messages into a rosbag2 folder (``metadata.yaml`` and ``.mcap`` files).
 
-What a kill or a power cut may cost is the chunk in progress, about a second: chunks are closed by
-time as well as by size, and ``metadata.yaml`` is there from the first moment and kept up to date.
+At every instant the folder as it lies on the disk is a whole bag that any reader opens. What a kill, a power cut or
+a full disk costs is what came after the last flush, one ``sync_seconds`` at most.
 """
 
 from __future__ import annotations
 
+import copy
 import os
-import shutil
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal
 
 from mcap.well_known import MessageEncoding, SchemaEncoding
-from mcap.writer import CompressionType, Writer
 
 from msd_ident.bag import yaml_text
 from msd_ident.bag.definitions import Definitions
+from msd_ident.bag.mcap_writer import McapWriter
+from msd_ident.bag.metadata import LOST, UNFINISHED, BagEntry, FileEntry, TopicEntry
+from msd_ident.bag.place import check_limits, make_folder, next_file
 from msd_ident.bag.qos import qos_from_yaml, qos_to_yaml
 from msd_ident.errors import SetupError, UsageError
 
 Compression = Literal["zstd", "lz4", "none"]
 
-_COMPRESSION = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
-#: What rosbag2 writes as the start of a bag without messages [ns].
-_NO_START = 2**63 - 1
+_COMPRESSION = {"zstd": "zstd", "lz4": "lz4", "none": ""}
+#: A file ends here and the next begins unless another limit is given: so much again is needed while it is written.
+SPLIT_BYTES = 256 * 2**20
+#: Part of ``sync_seconds`` after which a flush begins, so that it has ended when they are over.
+_EARLY = 0.8
 
 
 @dataclass
 class _Topic:
-    """One channel of the file."""
+    """A topic of the bag: its entry in the metadata, what describes it in each file, and its channel in the present."""
 
-    name: str
-    type: str
-    channel: int
-    qos: str
-    type_hash: str
-    defined: bool
-    messages: int = 0
+    entry: TopicEntry
+    definition: str
+    channel: int = 0
 
 
 class BagWriter:
@@ -52,13 +52,15 @@ class BagWriter:
         folder: folder of the bag; made, with its parents.
         compression: of the MCAP chunks.
         overwrite: replace the folder when it is a bag or empty.
-        flush_seconds: longest time that a message stays in memory while messages come in [s]. When they may
+        sync_seconds: longest time for which a message is not on the disk while messages come in [s]. When they may
             stop coming, call ``flush`` from a timer.
+        split_bytes: size at which a file ends and the next one begins.
+        split_seconds: time by the messages' log times after which it does [s]; 0 for never.
         definitions: where message definitions come from.
         custom_data: texts that go into the metadata beside rosbag2's own entries.
 
     Raises:
-        UsageError: the folder exists and may not be replaced.
+        UsageError: the folder exists and may not be replaced, or a limit that makes no sense.
         SetupError: the disk does not take it.
     """
 
@@ -68,37 +70,56 @@ class BagWriter:
         compression: Compression = "zstd",
         *,
         overwrite: bool = False,
-        flush_seconds: float = 1.0,
+        sync_seconds: float = 1.0,
+        split_bytes: int = SPLIT_BYTES,
+        split_seconds: float = 0.0,
         definitions: Definitions | None = None,
         custom_data: Mapping[str, str] | None = None,
+        _entry: BagEntry | None = None,
     ) -> None:
         if compression not in _COMPRESSION:
             raise UsageError(f"compression is {compression!r}; expected one of {', '.join(_COMPRESSION)}")
+        check_limits(sync_seconds, split_bytes, split_seconds)
         self.folder = Path(folder)
+        self._compression = _COMPRESSION[compression]
         self._definitions = definitions or Definitions()
-        self._custom_data = dict(custom_data or {}) or None
-        self._flush_ns = int(flush_seconds * 1e9)
+        self._sync_ns, self._split_bytes = int(_EARLY * sync_seconds * 1e9), split_bytes
+        self._split_ns = int(split_seconds * 1e9)
         self._topics: dict[str, _Topic] = {}
         self._schemas: dict[str, int] = {}
-        self._first_ns, self._last_ns, self._messages = _NO_START, 0, 0
         self._lock = threading.Lock()
-        self._closed = False
-        _make_folder(self.folder, overwrite)
-        self.path = self.folder / f"{self.folder.resolve().name}_0.mcap"
+        self._closed = self._dirty = False
+        self._entry = _entry or BagEntry()
+        self._entry.custom |= dict(custom_data or {}) | {UNFINISHED: f"{sync_seconds:g}"}
+        if _entry is None:
+            make_folder(self.folder, overwrite)
         try:
-            self._stream = self.path.open("wb")
+            self._begin_file()
+            self._flush()
         except OSError as error:
-            raise SetupError(f"cannot write {self.path}: {error.strerror}; expected a writable folder") from None
-        self._writer = Writer(self._stream, compression=_COMPRESSION[compression])
-        self._writer.start(profile="ros2", library="msd_ident")
-        self._flushed, self._flushed_ns = 0, time.monotonic_ns()
-        with self._disk():
-            self._write_metadata()
+            raise SetupError(f"cannot write {self.folder}: {error.strerror}; expected a writable folder") from None
+
+    @classmethod
+    def resume(cls, folder: str | os.PathLike[str], compression: Compression = "zstd", **options: Any) -> BagWriter:
+        """Go on with a bag in a further file, after finishing what was cut off; options as for a new one.
+
+        Raises:
+            UsageError, DataError: it is no bag of MCAP files, or is being written.
+            SetupError: the disk does not take it.
+        """
+        from msd_ident.bag.repair import repair_folder
+
+        return cls(folder, compression, _entry=repair_folder(Path(folder)).entry, **options)
 
     @property
     def messages(self) -> int:
-        """Number of messages written."""
-        return self._messages
+        """Number of messages taken; of those that are in the bag once it is closed, by itself or by the disk."""
+        return self._entry.messages
+
+    @property
+    def path(self) -> Path:
+        """The file that messages go to."""
+        return self._writer.path
 
     def add_topic(
         self, name: str, type_name: str, offered_qos_yaml: str = "", *, definition: str | None = None
@@ -118,69 +139,62 @@ class BagWriter:
             SetupError: the disk is full or gone.
         """
         with self._disk():
-            if name in self._topics:
-                return self._topics[name].defined
-            text = self._definitions.text(type_name) if definition is None else definition
-            if type_name not in self._schemas:
-                encoding = SchemaEncoding.ROS2 if text else ""
-                self._schemas[type_name] = self._writer.register_schema(type_name, encoding, text.encode())
-            qos = qos_to_yaml(qos_from_yaml(offered_qos_yaml))
-            type_hash = self._definitions.type_hash(type_name) if definition is None else ""
-            channel = self._writer.register_channel(
-                topic=name,
-                message_encoding=MessageEncoding.CDR,
-                schema_id=self._schemas[type_name],
-                metadata={"offered_qos_profiles": qos, "topic_type_hash": type_hash},
-            )
-            self._topics[name] = _Topic(name, type_name, channel, qos, type_hash, bool(text))
-            return bool(text)
+            if name not in self._topics:
+                text = self._definitions.text(type_name) if definition is None else definition
+                type_hash = self._definitions.type_hash(type_name) if definition is None else ""
+                qos = qos_to_yaml(qos_from_yaml(offered_qos_yaml))
+                entry = self._entry.topics.setdefault(name, TopicEntry(name, type_name, qos, type_hash))
+                self._topics[name] = _Topic(entry, text)
+                self._register(self._topics[name])
+            return bool(self._topics[name].definition)
 
     def write(self, topic: str, raw: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
         """Append one serialised message; ``publish_time_ns`` defaults to ``log_time_ns``.
 
         Raises:
             UsageError: the topic was not added, or the bag is closed.
-            SetupError: the disk is full or gone.
+            SetupError: the disk is full or gone; the bag is closed and keeps what it had.
         """
         published = log_time_ns if publish_time_ns is None else publish_time_ns
         with self._disk():
             if self._closed:
                 raise UsageError(f"{self.folder} is closed; expected write() before close()")
-            entry = self._topics.get(topic)
-            if entry is None:
+            known = self._topics.get(topic)
+            if known is None:
                 raise UsageError(f"topic {topic} is not in the bag; expected add_topic() before write()")
-            self._writer.add_message(entry.channel, log_time_ns, raw, published, sequence=entry.messages)
-            entry.messages += 1
-            self._messages += 1
-            self._first_ns = min(self._first_ns, log_time_ns)
-            self._last_ns = max(self._last_ns, log_time_ns)
-            if time.monotonic_ns() - self._flushed_ns > self._flush_ns:
+            if self._is_over(log_time_ns):
+                self._next_file()
+            if not self._dirty:
+                self._dirty, self._oldest_ns = True, time.monotonic_ns()
+            self._writer.add_message(known.channel, known.entry.messages, log_time_ns, published, raw)
+            known.entry.messages += 1
+            self._file.count(log_time_ns)
+            if time.monotonic_ns() - self._oldest_ns >= self._sync_ns:
                 self._flush()
 
     def flush(self) -> None:
-        """Hand everything written so far to the operating system, with metadata that fits.
+        """See everything written so far onto the disk, as a whole bag.
 
         Raises:
-            SetupError: the disk is full or gone.
+            SetupError: the disk is full or gone; the bag is closed and keeps what it had.
         """
         with self._disk():
-            if not self._closed and self._messages > self._flushed:
+            if not self._closed and self._dirty:
                 self._flush()
 
     def close(self) -> None:
-        """Finish the file with its index and the metadata; a second call does nothing.
+        """Finish the bag; a second call does nothing.
 
         Raises:
-            SetupError: the disk is full or gone.
+            SetupError: the disk is full or gone; the bag keeps what it had.
         """
         with self._disk():
             if self._closed:
                 return
+            self._entry.custom.pop(UNFINISHED, None)
+            self._writer.close({"serialized_metadata": yaml_text.dump(self._entry.information())})
+            self._entry.write(self.folder)
             self._closed = True
-            self._writer.add_metadata("rosbag2", {"serialized_metadata": yaml_text.dump(self._metadata())})
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._stream.close()
-            self._write_metadata()
 
     def __enter__(self) -> BagWriter:
         return self
@@ -190,88 +204,72 @@ class BagWriter:
     ) -> None:
         self.close()
 
+    def _register(self, topic: _Topic) -> None:
+        """Schema and channel in the present file."""
+        kind = topic.entry.type
+        if kind not in self._schemas:
+            encoding = SchemaEncoding.ROS2 if topic.definition else ""
+            self._schemas[kind] = self._writer.add_schema(kind, encoding, topic.definition.encode())
+        about = {"offered_qos_profiles": topic.entry.qos, "topic_type_hash": topic.entry.type_hash}
+        topic.channel = self._writer.add_channel(topic.entry.name, MessageEncoding.CDR, self._schemas[kind], about)
+        self._dirty, self._oldest_ns = True, time.monotonic_ns()
+
+    def _is_over(self, log_time_ns: int) -> bool:
+        """Whether the message belongs to the next file."""
+        if not self._file.messages:
+            return False
+        if self._split_ns and log_time_ns - self._file.first_ns >= self._split_ns:
+            return True
+        if self._writer.size < self._split_bytes:
+            return False
+        self._writer.finish_chunk()
+        return self._writer.size >= self._split_bytes
+
+    def _begin_file(self) -> None:
+        self._file = FileEntry(next_file(self._entry, self.folder))
+        self._writer = McapWriter(self.folder / self._file.name, self._compression)
+        self._entry.files.append(self._file)
+        self._schemas.clear()
+        for topic in self._topics.values():
+            self._register(topic)
+
+    def _next_file(self) -> None:
+        self._writer.close()
+        self._shown = copy.deepcopy(self._entry)
+        self._begin_file()
+        self._flush()
+
     def _flush(self) -> None:
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        self._write_metadata()
-        self._flushed, self._flushed_ns = self._messages, time.monotonic_ns()
+        self._writer.flush()
+        self._shown = copy.deepcopy(self._entry)
+        self._entry.write(self.folder)
+        self._dirty = False
 
     @contextmanager
     def _disk(self) -> Iterator[None]:
-        """One thread at a time, and one line for what the disk refuses."""
+        """One thread at a time; one line for what the disk refuses, after which the bag is left as it was shown."""
         with self._lock:
             try:
                 yield
             except OSError as error:
+                lost = self._give_up()
                 raise SetupError(
-                    f"cannot write {self.path}: {error.strerror or error}; {self._messages} messages were taken until "
-                    "then: free some space and record again"
+                    f"cannot write {self.folder}: {error.strerror or error}; the bag keeps {self._entry.messages} of "
+                    f"{self._entry.messages + lost} messages: free some space and record again"
                 ) from None
 
-    def _metadata(self) -> dict[str, Any]:
-        start = {"nanoseconds_since_epoch": self._first_ns}
-        duration = {"nanoseconds": max(self._last_ns - self._first_ns, 0)}
-        return {
-            "version": 9,
-            "storage_identifier": "mcap",
-            "duration": duration,
-            "starting_time": start,
-            "message_count": self._messages,
-            "topics_with_message_count": [_topic_metadata(topic) for topic in self._topics.values()],
-            "compression_format": "",
-            "compression_mode": "",
-            "relative_file_paths": [self.path.name],
-            "files": [
-                {
-                    "path": self.path.name,
-                    "starting_time": dict(start),
-                    "duration": dict(duration),
-                    "message_count": self._messages,
-                }
-            ],
-            "custom_data": self._custom_data,
-            "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
-        }
-
-    def _write_metadata(self) -> None:
-        """Replace metadata.yaml in one step, so that no reader ever meets half of it."""
-        target = self.folder / "metadata.yaml"
-        draft = self.folder / ".metadata.yaml.part"
-        draft.write_text(yaml_text.dump({"rosbag2_bagfile_information": self._metadata()}), encoding="utf-8")
-        os.replace(draft, target)
-
-
-def _topic_metadata(topic: _Topic) -> dict[str, Any]:
-    return {
-        "topic_metadata": {
-            "name": topic.name,
-            "type": topic.type,
-            "serialization_format": "cdr",
-            "offered_qos_profiles": [profile.to_dict() for profile in qos_from_yaml(topic.qos)],
-            "type_description_hash": topic.type_hash,
-        },
-        "message_count": topic.messages,
-    }
-
-
-def _make_folder(folder: Path, overwrite: bool) -> None:
-    """An empty folder for the bag; only a bag or an empty folder is ever removed for it."""
-    try:
-        if folder.exists() or folder.is_symlink():
-            _clear(folder, overwrite)
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
-
-
-def _clear(folder: Path, overwrite: bool) -> None:
-    if not folder.is_dir():
-        raise UsageError(f"{folder} is a file; expected a new folder for the bag: give another name")
-    content = {path.name for path in folder.iterdir()}
-    if not content:
-        return
-    is_bag = all(name.endswith((".mcap", "metadata.yaml", ".part")) for name in content)
-    if not is_bag:
-        raise UsageError(f"{folder} exists and is no bag; expected a new folder for the bag: give another name")
-    if not overwrite:
-        raise UsageError(f"{folder} exists; expected a new name: give another one, or --overwrite to replace it")
-    shutil.rmtree(folder)
+    def _give_up(self) -> int:
+        """Close the bag as it was at its last flush, whatever the disk says; number of messages that it loses."""
+        if self._closed:
+            return 0
+        self._closed = True
+        self._writer.abandon()
+        lost = self._entry.messages - self._shown.messages
+        if self._file.name not in [file.name for file in self._shown.files]:
+            self._writer.path.unlink(missing_ok=True)
+        self._shown.custom.pop(UNFINISHED, None)
+        self._shown.custom[LOST] = f"{lost} messages"
+        with suppress(OSError):
+            self._shown.write(self.folder)
+        self._entry = self._shown
+        return lost

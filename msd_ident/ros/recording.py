@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from msd_ident.bag import BagWriter, OfferedQos, qos_to_yaml
-from msd_ident.bag.writer import Compression
+from msd_ident.bag.writer import SPLIT_BYTES, Compression
 
-#: Time without messages after which the writer hands what it has to the operating system [s].
+#: Longest time without messages after which the writer sees what it has onto the disk [s].
 IDLE = 0.5
 
 
@@ -65,6 +65,15 @@ class Summary:
         return f"{text}; {self.error}" if self.error else text
 
 
+@dataclass(frozen=True)
+class Limits:
+    """When the bag is seen onto the disk [s], and the size [bytes] and length [s] of its files; 0 s for any length."""
+
+    sync_seconds: float = 1.0
+    split_bytes: int = SPLIT_BYTES
+    split_seconds: float = 0.0
+
+
 class Recording:
     """Takes messages from the executor's thread without ever waiting for the disk.
 
@@ -72,15 +81,29 @@ class Recording:
         folder: of the bag; must not exist.
         compression: ``zstd``, ``lz4`` or ``none``.
         most_bytes: messages that may wait for the disk; what comes beyond is refused and counted.
+        limits: when the bag is seen onto the disk and when it goes on in another file.
 
     Raises:
         UsageError: the folder exists.
         SetupError: the disk does not take it.
     """
 
-    def __init__(self, folder: Path, compression: Compression = "zstd", most_bytes: int = 512 * 2**20) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        compression: Compression = "zstd",
+        most_bytes: int = 512 * 2**20,
+        limits: Limits = Limits(),  # noqa: B008 - frozen
+    ) -> None:
         self.folder = folder
-        self._writer = BagWriter(folder, compression)
+        self._idle = min(IDLE, max(limits.sync_seconds / 2, 0.01))
+        self._writer = BagWriter(
+            folder,
+            compression,
+            sync_seconds=limits.sync_seconds,
+            split_bytes=limits.split_bytes,
+            split_seconds=limits.split_seconds,
+        )
         self._queue: queue.SimpleQueue[tuple[str, bytes, int, int] | None] = queue.SimpleQueue()
         self._counts: dict[str, TopicCount] = {}
         self._most_bytes = most_bytes
@@ -92,7 +115,10 @@ class Recording:
     @property
     def summary(self) -> Summary:
         """What was recorded so far."""
-        return Summary(self.folder, self._counts, self._refused, self._error)
+        refused = self._refused
+        if self._error:
+            refused = sum(count.received for count in self._counts.values()) - self._writer.messages
+        return Summary(self.folder, self._counts, refused, self._error)
 
     @property
     def waiting_bytes(self) -> int:
@@ -133,7 +159,7 @@ class Recording:
     def _drain(self) -> None:
         while True:
             try:
-                entry = self._queue.get(timeout=IDLE)
+                entry = self._queue.get(timeout=self._idle)
             except queue.Empty:
                 self._writer.flush()
                 continue

@@ -149,7 +149,7 @@ def test_other_readers_see_qos_definitions_and_times(tmp_path: Path) -> None:
 
 
 def test_metadata_is_there_from_the_start_and_kept_up(tmp_path: Path) -> None:
-    writer = BagWriter(tmp_path / "bag", flush_seconds=0.0)
+    writer = BagWriter(tmp_path / "bag", sync_seconds=0.0)
     assert metadata(tmp_path / "bag")["message_count"] == 0
     writer.add_topic("/msd/encoder", JOINTS)
     for i, t in enumerate(stamps(3)):
@@ -169,7 +169,7 @@ import itertools, sys
 from bagmaker import JOINTS, joints, stamps
 from msd_ident.bag import BagWriter
 
-writer = BagWriter(sys.argv[1], flush_seconds=0.05)
+writer = BagWriter(sys.argv[1], sync_seconds=0.05)
 writer.add_topic("/msd/encoder", JOINTS)
 for i, t in enumerate(stamps(10**6)):
     writer.write("/msd/encoder", joints(t, [1e-3 * i]), t)
@@ -191,7 +191,9 @@ def test_a_recorder_that_is_killed_leaves_a_bag(tmp_path: Path) -> None:
     record = read(folder, SourceOptions(force="none"))
     assert record.samples >= max(expected, 2000)
     np.testing.assert_array_equal(record.position, 1e-3 * np.arange(record.samples))
-    assert "could be read" in record.notes[0]
+    assert record.notes == (
+        "the recording was not finished: what came in its last 0.05 s may be missing; msd repair finishes the bag.",
+    )
 
 
 def test_empty_bags_are_bags(tmp_path: Path) -> None:
@@ -207,7 +209,7 @@ def test_empty_bags_are_bags(tmp_path: Path) -> None:
 
 
 def test_threads_may_share_a_writer(tmp_path: Path) -> None:
-    writer = BagWriter(tmp_path / "bag", flush_seconds=0.001)
+    writer = BagWriter(tmp_path / "bag", sync_seconds=0.001)
 
     def send(name: str) -> None:
         writer.add_topic(name, JOINTS)
@@ -246,7 +248,7 @@ def test_a_full_disk_is_said_in_one_line(tmp_path: Path) -> None:
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, limits[1]))
     try:
-        with pytest.raises(SetupError, match="File too large; .* messages were taken until then: free some space"):
+        with pytest.raises(SetupError, match="File too large; the bag keeps .* messages: free some space"):
             for t in stamps(2000):
                 writer.write("/msd/encoder", joints(t, [0.0]), t)
                 writer.flush()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -175,10 +176,11 @@ def test_what_the_disk_cannot_take_is_counted_and_never_blocks(tmp_path: Path) -
 def test_a_disk_that_fails_ends_the_recording_with_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     recording = Recording(tmp_path / "bag")
     recording.add_topic("/x", "std_msgs/msg/Float64", [])
-    recording._writer._writer._Writer__record_builder = None  # as when the file is pulled away under it
+    shutil.rmtree(tmp_path / "bag")  # as when the drive is pulled out
     recording.put("/x", serialize_message(Float64(data=1.0)), 1, 1)
     summary = recording.close()
-    assert summary.error and summary.sentence.endswith(summary.error)
+    assert summary.error.startswith("cannot write ") and summary.sentence.endswith(summary.error)
+    assert (summary.messages, summary.lost) == (1, 1)
 
 
 @pytest.mark.parametrize(
