@@ -15,6 +15,7 @@ import numpy as np
 from msd_ident import quality
 from msd_ident.diagnose import Diagnosis, diagnose_records
 from msd_ident.diagnose import Progress as DiagnosisProgress
+from msd_ident.diagnose.ringdown import ring_down
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pooled
 from msd_ident.features.form import pool
@@ -139,6 +140,7 @@ def diagnose(
         sprung=_sprung(used, options, form),
         findings=findings,
         warnings=_warnings(given, findings, features, turned),
+        ring_down=ring_down(features),
         progress=progress,
     )
 

@@ -17,6 +17,7 @@ from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.guesses import plain_axes
 from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
+from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.diagnose.search import NOTHING, Progress, Search
 from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, fit, see_reduction
@@ -33,6 +34,8 @@ from msd_ident.record import Record
 _RIVALS = 8
 #: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
 _MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
+#: A coarser force may change the motion by this part of what is left of it.
+_COARSE = 0.03
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -48,13 +51,14 @@ class Task:
     Attributes:
         records: one experiment, of one record or several.
         sprung: whether the plant has a spring.
-        findings, warnings: what is known about the data before any model; they go into the result.
+        findings, warnings, ring_down: what is known about the data before any model; they go into the result.
     """
 
     records: tuple[Record, ...]
     sprung: bool = True
     findings: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
+    ring_down: RingDown | None = None
 
     @property
     def forced(self) -> bool:
@@ -73,6 +77,7 @@ def diagnose_records(
     sprung: bool = True,
     findings: Sequence[Finding] = (),
     warnings: Sequence[str] = (),
+    ring_down: RingDown | None = None,
     progress: Progress = silent,
 ) -> Diagnosis:
     """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
@@ -80,7 +85,7 @@ def diagnose_records(
     Args:
         records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
         sprung: False for a plain axis, whose stiffness is 0.
-        findings, warnings: of earlier stages, to be carried into the result.
+        findings, warnings, ring_down: of earlier stages, to be carried into the result.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
 
     Raises:
@@ -88,7 +93,7 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings))
+    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings), ring_down)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     base, friction = base_fit(task, experiment)
@@ -145,6 +150,7 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     thin = experiment.thinned(_MOST_SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
         return _searching(experiment, progress).run(known[0], known[1:])
+    thin = _coarser(thin, known[1], known[1].chi / experiment.evidence)
     start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
     ahead = _searching(thin, progress).run(start[0], start[1:])
     sets = {one.causes: one for one in known}
@@ -155,6 +161,19 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     if whole.at_floor(ranking.best) or not judge(ahead.best.residuals(), thin.readings).consistent:
         return ranking
     return whole.resume(list(sets.values()))
+
+
+def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
+    """With mean forces, where what that changes is small beside the noise and what the model with friction leaves.
+
+    Args:
+        left: chi² that this model leaves, for each piece of evidence.
+    """
+    coarse, change = thin.with_mean_force(), 0.0
+    exact, mean = (one.problem(friction.model) for one in (thin, coarse))
+    for r, part in enumerate(thin.readings):
+        change += part.chi(exact.residual(friction.point, r) - mean.residual(friction.point, r))
+    return coarse if change < _COARSE**2 * max(left, 1.0) * thin.evidence else thin
 
 
 def _searching(experiment: Experiment, progress: Progress) -> Search:
@@ -203,6 +222,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
+        ring_down=task.ring_down,
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings)),
     )
 

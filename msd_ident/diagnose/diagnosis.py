@@ -12,6 +12,7 @@ from msd_ident.diagnose.curves import Characteristics
 from msd_ident.diagnose.dependence import Dependence
 from msd_ident.diagnose.heldout import HeldOut
 from msd_ident.diagnose.missing import MissingForce
+from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.fit import FitResult
 from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
@@ -69,6 +70,7 @@ class Diagnosis:
         spread: least and largest m, b, k and Fc over tied explanations.
         rivals: the best other sets.
         warnings: what a reader must know, a sentence each.
+        ring_down: damping and frequency against amplitude, where anything rings down.
         next_experiment: what would part tied causes; ``None`` when there is nothing to do.
         contenders: the explanations still standing, as fitted models, the leading one first; for the design of a next
             experiment, not in the JSON.
@@ -93,6 +95,7 @@ class Diagnosis:
     spread: Mapping[str, tuple[float, float]]
     rivals: tuple[Rival, ...]
     warnings: tuple[str, ...]
+    ring_down: RingDown | None = None
     next_experiment: Mapping[str, Any] | None = None
     contenders: tuple[Contender, ...] = ()
 
@@ -123,6 +126,8 @@ class Diagnosis:
             "warnings": list(self.warnings),
             "next_experiment": None if self.next_experiment is None else dict(self.next_experiment),
         }
+        if self.ring_down is not None:
+            found["ring_down"] = self.ring_down.to_json_dict()
         if self.characteristics is not None:
             found["characteristics"] = self.characteristics.to_json_dict()
         return found

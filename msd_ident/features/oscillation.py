@@ -44,7 +44,7 @@ class AllPeaks:
 
 @dataclass(frozen=True)
 class Swing:
-    """Around one turning point: amplitude [m], local damping ratio with its standard deviation, ωn [rad/s].
+    """Around one turning point: amplitude [m], local damping ratio and ωn [rad/s] with their standard deviations.
 
     Read from the ways between three turning points, so a rest value that dry friction has shifted has no part in
     it. ζ(A) rises as A falls with dry friction and falls with drag.
@@ -54,6 +54,7 @@ class Swing:
     damping_ratio: float
     damping_ratio_std: float
     natural_frequency: float
+    natural_frequency_std: float
 
 
 def two_peaks(turns: Sequence[Extreme], rest: Quantity) -> TwoPeaks | None:
@@ -187,15 +188,11 @@ def swings(turns: Sequence[Extreme]) -> tuple[Swing, ...]:
             + (three.value_std / narrow) ** 2
             + (two.value_std * (1.0 / narrow - 1.0 / wide)) ** 2
         )
+        ratio_std = fall_std * (1.0 - ratio**2) ** 1.5 / math.pi
         damped = 2.0 * math.pi / (three.time - one.time)
-        found.append(
-            Swing(
-                amplitude=0.5 * math.sqrt(wide * narrow),
-                damping_ratio=ratio,
-                damping_ratio_std=fall_std * (1.0 - ratio**2) ** 1.5 / math.pi,
-                natural_frequency=equations.natural_frequency(damped, ratio),
-            )
-        )
+        damped_std = damped * math.hypot(one.time_std, three.time_std) / (three.time - one.time)
+        undamped = _undamped(damped, damped_std, ratio, ratio_std)
+        found.append(Swing(0.5 * math.sqrt(wide * narrow), ratio, ratio_std, *undamped))
     return tuple(found)
 
 

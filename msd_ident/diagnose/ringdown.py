@@ -1,0 +1,106 @@
+"""Damping and frequency against amplitude, ζ(A) and ωn(A), of everything that rings down in the records.
+
+For weak losses ζ(A) ≈ ζ + 2·Fc/(π·k·A) + 4·c·A/(3·π·m): a damping ratio that rises as the amplitude A falls means dry
+friction, one that falls means drag; ωn(A) bends with the spring alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from msd_ident.features import Features
+from msd_ident.features.oscillation import Swing
+from msd_ident.record import FloatArray
+
+_FEWEST = 3
+#: Chi² by which a slope must beat a constant before a word is said, and standard deviation that is never undercut.
+_DECISIVE, _LEAST_RATIO, _LEAST_RELATIVE = 16.0, 2e-4, 5e-4
+
+
+@dataclass(frozen=True)
+class RingDown:
+    """Local values around turning points, by falling amplitude; all arrays (n,).
+
+    Attributes:
+        amplitude: half the way between turning points [m].
+        damping_ratio, damping_ratio_std: ζ from three turning points.
+        natural_frequency, natural_frequency_std: ωn [rad/s] from the same.
+        sentences: what they say at a glance.
+    """
+
+    amplitude: FloatArray
+    damping_ratio: FloatArray
+    damping_ratio_std: FloatArray
+    natural_frequency: FloatArray
+    natural_frequency_std: FloatArray
+    sentences: tuple[str, ...]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain lists."""
+        return {
+            "amplitude_m": self.amplitude.tolist(),
+            "damping_ratio": self.damping_ratio.tolist(),
+            "damping_ratio_std": self.damping_ratio_std.tolist(),
+            "natural_frequency": self.natural_frequency.tolist(),
+            "natural_frequency_std": self.natural_frequency_std.tolist(),
+            "sentences": list(self.sentences),
+        }
+
+
+def ring_down(features: Sequence[Features]) -> RingDown | None:
+    """All swings of all responses; ``None`` from fewer than three."""
+    swings = [swing for found in features for response in found.responses for swing in response.swings]
+    if len(swings) < _FEWEST:
+        return None
+    swings.sort(key=lambda swing: -swing.amplitude)
+    amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
+    rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
+    said = _said(
+        amplitude, ratio * rate, ratio_std * rate, "The damping ratio", _LEAST_RATIO,
+        "as dry friction makes it", "as drag that grows with the square of the speed makes it",
+    ) + _said(
+        amplitude, frequency, frequency_std, "The natural frequency", _LEAST_RELATIVE * float(np.median(frequency)),
+        "as a softening spring makes it", "as a hardening spring makes it",
+    )  # fmt: skip
+    return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said)
+
+
+def _row(swing: Swing) -> tuple[float, ...]:
+    return (
+        swing.amplitude,
+        swing.damping_ratio,
+        swing.damping_ratio_std,
+        swing.natural_frequency,
+        swing.natural_frequency_std,
+    )
+
+
+def _said(
+    amplitude: FloatArray, value: FloatArray, std: FloatArray, what: str, least: float, rising: str, falling: str
+) -> tuple[str, ...]:
+    """A sentence when the values go with 1/A or with A far better than with nothing."""
+    weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), least) ** 2
+    mean = float(np.average(value, weights=weight))
+    nothing = float(np.sum(weight * (value - mean) ** 2))
+    best = min((_line(shape, value, weight) for shape in (1.0 / amplitude, amplitude)), key=lambda line: line[0])
+    if nothing - best[0] < _DECISIVE * max(best[0] / max(value.size - 2, 1), 1.0):
+        return ()
+    large, small = best[1][0], best[1][-1]
+    way, means = ("rises", rising) if small > large else ("falls", falling)
+    return (
+        f"{what} {way} from {large:.3g} at an amplitude of {amplitude[0]:.3g} to {small:.3g} at {amplitude[-1]:.3g}, "
+        f"{means}.",
+    )
+
+
+def _line(shape: FloatArray, value: FloatArray, weight: FloatArray) -> tuple[float, FloatArray]:
+    """(chi², fitted values) of a constant and one shape."""
+    basis = np.column_stack([np.ones_like(shape), shape])
+    root = np.sqrt(weight)
+    solution = np.linalg.lstsq(basis * root[:, None], value * root, rcond=None)[0]
+    fitted = basis @ solution
+    return float(np.sum(weight * (value - fitted) ** 2)), np.asarray(fitted)
