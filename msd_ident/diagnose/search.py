@@ -164,10 +164,12 @@ class Search:
             least = min(fitted.chi for fitted in self.sets.values())
             done = self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi))
             begun = self._each(partial(self._begin, _REACH * least if done else math.inf), group, share)
-            # What counts as hopeless must not depend on which thread is faster.
-            least = min([least, *(tries[0].chi for tries in begun)])
-            for fitted in self._each(partial(self._finish, least), begun, share):
-                self.sets[fitted.causes] = fitted
+            begun.sort(key=lambda tries: tries[0].chi)
+            # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
+            for tries in (begun[:1], begun[1:]):
+                for fitted in self._each(partial(self._finish, least), tries, share):
+                    self.sets[fitted.causes] = fitted
+                    least = min(least, fitted.chi)
         return True
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
