@@ -17,7 +17,7 @@ from msd_ident.motion import Motion, observe
 from msd_ident.noise import encoder_step, noise_floor
 from msd_ident.record import FloatArray, Record
 
-__all__ = ["Finding", "check", "encoder_step", "missing_samples", "noise_floor"]
+__all__ = ["Finding", "check", "encoder_step", "missing_in", "missing_samples", "noise_floor"]
 
 Severity = Literal["info", "warning", "error"]
 
@@ -69,10 +69,17 @@ def check(record: Record) -> tuple[Finding, ...]:
 
 
 def missing_samples(record: Record) -> int:
-    """Samples that the stamps say are missing: whole periods in gaps of a record with a regular period, else 0."""
-    intervals = np.diff(record.time)
+    """Position samples that the stamps say are missing: see ``missing_in``."""
+    return missing_in(record.time)
+
+
+def missing_in(time: FloatArray) -> int:
+    """Samples missing in stamps (n,) [s]: whole periods in gaps of a train with a regular period, else 0."""
+    intervals = np.diff(time)
+    if intervals.size < 2:
+        return 0
     _, slow = _rates(intervals)
-    period = slow or record.period
+    period = slow or float(np.median(intervals))
     if not slow and np.mean(np.abs(intervals - period) < _REGULAR * period) < 0.5:
         return 0
     gaps = intervals[intervals > 1.5 * period]

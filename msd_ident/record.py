@@ -84,6 +84,21 @@ def _check_increasing(array: FloatArray, what: str) -> None:
 
 
 @dataclass(frozen=True)
+class Origin:
+    """Where a signal came from.
+
+    Attributes:
+        signal: ``position`` or ``force``.
+        topic: its topic; empty for a column of a file.
+        lost: what its publisher numbered and never came: samples of batches, else messages.
+    """
+
+    signal: Literal["position", "force"]
+    topic: str
+    lost: int = 0
+
+
+@dataclass(frozen=True)
 class Record:
     """Force in, position out.
 
@@ -99,6 +114,7 @@ class Record:
         name: short name for tables (a file name, a topic).
         start_ns: absolute stamp of ``time == 0`` [ns], 0 when there is none.
         notes: what the reader had to do to get here, one sentence each; shown with every result.
+        origins: where the signals came from, and what was lost on the way.
 
     Raises:
         DataError: fewer than ``MINIMUM_SAMPLES`` samples, lengths that differ, values that are not
@@ -116,6 +132,7 @@ class Record:
     name: str = "record"
     start_ns: int = 0
     notes: tuple[str, ...] = field(default=())
+    origins: tuple[Origin, ...] = ()
 
     def __post_init__(self) -> None:
         for key in ("time", "position", "force_time", "force"):
@@ -230,6 +247,7 @@ def from_stamps(
     position_unit: str = "m",
     name: str = "record",
     notes: tuple[str, ...] = (),
+    origins: tuple[Origin, ...] = (),
 ) -> Record:
     """Record from two streams with absolute stamps [ns], in order of arrival: the one way from messages.
 
@@ -256,6 +274,7 @@ def from_stamps(
         name=name,
         start_ns=start,
         notes=tuple(found),
+        origins=origins,
     )
 
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import rclpy
+from rclpy.action import ActionClient
 from rclpy.node import Node
 
 from msd_ident.ros.run import Spinner
@@ -21,6 +22,7 @@ class Graph:
         rclpy.init(context=self.context, domain_id=domain)
         self._spinners: list[Spinner] = []
         self._owners: list[Any] = []
+        self._clients: list[ActionClient] = []
         self.node = Node("tester", context=self.context)
         self.spin(self.node)
 
@@ -46,10 +48,25 @@ class Graph:
         finally:
             self.node.destroy_client(client)
 
+    def goal(
+        self, kind: Any, name: str, request: Any, heard: Callable[[Any], None] = lambda feedback: None
+    ) -> tuple[Any, Any]:
+        """Send a goal; its handle, and the future of its result. ``heard`` is told the feedback."""
+        client = ActionClient(self.node, kind, name)
+        self._clients.append(client)
+        assert client.wait_for_server(30.0), f"no action {name}"
+        sent = client.send_goal_async(request, feedback_callback=lambda message: heard(message.feedback))
+        until(sent.done, f"the answer of {name}")
+        handle = sent.result()
+        assert handle.accepted
+        return handle, handle.get_result_async()
+
     def close(self) -> None:
         """Take everything down."""
         for spinner in reversed(self._spinners):
             spinner.stop()
+        for client in self._clients:
+            client.destroy()
         for owner in reversed(self._owners):
             owner.close()
             owner.node.destroy_node()

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from msd_ident.bag import SourceOptions, read
-from msd_ident.quality import Finding, check, encoder_step, missing_samples, noise_floor
+from msd_ident.quality import Finding, check, encoder_step, missing_in, missing_samples, noise_floor
 from msd_ident.record import FloatArray, Record, from_samples
 from msd_sim.api import simulate
 
@@ -345,3 +345,11 @@ def test_long_records_are_checked_quickly_enough_to_do_it_always() -> None:
     rng = np.random.default_rng(0)
     record = from_samples(t, np.sign(np.sin(t)), np.sin(t) + 1e-3 * rng.standard_normal(t.size))
     assert serious(record) == []
+
+
+def test_missing_samples_of_any_train_of_stamps() -> None:
+    regular = np.arange(100) * 0.01
+    assert missing_in(regular) == 0
+    assert missing_in(np.delete(regular, [10, 50, 51])) == 3
+    assert missing_in(np.array([0.0, 0.1, 3.1, 9.0])) == 0, "a force that is sent when it changes"
+    assert missing_in(np.array([0.0, 5.0])) == missing_in(np.zeros(1)) == 0

@@ -6,7 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from msd_ident.bag.fields import joint_names
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.topic import RawMessage
 from msd_ident.errors import DataError
-from msd_ident.record import FloatArray, Record, batch_stamps, from_stamps
+from msd_ident.record import FloatArray, Origin, Record, batch_stamps, from_stamps
 
 #: Entries of a bag's custom data that give the units of /msd/force and /msd/encoder; newtons and metres without.
 FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"
@@ -30,7 +30,7 @@ _SAME_CLOCK_NS = 60 * 10**9
 class _Signal:
     """Samples of one signal, collected message by message."""
 
-    def __init__(self, what: str, source: Source) -> None:
+    def __init__(self, what: Literal["force", "position"], source: Source) -> None:
         self.source = source
         self._what = what
         self._decoder = Decoder(source.topic)
@@ -94,6 +94,16 @@ class _Signal:
         return np.where(without, log_times, stamps)
 
     @property
+    def _missing(self) -> tuple[int, int]:
+        """Samples and gaps."""
+        return _missing_in_sequence(self._batches)
+
+    @property
+    def origin(self) -> Origin:
+        """Topic, and samples that its publisher numbered and that are not there."""
+        return Origin(self._what, self.source.topic.name, self._missing[0])
+
+    @property
     def notes(self) -> list[str]:
         """What was odd, one sentence each."""
         name, notes = self.source.topic.name, []
@@ -106,7 +116,7 @@ class _Signal:
             )
         if self._without:
             notes.append(f"{name}: {self._without} of {self._messages} messages hold no {self.source.field.text}.")
-        lost, gaps = _missing_in_sequence(self._batches)
+        lost, gaps = self._missing
         if lost:
             notes.append(f"{name}: {lost} samples are missing in {gaps} gaps of the batches' sequence numbers.")
         return notes
@@ -150,6 +160,7 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         position_unit=options.position_unit or bag.custom_data.get(POSITION_UNIT, "m"),
         name=_name(Path(path)),
         notes=(*bag.notes, *notes),
+        origins=tuple(signal.origin for signal in signals),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.errors import UsageError
-from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Record, from_stamps
+from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Origin, Record, from_stamps
 
 StampArray = npt.NDArray[np.int64]
 
@@ -154,7 +154,7 @@ class LiveBuffer:
         keep = ns >= newest - round(seconds * 1e9)
         return ns[keep], values[keep]
 
-    def record(self, notes: tuple[str, ...] = ()) -> Record:
+    def record(self, notes: tuple[str, ...] = (), origins: tuple[Origin, ...] = ()) -> Record:
         """All that is in the buffer, made into a record as the bag reader does it.
 
         Raises:
@@ -176,6 +176,7 @@ class LiveBuffer:
             position_unit=position_unit,
             name="live",
             notes=notes,
+            origins=origins,
         )
 
     def clear(self) -> None:

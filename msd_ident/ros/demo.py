@@ -82,10 +82,10 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
 def _start(processes: Processes, folder: Path, fast: bool) -> None:
     simulated: dict[str, object] = {"use_sim_time": True} if fast else {}
     mode: dict[str, object] = {"time_mode": "fast", "real_time_factor": FAST} if fast else {}
-    often: dict[str, object] = {"diagnostics_period": 0.1}
     processes.start("rig", "msd_sim.node", _arguments(RIG | mode))
-    processes.start("recorder", "msd_ident.ros.recorder", _arguments({"bag_folder": str(folder)} | often | simulated))
-    processes.start("identifier", "msd_ident.ros.identifier", _arguments(often | simulated))
+    shared: dict[str, object] = {"bag_folder": str(folder), "diagnostics_period": 0.1} | simulated
+    processes.start("recorder", "msd_ident.ros.recorder", _arguments(shared))
+    processes.start("identifier", "msd_ident.ros.identifier", _arguments(shared))
 
 
 def _arguments(parameters: dict[str, object]) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from msd_ident.ros.buffer import LiveBuffer
 from msd_ident.ros.inputs import Input, listed
@@ -30,6 +31,14 @@ def status(name: str, level: bytes, sentence: str, values: Mapping[str, object])
     """One status."""
     pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
     return DiagnosticStatus(level=level, name=name, message=sentence, hardware_id="", values=pairs)
+
+
+def log(logger: RcutilsLogger, good: bool, sentence: str) -> None:
+    """Say how something went. A line of its own for each severity: rclpy raises when one line changes it."""
+    if good:
+        logger.info(sentence)
+    else:
+        logger.warning(sentence)
 
 
 def data_status(name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input]) -> DiagnosticStatus:

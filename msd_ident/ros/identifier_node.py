@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import traceback
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
@@ -14,15 +14,17 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from msd_ident.bag import SourceOptions
 from msd_ident.errors import MsdError
-from msd_ident.record import Record
 from msd_ident.ros import health, names
 from msd_ident.ros.buffer import LiveBuffer
+from msd_ident.ros.diagnosing import Diagnosing
 from msd_ident.ros.inputs import Input, Sink, wanted
 from msd_ident.ros.parameters import Setting, Settings
+from msd_ident.ros.places import DEFAULT_FOLDER
+from msd_ident.ros.sources import Part, Sources, options
 from msd_ident.ros.steps import Settling, StepWatcher
 from msd_ident.ros.worker import Worker
+from msd_ident.stopping import Stopped
 from msd_interfaces.msg import Estimate
 from msd_interfaces.srv import Identify
 
@@ -39,6 +41,7 @@ SETTINGS = (
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
     Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
     Setting("buffer_samples", 200_000, "position samples kept, oldest out", 1_000, 10_000_000),
+    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports", fixed=False),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
     Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
@@ -94,20 +97,24 @@ class Identifier:
             hold=s["hold"],
             force_unit=s["force_unit"],
             position_unit=s["position_unit"],
-            free=self._options().no_force,
+            free=options(s).no_force,
         )
         self.watcher = StepWatcher(s["step_threshold"])
         self._worker = Worker("fit")
         self._fitting_step = False
         self._last = Outcome(True, "no estimate yet")
         self._log = self.node.get_logger()
-        self._make_inputs()
+        self._inputs = self._make_inputs()
+        self._sources = Sources(s, self.buffer, self._inputs)
         self._make_outputs()
+        self._diagnosing = Diagnosing(self.node, self._worker, self._sources, s)
         self._worker.submit(self._prepare)
 
     def close(self) -> bool:
-        """Drop fits that wait; whether the one in progress ended in time."""
-        return self._worker.close()
+        """Drop fits that wait, stop the one in progress; whether it ended in time."""
+        ended = self._worker.close()
+        self._diagnosing.close()
+        return ended
 
     @property
     def failure(self) -> str:
@@ -123,21 +130,22 @@ class Identifier:
             return self._identify(request)
         except MsdError as error:
             return Outcome(False, str(error))
+        except Stopped:
+            return Outcome(False, "stopped: the identifier ends")
         except Exception as error:
             self._log.error(traceback.format_exc())
             return Outcome(False, f"internal error, please report it: {type(error).__name__}: {error}")
 
-    def _make_inputs(self) -> None:
+    def _make_inputs(self) -> dict[str, list[Input]]:
         data = MutuallyExclusiveCallbackGroup()
         sink = Sink(self.buffer, self.watcher)
         depth = self.settings["queue_depth"]
-        self._inputs = {
-            what: [
-                Input(self.node, signal, sink, depth, data)
-                for signal in wanted(what, self.settings[what], self.settings[f"{what}_scale"])
-            ]
-            for what in ("force", "position")
-        }
+
+        def made(what: Literal["force", "position"]) -> list[Input]:
+            signals = wanted(what, self.settings[what], self.settings[f"{what}_scale"])
+            return [Input(self.node, signal, sink, depth, data) for signal in signals]
+
+        return {"force": made("force"), "position": made("position")}
 
     def _make_outputs(self) -> None:
         # Services wait for the worker as coroutines; the reentrant group lets others go on meanwhile.
@@ -149,7 +157,7 @@ class Identifier:
         node.create_service(Trigger, names.TRIGGER, self._on_trigger, callback_group=group)
         # Steady timers go on when simulated time stands still.
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
-        node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
+        node.create_timer(self.settings["diagnostics_period"], self._tell_health, clock=steady)
 
     def _prepare(self) -> None:
         """Load and compile the solver while nobody waits for it."""
@@ -158,21 +166,31 @@ class Identifier:
             from msd_ident.model import warm_up
 
             warm_up()
+        except Stopped:
+            pass
         except Exception:
             self._log.error(traceback.format_exc())
 
     async def _on_identify(self, request: Identify.Request, response: Identify.Response) -> Identify.Response:
         asked = Request(request.bag_path, request.start, request.end, request.model)
-        outcome = await self._worker.submit(lambda: self._fit(asked), self.node.executor)
+        outcome = await self._answer(asked)
         response.success, response.message = outcome.success, outcome.message
         if outcome.estimate is not None:
             response.estimate = outcome.estimate
         return response
 
     async def _on_trigger(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        outcome = await self._worker.submit(lambda: self._fit(Request()), self.node.executor)
+        outcome = await self._answer(Request())
         response.success, response.message = outcome.success, outcome.message
         return response
+
+    async def _answer(self, asked: Request) -> Outcome:
+        """Outcome of a request; those that ask for the same while it waits share it."""
+        try:
+            work = self._worker.submit(partial(self._fit, asked), self.node.executor, key=asked)
+        except MsdError as error:
+            return Outcome(False, str(error))
+        return await work or Outcome(False, "stopped: the identifier ends")
 
     def _look(self) -> None:
         for entry in (*self._inputs["force"], *self._inputs["position"]):
@@ -202,54 +220,25 @@ class Identifier:
             self._last = outcome
             if outcome.estimate is not None:
                 self._estimate.publish(outcome.estimate)
-        (self._log.info if outcome.success else self._log.warning)(outcome.message)
+        health.log(self._log, outcome.success, outcome.message)
         return outcome
 
     def _identify(self, request: Request) -> Outcome:
         from msd_ident import pipeline
         from msd_ident.ros.results import sentence, to_estimate
 
-        options = pipeline.Options(model=request.model or self.settings["model"])
-        source = self._options(request)
-        record = self._read(request.bag_path, source) if request.bag_path else self._live(source)
-        found = pipeline.identify([record], options)
+        chosen = pipeline.Options(model=request.model or self.settings["model"])
+        sources = self._sources
+        record = sources.record(request.bag_path, Part(request.start, request.end))
+        found = pipeline.identify([record], chosen)
         made_ns = self.node.get_clock().now().nanoseconds
-        estimate = to_estimate(found, request.bag_path or "live", made_ns, self._frame())
+        estimate = to_estimate(found, request.bag_path or "live", made_ns, sources.frame)
         return Outcome(True, sentence(estimate), estimate)
 
-    def _live(self, source: SourceOptions) -> Record:
-        """The buffer as a record, its window cut as the bag reader does it."""
-        problems = [entry.signal.problem for entry in self._inputs["position"] if entry.signal and entry.signal.missing]
-        record = self.buffer.record(notes=tuple(problems))
-        return record.window(*source.window) if any(map(math.isfinite, source.window)) else record
-
-    def _read(self, path: str, source: SourceOptions) -> Record:
-        from msd_ident import bag
-
-        return bag.read(path, source)
-
-    def _options(self, request: Request = Request()) -> SourceOptions:  # noqa: B008 - frozen
-        """Signals, scales, units and window as the bag reader wants them; an end of 0 leaves it open."""
-        s = self.settings
-        return SourceOptions(
-            force=s["force"],
-            position=s["position"],
-            force_scale=s["force_scale"],
-            position_scale=s["position_scale"],
-            force_unit=s["force_unit"],
-            position_unit=s["position_unit"],
-            hold=s["hold"],
-            start=request.start if request.start or request.end else None,
-            end=request.end or None,
-        )
-
-    def _frame(self) -> str:
-        frames = [entry.signal.frame for entry in self._inputs["position"] if entry.signal]
-        return next(filter(None, frames), "")
-
-    def _diagnose(self) -> None:
+    def _tell_health(self) -> None:
         name = self.node.get_name()
         data = health.data_status(f"{name}: data", self.buffer, self._inputs["force"], self._inputs["position"])
         level = DiagnosticStatus.OK if self._last.success else DiagnosticStatus.WARN
         estimate = health.status(f"{name}: estimate", level, self._last.message, {})
-        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate))
+        model = self._diagnosing.status(f"{name}: model")
+        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate, model))

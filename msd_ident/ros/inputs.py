@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
@@ -14,7 +15,7 @@ from rclpy.subscription import Subscription
 from msd_ident.bag.fields import parse_field
 from msd_ident.bag.options import NO_FORCE
 from msd_ident.errors import MsdError
-from msd_ident.record import FloatArray
+from msd_ident.record import FloatArray, Origin
 from msd_ident.ros import names
 from msd_ident.ros.buffer import LiveBuffer, StampArray
 from msd_ident.ros.conversions import Signal, message_class
@@ -32,13 +33,13 @@ class Wanted:
         scale: factor to the unit of the record.
     """
 
-    what: str
+    what: Literal["force", "position"]
     topic: str
     field: str
     scale: float
 
 
-def wanted(what: str, text: str, scale: float) -> tuple[Wanted, ...]:
+def wanted(what: Literal["force", "position"], text: str, scale: float) -> tuple[Wanted, ...]:
     """The signals that a parameter ``TOPIC:FIELD`` means; empty for the usual topics, a force of ``none`` is none.
 
     Raises:
@@ -71,6 +72,16 @@ class Input:
         known = "" if signal.field else names.TYPES.get(signal.topic, "")
         if known:
             self._subscribe(known, names.force_qos(depth) if signal.what == "force" else names.encoder_qos(depth))
+
+    @property
+    def origin(self) -> Origin:
+        """Topic, and what its publisher numbered and never came."""
+        return Origin(self.wanted.what, self.topic, self.signal.missing if self.signal else 0)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of results must know about the samples."""
+        return (self.signal.problem,) if self.signal and self.signal.missing else ()
 
     def look(self) -> None:
         """Subscribe when somebody publishes the topic, as the publishers allow."""

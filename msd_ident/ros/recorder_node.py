@@ -15,12 +15,13 @@ from rclpy.parameter import Parameter
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
-from msd_ident.bag.writer import Compression
+from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.errors import DataError, MsdError, UsageError
 from msd_ident.ros import health, names
 from msd_ident.ros.conversions import message_class
 from msd_ident.ros.parameters import Setting, Settings
-from msd_ident.ros.recording import Recording, Summary
+from msd_ident.ros.places import DEFAULT_FOLDER, Place
+from msd_ident.ros.recording import Limits, Recording, Summary
 from msd_interfaces.srv import StartRecording
 
 COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
@@ -28,12 +29,15 @@ COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
 SETTINGS = (
     Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
     Setting("all_topics", False, "record every topic there is and those that come"),
-    Setting("bag_folder", ".", "folder below which all bags are made"),
+    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
     Setting("autostart", False, "start recording at once"),
     Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("queue_megabytes", 512, "messages that may wait for the disk [MiB]", 1, 65_536),
+    Setting("sync_period", 1.0, "longest time for which a message is not on the disk [s]", 0.05, 3600.0),
+    Setting("split_megabytes", SPLIT_BYTES // 2**20, "size at which a file of the bag ends [MiB]", 1, 1_048_576),
+    Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
 )
 
@@ -110,7 +114,7 @@ class Recorder:
         wanted = list(topics or self.settings["topics"])
         self._wanted = None if every else frozenset(self._resolved(topic) for topic in wanted)
         path = self._place(folder)
-        self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20)
+        self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
         self._refused.clear()
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
@@ -131,8 +135,12 @@ class Recorder:
         self._subscriptions.clear()
         self._last = self._recording.close()
         self._recording = None
-        (self._log.error if self._last.error else self._log.info)(f"stopped: {self._last.sentence}")
+        health.log(self._log, not self._last.error, f"stopped: {self._last.sentence}")
         return self._last
+
+    def _limits(self) -> Limits:
+        of = self.settings
+        return Limits(of["sync_period"], of["split_megabytes"] * 2**20, of["split_seconds"])
 
     def _resolved(self, topic: str) -> str:
         if not topic:
@@ -144,14 +152,8 @@ class Recorder:
 
     def _place(self, folder: str) -> Path:
         """Where the bag goes: below the recorder's bag folder, also through links and dots."""
-        root = Path(self.settings["bag_folder"]).expanduser().resolve()
         name = folder or f"msd_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
-        path = (root / Path(name).expanduser()).resolve()
-        if root == path or root not in path.parents:
-            raise UsageError(f"{folder} is not below {root}; expected a bag there: give a name, or set bag_folder")
-        if path.exists():
-            raise UsageError(f"{path} exists; expected a new name: the recorder overwrites nothing")
-        return path
+        return Place(self.settings["bag_folder"]).new(name)
 
     def _look(self) -> None:
         """Subscribe to wanted topics that have come."""

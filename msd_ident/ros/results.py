@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
+from msd_ident import quality
 from msd_ident.identification import Identification, ModelFit
 from msd_ident.model import Model
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record
+from msd_ident.record import Origin, Record
 from msd_ident.ros.conversions import time_message
-from msd_interfaces.msg import Estimate
+from msd_interfaces.msg import Estimate, Loss
 from msd_interfaces.msg import Parameter as ParameterMessage
 
 #: Symbols of what is no parameter of a model.
@@ -46,7 +47,7 @@ def to_estimate(found: Identification, source: str, made_ns: int, frame: str = "
         frame: frame_id of the encoder.
     """
     record = found.records[0]
-    symbols = _symbols(found.refined.model)
+    symbols = model_symbols(found.refined.model)
     form = found.standard_form.quantities if found.standard_form else {}
     original = found.original.parameters
     message = Estimate(
@@ -55,6 +56,7 @@ def to_estimate(found: Identification, source: str, made_ns: int, frame: str = "
         window_end=time_message(stamp_of(record, -1)),
         samples=record.samples,
         missing_samples=found.missing_samples,
+        losses=to_losses(found.records),
         force_unit=record.force_unit,
         position_unit=record.position_unit,
         route=found.route,
@@ -77,6 +79,20 @@ def to_estimate(found: Identification, source: str, made_ns: int, frame: str = "
     for name in ("mass", "damping", "stiffness"):
         setattr(message, name, to_parameter(name, original.get(name, _UNKNOWN), symbols))
     return message
+
+
+def to_losses(records: Sequence[Record]) -> list[Loss]:
+    """What is missing in each signal of each record."""
+    losses = []
+    for record in records:
+        known: dict[str, Origin] = {origin.signal: origin for origin in record.origins}
+        for signal, time in (("position", record.time), ("force", record.force_time)):
+            origin = known.get(signal)
+            loss = Loss(signal=signal, samples=time.size, missing_by_stamps=quality.missing_in(time))
+            if origin is not None:
+                loss.topic, loss.missing_by_sequence = origin.topic, origin.lost
+            losses.append(loss)
+    return losses
 
 
 def stamp_of(record: Record, index: int) -> int:
@@ -104,5 +120,6 @@ def _parameters(found: ModelFit | None, symbols: Mapping[str, str]) -> list[Para
     return [to_parameter(name, quantity, symbols) for name, quantity in parameters]
 
 
-def _symbols(model: Model) -> dict[str, str]:
+def model_symbols(model: Model) -> dict[str, str]:
+    """Symbols of all that is told about a model, by name."""
     return {**{parameter.name: parameter.symbol for parameter in model.parameters}, **_SYMBOLS}

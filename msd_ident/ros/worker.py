@@ -2,51 +2,101 @@
 
 from __future__ import annotations
 
-import queue
 import threading
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from rclpy.executors import Executor
 from rclpy.task import Future
 
+from msd_ident import stopping
+from msd_ident.errors import UsageError
+
 Result = TypeVar("Result")
+
+#: Jobs that may wait; more are refused.
+MOST_WAITING = 64
+
+
+@dataclass
+class _Job:
+    work: Callable[[], None]
+    future: Future
+    executor: Executor | None
+    key: Hashable = None
+    stop: threading.Event = field(default_factory=threading.Event)
 
 
 class Worker:
     """Does one job after the other in a thread; the outcome comes as a future to wait for in a coroutine."""
 
     def __init__(self, name: str) -> None:
-        self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self._jobs: deque[_Job] = deque()
+        self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
         self._closed = False
         self._thread.start()
 
-    def submit(self, job: Callable[[], Result], executor: Executor | None = None) -> Future:
-        """Queue a job. The future holds its result or its exception, and wakes the executor when done."""
+    def submit(
+        self,
+        job: Callable[[], Result],
+        executor: Executor | None = None,
+        *,
+        key: Hashable = None,
+        stop: threading.Event | None = None,
+    ) -> Future:
+        """Queue a job. The future holds its result or its exception, and wakes the executor when done.
+
+        Args:
+            job: what to do.
+            executor: of those who wait.
+            key: a job that still waits with an equal one is the same: then its future is given. ``None`` is no key.
+            stop: set by somebody who does not want the result any more: the job ends with ``Stopped``.
+
+        Raises:
+            UsageError: too many wait.
+        """
         future = Future(executor=executor)
 
         def do() -> None:
-            if self._closed:
-                future.cancel()
-                return
             try:
                 future.set_result(job())
             except Exception as error:
                 future.set_exception(error)
-            if executor is not None:
-                executor.wake()
 
-        self._jobs.put(do)
+        made = _Job(do, future, executor, key, stop or threading.Event())
+        with self._changed:
+            same = next((other for other in self._jobs if key is not None and other.key == key), None)
+            if same is not None:
+                return same.future
+            if len(self._jobs) >= MOST_WAITING:
+                raise UsageError(f"{len(self._jobs)} requests wait already; expected fewer: ask again later")
+            self._jobs.append(made)
+            self._changed.notify()
         return future
 
     def close(self, patience: float = 2.0) -> bool:
-        """Drop what waits; whether the job in progress ended in time."""
-        self._closed = True
-        self._jobs.put(None)
+        """Drop what waits, stop the job in progress; whether it ended in time."""
+        with self._changed:
+            self._closed = True
+            dropped = list(self._jobs)
+            self._jobs.clear()
+            self._changed.notify()
+        for job in dropped:
+            job.future.cancel()
         self._thread.join(patience)
         return not self._thread.is_alive()
 
     def _work(self) -> None:
-        while (job := self._jobs.get()) is not None:
-            job()
+        while (job := self._next()) is not None:
+            with stopping.when(lambda stop=job.stop: self._closed or stop.is_set()):  # type: ignore[misc]
+                job.work()
+            if job.executor is not None:
+                job.executor.wake()
+
+    def _next(self) -> _Job | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._jobs or self._closed)
+            return None if self._closed else self._jobs.popleft()

@@ -28,6 +28,7 @@ from bagmaker import (
 
 from msd_ident.bag import BagWriter, SourceOptions, open_bag, read
 from msd_ident.errors import DataError, MsdError, UsageError
+from msd_ident.record import Origin
 
 
 def refusal(folder: Path, messages: list[Message], options: SourceOptions | None = None) -> str:
@@ -75,6 +76,7 @@ def test_batches_are_unpacked(tmp_path: Path) -> None:
     record = read(make_bag(tmp_path / "some", [*force_messages(topic="/force"), *some]))
     assert record.samples == 700
     assert record.notes == ("/encoder_batch: 300 samples are missing in 2 gaps of the batches' sequence numbers.",)
+    assert record.origins == (Origin("position", "/encoder_batch", 300), Origin("force", "/force"))
 
 
 def robot(count: int = 300) -> list[Message]:

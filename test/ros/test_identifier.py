@@ -190,12 +190,13 @@ def test_a_fit_never_blocks_the_subscription(ros: Graph) -> None:
 @pytest.mark.parametrize(
     ("request_", "words"),
     [
-        (Identify.Request(bag_path="/nowhere"), "/nowhere does not exist; expected a bag folder"),
+        (Identify.Request(bag_path="/nowhere"), "/nowhere is not below"),
+        (Identify.Request(bag_path="nowhere"), "nowhere does not exist; expected a bag folder"),
         (Identify.Request(start=3.0, end=2.0), "the window from 3 s to 2 s is empty; expected start before end"),
         (Identify.Request(model="magic"), "model is 'magic'; expected one of auto, spring, no_spring"),
         (Identify.Request(), "no position samples; expected at least one"),
     ],
-    ids=["nowhere", "window", "model", "empty"],
+    ids=["elsewhere", "nowhere", "window", "model", "empty"],
 )
 def test_what_cannot_be_done_is_answered_in_words(ros: Graph, request_: Identify.Request, words: str) -> None:
     identifier(ros)
@@ -204,9 +205,11 @@ def test_what_cannot_be_done_is_answered_in_words(ros: Graph, request_: Identify
 
 
 def test_a_directory_that_is_no_bag_is_answered_in_words(ros: Graph, tmp_path: Path) -> None:
-    identifier(ros)
-    answer = ros.call(Identify, "identifier/identify", Identify.Request(bag_path=str(tmp_path)))
-    assert answer.message == f"{tmp_path} holds no .mcap or .db3 file; expected a rosbag2 folder: check the path"
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    identifier(ros, bag_folder=str(tmp_path))
+    answer = ros.call(Identify, "identifier/identify", Identify.Request(bag_path=str(folder)))
+    assert answer.message == f"{folder} holds no .mcap or .db3 file; expected a rosbag2 folder: check the path"
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,8 @@ def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     folder = tmp_path / "bag"
     write(record, folder)
     with graph(ros_domain) as ros:
-        identifier = ros.add(Identifier([Parameter("auto_fit", value=False)], namespace="msd", context=ros.context))
+        given = [Parameter("auto_fit", value=False), Parameter("bag_folder", value=str(tmp_path))]
+        identifier = ros.add(Identifier(given, namespace="msd", context=ros.context))
         with replayed(folder) as process:
             until(lambda: identifier.buffer.counts.positions == record.samples or process.poll(), "samples", 60.0)
         live = ros.call(Identify, "msd/identifier/identify", Identify.Request())

@@ -1,0 +1,91 @@
+"""The folder that service requests may name files in: nothing outside it, by dots and links neither. Without ROS."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from msd_ident.errors import UsageError
+
+#: Where bags lie when nothing else is said.
+DEFAULT_FOLDER = "~/bags"
+#: Longest path that a request may hold, as Linux has it.
+LONGEST_PATH = 4096
+
+
+class Place:
+    """A folder, and what requests may name below it.
+
+    Args:
+        folder: its path; ``~`` stands for the user's home.
+        parameter: that it comes from, for the words of a refusal.
+    """
+
+    def __init__(self, folder: str, parameter: str = "bag_folder") -> None:
+        self.root = Path(folder).expanduser().resolve()
+        self._parameter = parameter
+
+    def existing(self, text: str) -> Path:
+        """A bag or file to read; one that is not there is the reader's to refuse.
+
+        Raises:
+            UsageError: it lies elsewhere, or leads there, or is neither file nor folder.
+        """
+        path = self._below(text)
+        for part in (path, *_entries(path)):
+            if not self._holds(part.resolve()):
+                raise UsageError(f"{part} leads out of {self.root}; expected files there: copy it")
+            if not _plain(part):
+                raise UsageError(f"{part} is neither file nor folder; expected a bag or a CSV file")
+        return path
+
+    def new(self, text: str, suffix: str = "") -> Path:
+        """A file or bag to make.
+
+        Raises:
+            UsageError: it lies elsewhere, exists, has another suffix or no folder to be in.
+        """
+        path = self._below(text)
+        if suffix and path.suffix != suffix:
+            raise UsageError(f"{text} does not end in {suffix}; expected a name that does")
+        if path.exists() or path.is_symlink():
+            raise UsageError(f"{path} exists; expected a new name: nothing is overwritten")
+        if suffix and not path.parent.is_dir():
+            raise UsageError(f"folder {path.parent} does not exist; expected one to write {path.name} into")
+        return path
+
+    def _below(self, text: str) -> Path:
+        """The path with all links followed, relative ones counted from the root."""
+        if len(text) > LONGEST_PATH or "\0" in text:
+            raise UsageError(
+                f"a path of {len(text)} characters; expected at most {LONGEST_PATH}, and no zero among them"
+            )
+        try:
+            path = (self.root / Path(text).expanduser()).resolve()
+        except (OSError, RuntimeError) as error:  # links in a circle, a home that nobody has
+            raise UsageError(f"{text} cannot be followed: {error}; expected a path below {self.root}") from None
+        if not self._holds(path) or path == self.root:
+            raise UsageError(
+                f"{text} is not below {self.root}; expected a bag there: give another name, or set {self._parameter}"
+            )
+        return path
+
+    def _holds(self, path: Path) -> bool:
+        return path == self.root or self.root in path.parents
+
+
+def _entries(path: Path) -> list[Path]:
+    """What lies in a folder; nothing where that cannot be seen, which the reader says better."""
+    try:
+        return list(path.iterdir()) if path.is_dir() else []
+    except OSError:
+        return []
+
+
+def _plain(path: Path) -> bool:
+    """Whether reading it ends: a pipe's other side may never write."""
+    try:
+        mode = path.stat().st_mode
+    except OSError:
+        return True
+    return stat.S_ISREG(mode) or stat.S_ISDIR(mode)

@@ -1,0 +1,88 @@
+"""Where the records of a request come from: the live buffer, or bags below one folder, cut and scaled alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from msd_ident.bag import SourceOptions
+from msd_ident.record import Record
+from msd_ident.ros.buffer import LiveBuffer
+from msd_ident.ros.inputs import Input
+from msd_ident.ros.parameters import Settings
+from msd_ident.ros.places import Place
+
+
+@dataclass(frozen=True)
+class Part:
+    """Part of a record to use, from its first position sample on [s]; twice 0 is everything, an end of 0 is open."""
+
+    start: float = 0.0
+    end: float = 0.0
+
+
+class Sources:
+    """Records as the node's parameters want them.
+
+    Args:
+        settings: the node's parameters.
+        buffer: the live samples.
+        inputs: subscriptions of force and position.
+    """
+
+    def __init__(self, settings: Settings, buffer: LiveBuffer, inputs: Mapping[str, Sequence[Input]]) -> None:
+        self._settings = settings
+        self._buffer = buffer
+        self._inputs = inputs
+
+    @property
+    def place(self) -> Place:
+        """Where bags and reports lie."""
+        return Place(self._settings["bag_folder"])
+
+    @property
+    def frame(self) -> str:
+        """Frame of the encoder."""
+        frames = [entry.signal.frame for entry in self._inputs["position"] if entry.signal]
+        return next(filter(None, frames), "")
+
+    def record(self, path: str, part: Part) -> Record:
+        """A bag or file that a request names, or the live buffer when it names none.
+
+        Raises:
+            DataError: it cannot be a record.
+            UsageError: the path leads elsewhere, or the window is empty.
+        """
+        from msd_ident import bag
+
+        if not path:
+            return self._live(part)
+        return bag.read(self.place.existing(path), options(self._settings, part))
+
+    def _live(self, part: Part) -> Record:
+        """The buffer as a record, its window cut as the bag reader does it."""
+        window = options(self._settings, part).window
+        heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.heard]
+        origins = tuple(entry.origin for entry in heard)
+        record = self._buffer.record(notes=tuple(note for entry in heard for note in entry.notes), origins=origins)
+        return record.window(*window) if any(map(math.isfinite, window)) else record
+
+
+def options(s: Settings, part: Part = Part()) -> SourceOptions:  # noqa: B008 - frozen
+    """Signals, scales, units and window as the bag reader wants them.
+
+    Raises:
+        UsageError: the window or a scale makes no sense.
+    """
+    return SourceOptions(
+        force=s["force"],
+        position=s["position"],
+        force_scale=s["force_scale"],
+        position_scale=s["position_scale"],
+        force_unit=s["force_unit"],
+        position_unit=s["position_unit"],
+        hold=s["hold"],
+        start=part.start if part.start or part.end else None,
+        end=part.end or None,
+    )
