@@ -36,7 +36,7 @@ bench: setup
 	@$(PY) -m bench $(ARGS)
 
 blind: setup
-	@$(PY) -m bench.blind $(ARGS)
+	@$(PY) -m bench.blind --docs docs $(ARGS)
 
 study: setup
 	@$(PY) bench/study_coverage.py && $(PY) bench/study_recovery.py

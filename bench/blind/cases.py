@@ -61,6 +61,12 @@ class Outcome:
         """Plain values."""
         return asdict(self)
 
+    @classmethod
+    def from_json_dict(cls, values: Mapping[str, Any]) -> Outcome:
+        """The inverse of ``to_json_dict``."""
+        named = tuple((name, probability, tuple(tied)) for name, probability, tied in values["named"])
+        return cls(**{**values, "case": Case(**values["case"]), "truth": tuple(values["truth"]), "named": named})
+
     @property
     def names(self) -> frozenset[str]:
         """Causes named."""

@@ -62,6 +62,14 @@ def confident_and_wrong(outcome: Outcome) -> bool:
     return outcome.verdict == "explained" and sure and outcome.extended_floors > 2.0
 
 
+def confidently_misnamed(outcome: Outcome) -> bool:
+    """A cause that is not there, and not tied with one that is, is named in an explanation with p > 0.9."""
+    wrong = [
+        p for name, p, ties in outcome.named if name not in outcome.truth and not (set(ties) & set(outcome.truth))
+    ]
+    return outcome.verdict == "explained" and max(wrong, default=0.0) > 0.9
+
+
 def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     """The issue's table, on the main experiment."""
     chosen = main_experiment(outcomes)
@@ -132,3 +140,13 @@ def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
         above = [value for value in hit if value > max(missed, default=0.0)]
         found[name] = min(above, default=math.inf)
     return found
+
+
+def oddities(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
+    """For each visible oddity of the main experiment, the verdicts."""
+    table: dict[str, Counter[str]] = {}
+    for o in main_experiment(outcomes):
+        if o.odd and o.base_floors >= VISIBLE:
+            answer = o.verdict + (": " + " + ".join(sorted(o.names)) if o.named else "")
+            table.setdefault(str(o.case.hidden), Counter())[answer] += 1
+    return table

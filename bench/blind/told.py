@@ -1,0 +1,79 @@
+"""The study in words: tables in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.blind import score
+from bench.blind.cases import Outcome
+
+
+def report(outcomes: Sequence[Outcome]) -> list[str]:
+    """All tables of the study."""
+    return [
+        *_figures(outcomes), "",
+        *_other_experiments(outcomes), "",
+        *_reliability(outcomes), "",
+        *_confusion(outcomes), "",
+        *_smallest(outcomes), "",
+        *_oddities(outcomes),
+    ]  # fmt: skip
+
+
+def _figures(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| figure | got | of | must | aim |", "|---|---|---|---|---|"]
+    for item in score.figures(outcomes):
+        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.total} | {item.must} | {item.aim} |")
+    seconds = [o.seconds for o in score.main_experiment(outcomes)] or [float("nan")]
+    lines += [
+        f"| held-out SEE over noise, median when right | {score.heldout(outcomes):.3f} | | <= 1.2 | 1.05 |",
+        f"| removable error removed, median | {100.0 * score.removed(outcomes):.1f} % | | | |",
+        f"| seconds a diagnosis, median | {np.median(seconds):.2f} | {len(seconds)} | <= 2 | 0.5 |",
+        f"| seconds a diagnosis, longest | {max(seconds):.2f} | {len(seconds)} | | |",
+    ]
+    return lines
+
+
+def _other_experiments(outcomes: Sequence[Outcome]) -> list[str]:
+    """What the other experiments show of known, visible effects, and what they invent or claim wrongly."""
+    lines = [
+        "| experiment | visible effects | all named or tied | exact | confident and wrong | clean, cause invented |",
+        "|---|---|---|---|---|---|",
+    ]
+    for experiment, rate in sorted({(o.case.experiment, o.case.rate) for o in outcomes}):
+        chosen = [o for o in outcomes if (o.case.experiment, o.case.rate) == (experiment, rate)]
+        seen, clean = score.visible(chosen), [o for o in chosen if o.case.hidden is None]
+        lines.append(
+            f"| {experiment}, {rate:g} Hz | {len(seen)} | {sum(map(score.found_both, seen))} | "
+            f"{sum(o.exact for o in seen)} | {sum(map(score.confidently_misnamed, seen))} | "
+            f"{sum(bool(o.named) for o in clean)} of {len(clean)} |"
+        )
+    return lines
+
+
+def _reliability(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| stated probability | causes | mean stated | observed |", "|---|---|---|---|"]
+    for low, high, count, stated, observed in score.reliability(outcomes):
+        lines.append(f"| {low:.2f} to {high:.2f} | {count} | {stated:.3f} | {observed:.3f} |")
+    return lines
+
+
+def _confusion(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| hidden and visible | named as (number) |", "|---|---|"]
+    for name, answers in sorted(score.confusion(outcomes).items()):
+        lines.append(f"| {name} | {', '.join(f'{answer} ({n})' for answer, n in answers.most_common())} |")
+    return lines
+
+
+def _smallest(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| effect | always found from (noise floors left without it) |", "|---|---|"]
+    return lines + [f"| {name} | {size:.1f} |" for name, size in score.smallest(outcomes).items()]
+
+
+def _oddities(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| oddity, not in the library | verdict: causes (number) |", "|---|---|"]
+    for name, answers in sorted(score.oddities(outcomes).items()):
+        lines.append(f"| {name} | {'; '.join(f'{answer} ({n})' for answer, n in answers.most_common())} |")
+    return lines
