@@ -20,6 +20,7 @@ STOREYS = (
     ("record",),
     ("motion", "noise"),
     ("quality",),
+    ("datasheet",),
     ("model",),
     ("features",),
     ("fit",),
@@ -46,7 +47,7 @@ ROS = (
 AT_HOME = {
     **dict.fromkeys(ROS, ("msd_ident.ros", "msd_sim.node")),
     **dict.fromkeys(("rosbags", "mcap"), ("msd_ident.bag",)),
-    **dict.fromkeys(("matplotlib", "plotly"), ("msd_ident.report",)),
+    **dict.fromkeys(("matplotlib", "plotly", "jinja2", "markupsafe"), ("msd_ident.report",)),
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
 }

@@ -19,6 +19,7 @@ from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
 from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.diagnose.search import NOTHING, Progress, Search
+from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, fit, see_reduction
 from msd_ident.fit.concluding import conclude
@@ -100,7 +101,7 @@ def diagnose_records(
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
-        ranking = evidence.rank({NOTHING: base}, evidence.Scale())
+        ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
     else:
         ranking = _search(experiment, (base, friction), progress)
     return _conclude(task, experiment, base, ranking, progress)
@@ -149,7 +150,7 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     """
     thin = experiment.thinned(_MOST_SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
-        return _searching(experiment, progress).run(known[0], known[1:])
+        return noted(_searching(experiment, progress).run(known[0], known[1:]), experiment)
     thin = _coarser(thin, known[1], known[1].chi / experiment.evidence)
     start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
     ahead = _searching(thin, progress).run(start[0], start[1:])
@@ -159,8 +160,8 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     whole = _searching(experiment, progress)
     ranking = evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
     if whole.at_floor(ranking.best) or not judge(ahead.best.residuals(), thin.readings).consistent:
-        return ranking
-    return whole.resume(list(sets.values()))
+        return noted(ranking, experiment, (ahead, thin))
+    return noted(whole.resume(list(sets.values())), experiment, (ahead, thin))
 
 
 def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
@@ -224,6 +225,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         warnings=tuple(dict.fromkeys(said)),
         ring_down=task.ring_down,
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings)),
+        tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
 
 

@@ -13,6 +13,7 @@ from msd_ident.diagnose.dependence import Dependence
 from msd_ident.diagnose.heldout import HeldOut
 from msd_ident.diagnose.missing import MissingForce
 from msd_ident.diagnose.ringdown import RingDown
+from msd_ident.diagnose.tried import Tried
 from msd_ident.fit import FitResult
 from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
@@ -74,6 +75,7 @@ class Diagnosis:
         next_experiment: what would part tied causes; ``None`` when there is nothing to do.
         contenders: the explanations still standing, as fitted models, the leading one first; for the design of a next
             experiment, not in the JSON.
+        tried: every cause of the library with what it leaves and why it is held or not.
     """
 
     records: tuple[Record, ...]
@@ -98,6 +100,7 @@ class Diagnosis:
     ring_down: RingDown | None = None
     next_experiment: Mapping[str, Any] | None = None
     contenders: tuple[Contender, ...] = ()
+    tried: tuple[Tried, ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """The JSON contract's object, without ``path``."""
@@ -122,6 +125,7 @@ class Diagnosis:
             "rivals": [
                 {"causes": list(r.causes), "probability": r.probability, "noise_floors": r.floors} for r in self.rivals
             ],
+            "tried": [one.to_json_dict() for one in self.tried],
             "findings": [vars(finding) for finding in self.findings],
             "warnings": list(self.warnings),
             "next_experiment": None if self.next_experiment is None else dict(self.next_experiment),

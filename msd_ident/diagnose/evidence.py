@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -99,11 +99,16 @@ def log_evidence(fitted: Fitted, scale: Scale) -> float:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Sets by falling evidence, with their posterior probability (each in the order of ``sets``)."""
+    """Sets by falling evidence, with their posterior probability (each in the order of ``sets``).
+
+    ``left`` is what every set that was fitted leaves, in noise floors, those too that were searched on a part of the
+    data alone.
+    """
 
     sets: tuple[Fitted, ...]
     evidence: tuple[float, ...]
     probability: tuple[float, ...]
+    left: Mapping[Causes, float] = field(default_factory=dict)
 
     @property
     def best(self) -> Fitted:
