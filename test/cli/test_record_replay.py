@@ -72,7 +72,7 @@ def test_a_recording_ends_after_its_duration(ros_domain: int, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["record", "--out", "old"], "old exists; expected a new name: the recorder overwrites nothing"),
+        (["record", "--out", "old"], "old exists; expected a new name: nothing is overwritten"),
         (["record", "--all", "force"], "--all and topics were given; expected one of the two"),
         (["record", "--compression", "zip"], "compression is 'zip'; expected one of zstd, none"),
         (["record", "a b"], "topic 'a b': "),
