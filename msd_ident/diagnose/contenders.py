@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.diagnose import settling
 from msd_ident.diagnose.candidates import Fitted
 from msd_ident.diagnose.evidence import DECISIVE, Ranking, Scale
+from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Model
 from msd_ident.record import FloatArray
@@ -43,18 +46,24 @@ class Contender:
     initial: tuple[Initial, ...]
 
 
-def standing(ranking: Ranking, scale: Scale) -> tuple[Contender, ...]:
+def standing(ranking: Ranking, scale: Scale, readings: Sequence[Readings]) -> tuple[Contender, ...]:
     """The leading explanation first, then the others that come near it, by falling evidence."""
     top = max(ranking.evidence)
     found = []
     for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
         if fitted is ranking.best or value >= top - _KEPT_NATS:
-            found.append(_contender(fitted, value, probability, scale))
+            found.append(_contender(fitted, value, probability, (scale, readings)))
     return tuple(found[:_MOST])
 
 
-def _contender(fitted: Fitted, evidence: float, probability: float, scale: Scale) -> Contender:
+def _contender(
+    fitted: Fitted, evidence: float, probability: float, data: tuple[Scale, Sequence[Readings]]
+) -> Contender:
+    scale, readings = data
     count = len(fitted.problem.free)
+    known = settling.balances(fitted)
+    fitted = settling.settled(fitted, readings, known)
+    information = fitted.information + settling.information(fitted.problem, fitted.point, known)
     return Contender(
         causes=tuple(sorted(fitted.causes)),
         probability=probability,
@@ -63,7 +72,7 @@ def _contender(fitted: Fitted, evidence: float, probability: float, scale: Scale
         model=fitted.model,
         free=fitted.problem.names[:count],
         scale=fitted.problem.scale[:count],
-        information=scale.informed(marginal(fitted.information, count)),
+        information=scale.informed(marginal(information, count)),
         initial=fitted.initial,
     )
 

@@ -224,7 +224,9 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
         ring_down=task.ring_down,
-        contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings)),
+        contenders=standing(
+            ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings
+        ),
         tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
 

@@ -1,0 +1,121 @@
+"""The next experiment: of a family of profiles, the shortest that parts the rivals within the limits."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.design import discrimination, safety
+from msd_ident.design.discrimination import Parting
+from msd_ident.design.family import Pace, family
+from msd_ident.design.limits import Limits
+from msd_ident.design.prediction import Grid, Prediction, Predictor, Sensing, grid
+from msd_ident.design.profile import Profile
+from msd_ident.diagnose import Contender
+from msd_ident.record import FloatArray
+
+#: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
+ENOUGH = 0.97
+#: What a longer experiment must add.
+_WORTH = 0.01
+
+
+@dataclass(frozen=True)
+class Option:
+    """A profile, what each rival predicts for it, and how well it parts them."""
+
+    profile: Profile
+    grid: Grid
+    predictions: tuple[Prediction, ...]
+    parting: Parting
+    travel: tuple[float, float]
+    peak_speed: float
+
+    @property
+    def probability(self) -> float:
+        """Of a decision."""
+        return self.parting.probability
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be decided, on which rig."""
+
+    predictors: tuple[Predictor, ...]
+    truths: FloatArray
+    sensing: Sensing
+    limits: Limits
+    period: float
+
+    @staticmethod
+    def of(contenders: Sequence[Contender], truths: Sequence[float], seen: Sensing, limits: Limits) -> Question:
+        """The question which of these is true, each with its probability."""
+        predictors = tuple(Predictor(one, 10.0 * seen.noise) for one in contenders)
+        return Question(predictors, np.asarray(truths), seen, limits, period_of(contenders[0], limits))
+
+    @property
+    def contenders(self) -> tuple[Contender, ...]:
+        """The rivals."""
+        return tuple(one.contender for one in self.predictors)
+
+
+def period_of(contender: Contender, limits: Limits) -> float:
+    """The plant's own period [s]; of an axis without spring, a part of what its damping or the limits allow."""
+    model = contender.model
+    if model.stiffness > 0.0:
+        return 2.0 * math.pi * math.sqrt(model.mass / model.stiffness)
+    decay = model.mass / model.damping if model.damping > 0.0 else math.inf
+    return min(2.0 * decay, limits.duration / 10.0)
+
+
+def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
+    """Every profile that has room within the limits, made as strong as they allow, and judged."""
+    return [found for found in _each(lambda one: _option(question, one), profiles) if found is not None]
+
+
+def screen(question: Question, unit: str = "N") -> list[Option]:
+    """The whole family, the best first."""
+    found = options(question, family(Pace(question.period, question.limits.duration), unit))
+    return sorted(found, key=lambda one: -one.probability)
+
+
+def choose(found: Sequence[Option]) -> Option | None:
+    """The shortest of those that decide as well as any, or well enough."""
+    if not found:
+        return None
+    best = max(one.probability for one in found)
+    good = [one for one in found if one.probability >= min(best - _WORTH, ENOUGH)]
+    return min(good, key=lambda one: one.profile.duration)
+
+
+def _option(question: Question, unit: Profile) -> Option | None:
+    strong = safety.fitted_in(unit, question.predictors, question.limits, question.period, question.sensing)
+    return None if strong is None else judge(question, strong)
+
+
+def judge(question: Question, profile: Profile) -> Option:
+    """What the rivals predict for a profile, and how well it parts them."""
+    on = grid(profile, question.period, question.sensing)
+    predictions = tuple(one.predict(on.record) for one in question.predictors)
+    parting = discrimination.part(question.predictors, predictions, on, question.sensing, question.truths)
+    low, high, speed = safety.extremes(question.predictors, predictions)
+    return Option(profile, on, predictions, parting, (low, high), speed)
+
+
+def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
+    """The same option when real refits leave only this part (r, r) of what linear ones do."""
+    parting = discrimination.part(
+        question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
+    )
+    return replace(option, parting=parting)
+
+
+def _each(work: Callable[[Profile], Option | None], tasks: Sequence[Profile]) -> list[Option | None]:
+    """All of them on all cores: the solver lets go of Python's lock."""
+    with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
+        return list(pool.map(work, tasks))

@@ -1,0 +1,157 @@
+"""How well a profile parts rivals: what is left of their difference when each may refit what it does not know.
+
+Rival A predicts the readings y_A, rival B the readings y_B with Jacobian J_B. If A is true, B's parameters will be
+refitted to A's readings, held back only by what the measured data says about them (information P_B), so that what is
+left in units of the noise is
+
+    chi² = dᵀ W d − dᵀ W J_Bᵀ (J_B W J_Bᵀ + P_B)⁻¹ J_B W d,     d = y_A − y_B,
+
+with W the weight of each reading over its noise squared. A's own parameters are not known exactly either: they are
+drawn from what the data leaves (J_A enters d). With the Occam factors of the evidence (``diagnose.evidence``) this
+gives the evidence that A will have over B, and how often it will be decisive: the log of a likelihood ratio has the
+mean chi²/2 and the variance chi².
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from msd_ident.design.prediction import DRAWS, NUISANCES, Grid, Prediction, Predictor, Sensing
+from msd_ident.diagnose.evidence import DECISIVE
+from msd_ident.record import FloatArray
+
+#: Standard deviation of a start position and a zero before any reading, in noise levels.
+_UNKNOWN = 1e5
+
+
+@dataclass(frozen=True)
+class Parting:
+    """How well a profile parts rivals.
+
+    Attributes:
+        chi: (r, r) mean chi² left when the row is true and the column refitted.
+        decided: (r,) probability that each rival, if true, beats all others decisively.
+        probability: of a decision, over what is true.
+    """
+
+    chi: FloatArray
+    decided: FloatArray
+    probability: float
+
+
+def weights(prediction: Prediction, on: Grid, seen: Sensing) -> FloatArray:
+    """(n,) weight over noise squared of each instant, for the real samples that it stands for."""
+    return np.asarray(seen.weight(prediction.speed) * (on.each / seen.noise**2))
+
+
+def prior(predictor: Predictor, noise: float) -> FloatArray:
+    """(p + 2, p + 2) information before the profile is played."""
+    count = predictor.point.size
+    matrix = np.zeros((count + NUISANCES,) * 2)
+    matrix[:count, :count] = predictor.precision
+    matrix[count:, count:] = np.eye(NUISANCES) / (_UNKNOWN * noise) ** 2
+    return matrix
+
+
+@dataclass(frozen=True)
+class Refit:
+    """A rival's refit to readings with weights (n,): what it hides.
+
+    Attributes:
+        jacobian: (p + 2, n) of the rival.
+        weight: (n,).
+        factor: lower Cholesky factor of its information after the profile, in units of ``size``.
+        size: (p + 2,).
+    """
+
+    jacobian: FloatArray
+    weight: FloatArray
+    factor: FloatArray
+    size: FloatArray
+
+    def left(self, differences: FloatArray) -> FloatArray:
+        """(q, q) products of differences (q, n) after the refit took what it can."""
+        weighted = differences * self.weight
+        hidden = (weighted @ self.jacobian.T) / self.size
+        solved = np.linalg.solve(self.factor, hidden.T)
+        return np.asarray(weighted @ differences.T - solved.T @ solved)
+
+
+def refit(jacobian: FloatArray, weight: FloatArray, before: FloatArray) -> Refit:
+    """A refit held back by the information ``before`` (p + 2, p + 2)."""
+    matrix = (jacobian * weight) @ jacobian.T + before
+    size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scaled = matrix / np.outer(size, size)
+    scaled[np.diag_indices_from(scaled)] += 1e-10
+    return Refit(jacobian, weight, np.linalg.cholesky(scaled), size)
+
+
+def occam(predictor: Predictor, information: FloatArray) -> float:
+    """Log of the share of the plausible parameter space that is left [nats], below 0 (``evidence.log_evidence``)."""
+    scale = predictor.contender.scale
+    matrix = information * np.outer(scale, scale)
+    matrix[np.diag_indices_from(matrix)] += 1.0
+    sign, value = np.linalg.slogdet(matrix)
+    return -0.5 * float(value) if sign > 0 else 0.0
+
+
+def sharpened(predictor: Predictor, prediction: Prediction, weight: FloatArray) -> FloatArray:
+    """(p, p) information about the free parameters after a profile, start position and zero eliminated."""
+    rows = prediction.jacobian
+    matrix = (rows * weight) @ rows.T
+    count = predictor.point.size
+    rest = matrix[count:, count:]
+    cross = matrix[:count, count:]
+    added = matrix[:count, :count] - cross @ np.linalg.pinv(rest, hermitian=True) @ cross.T
+    return np.asarray(predictor.contender.information + added)
+
+
+def part(
+    predictors: Sequence[Predictor],
+    predictions: Sequence[Prediction],
+    on: Grid,
+    seen: Sensing,
+    truths: FloatArray,
+    shares: FloatArray | None = None,
+) -> Parting:
+    """How well readings on a grid part rivals.
+
+    Args:
+        truths: (r,) probability of each rival.
+        shares: (r, r) part of chi² that a real refit leaves of what the linear one does; 1 where not given.
+    """
+    count = len(predictors)
+    kept = np.ones((count, count)) if shares is None else shares
+    loads = [weights(one, on, seen) for one in predictions]
+    evidence = [_later(*one) for one in zip(predictors, predictions, loads, strict=True)]
+    chi, decided = np.zeros((count, count)), np.zeros(count)
+    for a, truth in enumerate(predictors):
+        drawn = np.concatenate([np.ones((DRAWS, 1)), truth.draws], axis=1)
+        lefts = np.empty((count, DRAWS))
+        for b, rival in enumerate(predictors):
+            rows = differences(predictions[a], predictions[b])
+            left = refit(predictions[b].jacobian, loads[a], prior(rival, seen.noise)).left(rows)
+            lefts[b] = kept[a, b] * np.maximum(np.einsum("si,ij,sj->s", drawn, left, drawn), 0.0)
+        chi[a] = lefts.mean(axis=1)
+        others = [b for b in range(count) if b != a]
+        ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
+        margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
+        decided[a] = float(np.mean(special.ndtr(margins.min(axis=0)))) if others else 1.0
+    return Parting(chi, decided, float(truths @ decided / max(math.fsum(truths), 1e-300)))
+
+
+def differences(true: Prediction, rival: Prediction) -> FloatArray:
+    """(1 + p, n) difference of the readings, and how it goes with the true one's free parameters."""
+    return np.concatenate([(true.position - rival.position)[None, :], true.jacobian[:-NUISANCES]])
+
+
+def _later(predictor: Predictor, prediction: Prediction, weight: FloatArray) -> float:
+    """Log evidence [nats] after a profile, but for its likelihood."""
+    one = predictor.contender
+    after = occam(predictor, sharpened(predictor, prediction, weight))
+    return one.evidence + after - occam(predictor, one.information)

@@ -1,0 +1,176 @@
+"""The family of experiments that a design chooses from, each of unit force, in the plant's own time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from msd_ident.design.profile import Profile, Segment
+
+#: Rest before the first push, in periods, and at least [s]: it shows the noise and where zero is.
+_REST, _LEAST_REST = 0.25, 0.1
+#: Commands a period at the highest frequency of a sweep.
+_FINE = 40.0
+
+
+@dataclass(frozen=True)
+class Pace:
+    """The plant's own time: its period [s], and the longest experiment [s]."""
+
+    period: float
+    longest: float
+
+
+def family(pace: Pace, unit: str = "N") -> list[Profile]:
+    """All experiments that are not longer than allowed, of at most 1 unit of force either way.
+
+    Steps of several sizes in both directions, releases from a held force, ramps with dwell, sweeps, staircases, small
+    reversals, pseudo-random trains, a ring-down after resonance, and rest.
+    """
+    rest = max(_REST * pace.period, _LEAST_REST)
+    made: list[Profile] = []
+    for name, segments in _shapes(pace, rest):
+        whole = (Segment("hold", rest), *segments)
+        fastest = max((max(s.low_hz, s.high_hz) for s in segments), default=0.0)
+        rate = min(max(_FINE * fastest, 100.0, 20.0 / pace.period), 1000.0)
+        if sum(segment.duration for segment in whole) <= pace.longest * (1.0 + 1e-9):
+            made.append(Profile(whole, name, unit, rate))
+    return made
+
+
+def turned(profile: Profile) -> Profile:
+    """The same with all forces turned round."""
+    return replace(profile.scaled(-1.0), name=f"{profile.name}, turned")
+
+
+Shape = tuple[str, tuple[Segment, ...]]
+
+
+def _shapes(pace: Pace, rest: float) -> Iterator[Shape]:
+    room = pace.longest - rest
+    yield from _steps(pace.period)
+    yield from _staircases(pace.period, room)
+    yield from _releases(pace.period)
+    yield from _ramps(pace.period, room)
+    yield from _sweeps(pace.period, room)
+    yield from _reversals(pace.period)
+    yield from _trains(pace.period, room)
+    yield from _rings(pace.period)
+    yield "rest", (Segment("hold", min(10.0 * pace.period, room)),)
+
+
+def levels(values: tuple[float, ...], hold: float) -> tuple[Segment, ...]:
+    """Steps to these forces, each held; a force of 0 is a release."""
+    return tuple(Segment("step", hold, force=v) if v else Segment("release", hold) for v in values)
+
+
+def _steps(period: float) -> Iterator[Shape]:
+    for turns in (3.0, 8.0):
+        hold = turns * period
+        yield f"step, {turns:g} periods", levels((1.0, 0.0), hold)
+        yield f"steps both ways, {turns:g} periods", levels((1.0, 0.0, -1.0, 0.0), hold)
+        yield (
+            f"steps of two sizes both ways, {turns:g} periods",
+            levels((1.0, 0.0, -1.0, 0.0, 0.3, 0.0, -0.3, 0.0), hold),
+        )
+    yield "small steps both ways, 3 periods", levels((0.1, 0.0, -0.1, 0.0), 3.0 * period)
+
+
+def _staircases(period: float, room: float) -> Iterator[Shape]:
+    up = (0.25, 0.5, 0.75, 1.0)
+    both = (*up, *up[-2::-1], 0.0, *(-v for v in up), *(-v for v in up[-2::-1]), 0.0)
+    for hold in (1.5 * period, min(4.0 * period, room / len(both))):
+        yield f"staircase both ways, {hold / period:.2g} periods", levels(both, hold)
+
+
+def _releases(period: float) -> Iterator[Shape]:
+    def let_go(force: float, ring: float) -> tuple[Segment, ...]:
+        lead = (Segment("ramp", 3.0 * period, force=force), Segment("hold", 2.0 * period))
+        return (*lead, Segment("release", ring * period))
+
+    yield "release", let_go(1.0, 12.0)
+    yield "releases both ways", (*let_go(1.0, 8.0), *let_go(-1.0, 8.0))
+    yield "releases of two sizes both ways", (
+        *let_go(1.0, 8.0), *let_go(-1.0, 8.0), *let_go(0.3, 6.0), *let_go(-0.3, 6.0),
+    )  # fmt: skip
+
+
+def _ramps(period: float, room: float) -> Iterator[Shape]:
+    for share in (0.25, 0.5, 1.0):
+        leg = share * room / 5.0
+        if leg < 2.0 * period:
+            continue
+        dwell = 0.5 * leg
+        yield f"ramp both ways with dwell, {5.0 * leg:.2g} s", (
+            Segment("ramp", leg, force=1.0), Segment("hold", dwell), Segment("ramp", 2.0 * leg, force=-1.0),
+            Segment("hold", dwell), Segment("ramp", leg, force=0.0),
+        )  # fmt: skip
+
+
+def _sweeps(period: float, room: float) -> Iterator[Shape]:
+    for share in (0.25, 0.5, 1.0):
+        duration = share * room
+        if duration < 6.0 * period:
+            continue
+        for what, low, high in (("", 0.15, 2.5), ("slow ", 0.05, 0.6), ("fast ", 1.2, 6.0)):
+            yield (
+                f"{what}sweep, {duration:.2g} s",
+                (Segment("sweep", duration, amplitude=1.0, low_hz=low / period, high_hz=high / period),),
+            )
+    if room > 8.0 * period:
+        duration = min(20.0 * period, room)
+        yield (
+            f"sweep beside a held force, {duration:.2g} s",
+            (Segment("sweep", duration, amplitude=0.5, offset=0.5, low_hz=0.15 / period, high_hz=2.5 / period),),
+        )
+
+
+def _reversals(period: float) -> Iterator[Shape]:
+    for turns in (1.0, 3.0):
+        zigzag: list[Segment] = [Segment("ramp", 3.0 * period, force=0.6)]
+        for size in (0.1, 0.1, 0.3, 0.3):
+            zigzag += [Segment("ramp", turns * period, force=0.6 - size), Segment("ramp", turns * period, force=0.6)]
+        zigzag.append(Segment("release", 3.0 * period))
+        yield f"small reversals, {turns:g} periods", tuple(zigzag)
+
+
+def _trains(period: float, room: float) -> Iterator[Shape]:
+    for share in (0.25, 0.5, 1.0):
+        duration = share * room
+        for bit in (0.15, 0.5, 2.0):
+            if duration > 10.0 * bit * period:
+                train = Segment("prbs", duration, amplitude=1.0, shortest=bit * period, seed=round(100 * bit))
+                yield f"pseudo-random train of {bit:g} periods, {duration:.2g} s", (train,)
+    if room > 20.0 * period:
+        large = Segment("prbs", 0.5 * room, amplitude=1.0, shortest=0.5 * period, seed=7)
+        small = Segment("prbs", 0.5 * room, amplitude=0.2, shortest=0.5 * period, seed=8)
+        yield f"pseudo-random trains of two sizes, {room:.2g} s", (large, small)
+
+
+def _rings(period: float) -> Iterator[Shape]:
+    near = Segment("sweep", 6.0 * period, amplitude=1.0, low_hz=0.85 / period, high_hz=1.1 / period)
+    yield "resonance, then ring-down", (near, Segment("release", 12.0 * period))
+
+
+_WHY = {
+    "step": "a step shows the static gain and how fast it rings down",
+    "steps both": "both directions show what is not the same either way",
+    "steps of two": "two sizes in both directions show what changes with amplitude and direction",
+    "small steps": "small steps show what holds the cart when hardly anything pushes it",
+    "staircase": "many levels at rest show how force and position go together",
+    "release": "free motion knows nothing of the input, and its decay over amplitude tells friction from drag",
+    "ramp": "slow motion leaves out mass and damper, and dwelling shows what sticks or creeps",
+    "sweep": "motion at all speeds, through resonance, shows what depends on speed, amplitude and time",
+    "slow": "slow motion over the whole travel shows what depends on position and direction",
+    "fast": "above resonance the phase shows lag and delay",
+    "small reversals": "small reversals show what remembers where the motion turned",
+    "pseudo": "many frequencies at once, in little time",
+    "resonance": "resonance makes a large motion of a small force, and its ring-down shows what takes the energy",
+    "rest": "without force only disturbances and drift are left",
+}
+
+
+def why(name: str) -> str:
+    """What a profile of the family is good for."""
+    fitting = [key for key in _WHY if name.startswith(key)]
+    return _WHY[max(fitting, key=len)] if fitting else "it moves what the rivals predict apart"

@@ -1,0 +1,215 @@
+"""What could still hide: effects that the measured data would not show, as rivals of the explanation that stands.
+
+One step of one amplitude fits perfectly although the actuator's gain bends, the spring has play or a force offset acts:
+the plant's parameters take the blame. For each effect of the library this finds the size at which the data would just
+begin to object, with the plant refitted around it; those that may be of any size worth knowing become rivals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.design.discrimination import occam
+from msd_ident.design.prediction import Predictor, Sensing
+from msd_ident.diagnose import Contender, Diagnosis
+from msd_ident.diagnose.contenders import marginal
+from msd_ident.diagnose.evidence import PRIOR_ODDS
+from msd_ident.errors import UsageError
+from msd_ident.fit.posing import pose
+from msd_ident.fit.units import Magnitudes, magnitudes
+from msd_ident.model import Effect, Model
+from msd_ident.model.effects import LIBRARY
+from msd_ident.record import FloatArray, Record
+
+#: Rise of chi² below which the data cannot object; and sizes against the library's own guess that are worth a test.
+_SILENT = 12.0
+_SMALLEST = 0.1
+_SHRINKS, _ROUNDS = 4, 14
+_SAMPLES = 1200
+
+
+def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
+    """The explanation that stands first, then one rival for each effect that may hide behind it; alone if none may."""
+    if not diagnosis.contenders:
+        return ()
+    lead = diagnosis.contenders[0]
+    records = tuple(_thin(record) for record in diagnosis.records)
+    kept = frozenset(lead.model.names) - set(lead.free)
+    resting = {balance.record: balance.spread for balance in pose(lead.model, records, kept).balances}
+    data = _Data(records, seen, magnitudes(records, lead.model.mass), resting)
+    found = []
+    for kind in LIBRARY:
+        rival = _hiding(kind, lead, data)
+        if rival is not None:
+            found.append(rival)
+    return (lead, *found)
+
+
+def _thin(record: Record) -> Record:
+    stride = max(record.samples // _SAMPLES, 1)
+    return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
+
+
+@dataclass(frozen=True)
+class _Data:
+    """Measured records, thinned; what an encoder sees of them; how well it is known where they began [m]."""
+
+    records: tuple[Record, ...]
+    seen: Sensing
+    typical: Magnitudes
+    resting: Mapping[int, float]
+
+    def weight(self, record: Record) -> FloatArray:
+        """(n,) weight over noise squared of each kept sample."""
+        speed = np.abs(np.gradient(record.position, record.time))
+        each = record.period / self.seen.period
+        return np.asarray(self.seen.weight(speed) * (each / self.seen.noise**2))
+
+
+def _hiding(kind: type[Effect], lead: Contender, data: _Data) -> Contender | None:
+    """The rival that this effect makes at its largest silent size; ``None`` when it cannot hide."""
+    shrinking = _shrinking(kind)
+    if shrinking is None or lead.model.has(kind.name):
+        return None
+    record = max(data.records, key=lambda one: float(np.ptp(one.position)))
+    best: tuple[float, Contender] | None = None
+    for guess in _guesses(kind, record, lead.model):
+        found = _largest(lead, guess, shrinking, data)
+        if found is not None and (best is None or found[0] > best[0]):
+            best = found
+    return None if best is None else best[1]
+
+
+def _shrinking(kind: type[Effect]) -> str | None:
+    """Name of the parameter that makes the effect vanish at 0, if just one does; time may not drive it."""
+    zeros = [name for name, value in kind.neutral if value == 0.0]
+    return zeros[0] if len(zeros) == 1 and kind.steady else None
+
+
+def _guesses(kind: type[Effect], record: Record, model: Model) -> Sequence[Effect]:
+    try:
+        model + kind.guess(record, model)[0]
+    except (UsageError, IndexError):  # its family is taken, or there is no spring for it
+        return ()
+    return kind.guess(record, model)[:2]
+
+
+def _largest(lead: Contender, guess: Effect, shrinking: str, data: _Data) -> tuple[float, Contender] | None:
+    """Part of the guessed size at which the data is still silent, and the rival there."""
+    share = 1.0
+    for _ in range(_SHRINKS):
+        values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
+        effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
+        rival, rise = _refitted(lead, effect, data)
+        if rise <= _SILENT:
+            return share, rival
+        share *= float(np.clip(0.9 * np.sqrt(_SILENT / rise), 0.02, 0.7))
+        if share < _SMALLEST:
+            return None
+    return None
+
+
+def _refitted(lead: Contender, effect: Effect, data: _Data) -> tuple[Contender, float]:
+    """The rival with the lead's parameters refitted around the effect, and the rise of chi² that is left.
+
+    The lead's readings stand for the data, so that the rise is the effect's own, without the noise.
+    """
+    model = lead.model + effect
+    own = tuple(p.name for p in effect.parameters if np.isfinite(model[p.name]))
+    free = tuple(dict.fromkeys((*lead.free, *own)))
+    kept = len(lead.free)
+    sizes = dict(zip(lead.free, lead.scale, strict=True))
+    scale = np.array([sizes.get(p, data.typical.of(_unit(model, p))) for p in free])
+    trial = Contender(
+        causes=tuple(sorted({*lead.causes, effect.name})), probability=0.0, evidence=lead.evidence, chi=lead.chi,
+        model=model, free=free, scale=scale, information=np.zeros((len(free),) * 2), initial=lead.initial,
+    )  # fmt: skip
+    information = np.zeros((len(free),) * 2)
+    rise, before = np.inf, np.inf
+    for _ in range(_ROUNDS):  # each around where the last one ended: the valley of rest and samples is bent
+        predictor = Predictor(trial, 10.0 * data.seen.noise)
+        rows = [_linearised(lead, predictor, record, i, data) for i, record in enumerate(data.records)]
+        trial, rise, information = _moved(trial, rows, kept, data.resting)
+        if rise < 0.2 * _SILENT or rise > 0.8 * before:
+            break
+        before = rise
+    trial = replace(trial, information=information)
+    complete = Predictor(trial, 10.0 * data.seen.noise)
+    evidence = lead.evidence + np.log(PRIOR_ODDS) - 0.5 * rise + occam(complete, information)
+    evidence -= occam(Predictor(lead, 0.0), lead.information)
+    return replace(trial, evidence=float(evidence)), rise
+
+
+def _unit(model: Model, name: str) -> str:
+    return next(p.unit for p in model.parameters if p.name == name)
+
+
+_Row = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def _linearised(lead: Contender, predictor: Predictor, record: Record, index: int, data: _Data) -> _Row:
+    """Difference (n,) of the trial's readings from the lead's, Jacobian (p + 2, n) and weight (n,) of one record."""
+    start, was = predictor.contender.initial[index], lead.initial[index]
+    at = np.array([start.position, start.zero])
+    readings, jacobian = predictor.linearised(record, predictor.point, at, start.velocity)
+    before = Predictor(lead, 0.0)
+    reference = before.readings(record, before.point[None, :], np.array([[was.position, was.zero]]), was.velocity)[0]
+    return readings - reference, jacobian, data.weight(record)
+
+
+def _moved(
+    trial: Contender, rows: Sequence[_Row], kept: int, resting: Mapping[int, float]
+) -> tuple[Contender, float, FloatArray]:
+    """One Gauss–Newton step of all but the effect's own parameters: where it ends, what it leaves, the information."""
+    count = len(trial.free)
+    size = kept + 2 * len(rows)
+    normal, right, total = np.zeros((size, size)), np.zeros(size), 0.0
+    information = np.zeros((count, count))
+    for i, (difference, jacobian, weight) in enumerate(rows):
+        difference, jacobian, weight = _beside_rest(trial, (difference, jacobian, weight), i, resting)
+        whole = (jacobian * weight) @ jacobian.T
+        information += marginal(whole, count)
+        places = np.array([*range(kept), kept + 2 * i, kept + 2 * i + 1])
+        entries = [*range(kept), count, count + 1]
+        normal[np.ix_(places, places)] += whole[np.ix_(entries, entries)]
+        right[places] += (jacobian[entries] * weight) @ difference
+        total += float(weight @ difference**2)
+    unit = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    move = -np.linalg.lstsq(normal / np.outer(unit, unit), right / unit, rcond=1e-12)[0] / unit
+    left = total + float(right @ move)
+    return _shifted(trial, move, kept), max(left, 0.0), information
+
+
+def _beside_rest(trial: Contender, row: _Row, index: int, resting: Mapping[int, float]) -> _Row:
+    """The same with one pseudo-reading more: the cart began where spring and offset cancel (``fit.Balance``)."""
+    difference, jacobian, weight = row
+    if index not in resting:
+        return row
+    model = trial.model
+    slope = np.zeros((jacobian.shape[0], 1))
+    slope[-2] = 1.0
+    lean = 0.0
+    if model.has("force_offset") and model.stiffness > 0.0:
+        lean = model["offset_force"] / model.stiffness
+        slope[trial.free.index("offset_force")] = 1.0 / model.stiffness
+    rest = trial.initial[index].position + lean
+    spread = resting[index]
+    return (
+        np.append(difference, rest),
+        np.concatenate([jacobian, slope], axis=1),
+        np.append(weight, spread**-2.0),
+    )
+
+
+def _shifted(trial: Contender, move: FloatArray, kept: int) -> Contender:
+    """The trial after a step of its first parameters and of its records' start positions and zeros."""
+    names = dict(zip(trial.free[:kept], move[:kept], strict=True))
+    values = {n: max(trial.model[n] + d, 0.2 * trial.model[n]) for n, d in names.items() if trial.model[n] > 0.0}
+    initial = tuple(
+        replace(one, position=one.position + move[kept + 2 * i], zero=one.zero + move[kept + 2 * i + 1])
+        for i, one in enumerate(trial.initial)
+    )
+    return replace(trial, model=trial.model.with_values(values), initial=initial)

@@ -1,0 +1,208 @@
+"""What a contender predicts for a profile: readings, and how they go with its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from msd_ident import quality
+from msd_ident.design.profile import Profile
+from msd_ident.diagnose import Contender
+from msd_ident.fit.problem import Initial
+from msd_ident.model import Simulator
+from msd_ident.record import FloatArray, Record
+
+#: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
+_A_PERIOD, _A_SWING = 30.0, 8.0
+_FEWEST, _MOST = 200, 6000
+#: Two more rows of every Jacobian: the cart's position at the start, and the reading of the relaxed spring.
+NUISANCES = 2
+#: Parameter vectors that are drawn from what the data leaves of each contender.
+DRAWS = 48
+_FAR = 0.3
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """How well the rig's encoder sees.
+
+    Attributes:
+        noise: standard deviation of a reading, rounding included [m].
+        step: of the encoder, 0 where none is seen [m].
+        period: between samples [s].
+    """
+
+    noise: float
+    step: float
+    period: float
+
+    @cached_property
+    def dither(self) -> float:
+        """Noise ahead of the encoder's rounding [m]."""
+        return math.sqrt(max(self.noise**2 - self.step**2 / 12.0, 0.0))
+
+    def weight(self, speed: FloatArray) -> FloatArray:
+        """Share (n,) of a piece of evidence in each sample, at these speeds [m/s].
+
+        Readings that repeat have said one thing (``diagnose.readings``): a run is as long as it takes to move on by
+        one count, or until noise turns the reading.
+        """
+        if self.step <= 0.0:
+            return np.ones(speed.size)
+        moved = np.hypot(speed * self.period, 1.6 * self.dither)
+        return np.minimum(moved / self.step, 1.0)
+
+
+def sensing(records: Sequence[Record], noise: float) -> Sensing:
+    """What the records show, and the noise that a diagnosis found [m]."""
+    step = max(quality.encoder_step(record) for record in records)
+    return Sensing(noise, step, min(record.period for record in records))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Instants at which predictions of one profile are compared, on the clock of its first command.
+
+    Attributes:
+        record: with the profile's force; its positions mean nothing.
+        each: real samples that one instant stands for.
+    """
+
+    record: Record
+    each: float
+
+
+def grid(profile: Profile, period: float, seen: Sensing) -> Grid:
+    """A grid fine enough for the plant's period [s] and the profile's swings."""
+    swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
+    step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
+    count = int(np.clip(profile.duration / step, _FEWEST, _MOST)) + 1
+    time = np.linspace(0.0, profile.duration, count)
+    at, force = profile.commands
+    record = Record(time=time, position=np.zeros(count), force_time=at, force=force, name=profile.name)
+    return Grid(record, profile.duration / (count - 1) / seen.period)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A contender's readings on a grid.
+
+    Attributes:
+        position: (n,) [m].
+        speed: (n,) magnitude [m/s].
+        jacobian: (p + 2, n) change of the readings with each free parameter, the start position and the zero.
+    """
+
+    position: FloatArray
+    speed: FloatArray
+    jacobian: FloatArray
+
+    def span(self, draws: FloatArray) -> tuple[float, float]:
+        """Least and greatest reading [m] from the start, with two standard deviations of what draws (s, p) move."""
+        spread = 2.0 * np.sqrt(np.mean((draws @ self.jacobian[:-NUISANCES]) ** 2, axis=0))
+        start = float(self.position[0])
+        return float(np.min(self.position - spread)) - start, float(np.max(self.position + spread)) - start
+
+
+@dataclass(frozen=True, eq=False)
+class Predictor:
+    """A contender, ready to predict.
+
+    The cart is taken to begin at rest, as it began in what was measured.
+
+    Attributes:
+        contender: the explanation.
+        nudge: finite-difference step of the start position [m].
+    """
+
+    contender: Contender
+    nudge: float
+
+    @cached_property
+    def places(self) -> list[int]:
+        """Indices of the free parameters among the model's."""
+        return [self.contender.model.names.index(name) for name in self.contender.free]
+
+    @cached_property
+    def start(self) -> Initial:
+        """State at the start."""
+        calm = [one for one in self.contender.initial if one.velocity == 0.0] or [Initial()]
+        return min(calm, key=lambda one: abs(one.position))
+
+    @cached_property
+    def precision(self) -> FloatArray:
+        """(p, p) information about the free parameters: from the data, and that they are of natural size."""
+        return np.asarray(self.contender.information + np.diag(self.contender.scale**-2.0))
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """(p, p) of the free parameters, given the data."""
+        size = np.sqrt(np.diag(self.precision))
+        scaled = self.precision / np.outer(size, size)
+        return np.asarray(np.linalg.pinv(scaled, rcond=1e-12, hermitian=True) / np.outer(size, size))
+
+    @cached_property
+    def draws(self) -> FloatArray:
+        """(DRAWS, p) deviations of the free parameters that the data leaves, always the same ones.
+
+        None moves a parameter by more than ``_FAR`` of itself: beyond that no straight line holds.
+        """
+        normal = np.random.default_rng(20140).standard_normal((DRAWS, self.point.size))
+        size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(size, size))
+        drawn = normal @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * size
+        room = _FAR * np.where(self.point == 0.0, self.contender.scale, np.abs(self.point))
+        return np.asarray(drawn / np.maximum(np.max(np.abs(drawn) / room, axis=1, keepdims=True), 1.0))
+
+    @cached_property
+    def point(self) -> FloatArray:
+        """(p,) fitted values of the free parameters."""
+        return np.asarray(self.contender.model.values[self.places])
+
+    @cached_property
+    def steps(self) -> FloatArray:
+        """(p,) finite-difference steps: what moves the measured data by about its noise."""
+        scale = self.contender.scale
+        sure = 1.0 / np.sqrt(np.maximum(np.diag(self.precision), 1e-300))
+        steps = np.clip(sure, 1e-6 * scale, 1e-3 * scale)
+        upper = np.array([self.contender.model.parameters[i].upper for i in self.places])
+        return np.asarray(np.where(self.point + steps > upper, -steps, steps))
+
+    def readings(self, on: Record, points: FloatArray, start: FloatArray, velocity: float = 0.0) -> FloatArray:
+        """Readings (q, n) [m] for free parameters (q, p) and start positions and zeros (q, 2), one start velocity."""
+        model = self.contender.model
+        values = np.repeat(model.values[None, :], len(points), axis=0)
+        values[:, self.places] = points
+        rows = Simulator(model, on).positions_many(values, start[:, 0], np.full(len(points), velocity))
+        return np.asarray(np.nan_to_num(rows + start[:, 1:], nan=1e6, posinf=1e6, neginf=-1e6))
+
+    def positions(self, on: Record) -> FloatArray:
+        """Readings (n,) [m] at the fitted values."""
+        start = np.array([[self.start.position, self.start.zero]])
+        return np.asarray(self.readings(on, self.point[None, :], start)[0])
+
+    def linearised(
+        self, on: Record, point: FloatArray, start: FloatArray, velocity: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Readings (n,) and their Jacobian (p + 2, n) at free parameters (p,) and start position and zero (2,)."""
+        count = point.size
+        points = np.repeat(point[None, :], count + 2, axis=0)
+        points[1 + np.arange(count), np.arange(count)] += self.steps
+        starts = np.repeat(start[None, :], count + 2, axis=0)
+        starts[-1, 0] += self.nudge
+        rows = self.readings(on, points, starts, velocity)
+        jacobian = np.ones((count + NUISANCES, rows.shape[1]))
+        jacobian[:count] = (rows[1:-1] - rows[0]) / self.steps[:, None]
+        jacobian[count] = (rows[-1] - rows[0]) / self.nudge
+        return np.asarray(rows[0]), jacobian
+
+    def predict(self, on: Record) -> Prediction:
+        """Readings and Jacobian at the fitted values."""
+        start = np.array([self.start.position, self.start.zero])
+        position, jacobian = self.linearised(on, self.point, start)
+        speed = np.abs(np.gradient(position, on.time))
+        return Prediction(position, speed, jacobian)

@@ -1,0 +1,223 @@
+"""The next experiment, with its reasons: what a user and a report are told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from msd_ident.design import measurements, refitting
+from msd_ident.design.designing import ENOUGH, Option, Question, choose, judge_again, screen
+from msd_ident.design.family import why
+from msd_ident.design.latent import hidden
+from msd_ident.design.limits import Limits
+from msd_ident.design.prediction import sensing
+from msd_ident.design.profile import Profile
+from msd_ident.design.profile_file import to_tree
+from msd_ident.design.refitting import Refitted
+from msd_ident.design.rivals import names, rivals, shares
+from msd_ident.diagnose import Diagnosis
+from msd_ident.errors import UsageError
+from msd_ident.record import FloatArray
+
+#: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
+HOPELESS = 0.5
+_CLOSER = 3
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A designed experiment.
+
+    Attributes:
+        profile: to be played.
+        names: what each rival is called.
+        probability: that it decides, if one of the rivals is true.
+        decided: (r,) the same for each rival.
+        travel: least and greatest reading from the start [m], whichever rival is right.
+        peak_speed: [m/s], likewise.
+        time: (n,) instants [s] of the predictions.
+        predictions: (r, n) readings that each rival predicts [m].
+        difference: (n,) what the two closest rivals still differ by after a refit [m].
+        pair: their indices.
+        noise: of a reading [m].
+        considered: (name, duration [s], probability) of every profile that was looked at, the best first.
+        sentence: what to do and why.
+        measurements: what would part rivals that no profile can part.
+        unit, length: of force and position.
+    """
+
+    profile: Profile
+    names: tuple[str, ...]
+    probability: float
+    decided: FloatArray
+    travel: tuple[float, float]
+    peak_speed: float
+    time: FloatArray
+    predictions: FloatArray
+    difference: FloatArray
+    pair: tuple[int, int]
+    noise: float
+    considered: tuple[tuple[str, float, float], ...]
+    sentence: str
+    measurements: tuple[str, ...]
+    unit: str = "N"
+    length: str = "m"
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """``next_experiment`` of the JSON contract."""
+        return {
+            "sentence": self.sentence,
+            "duration_s": self.profile.duration,
+            "probability_of_decision": self.probability,
+            "separates": list(self.names),
+            "decided": dict(zip(self.names, map(float, self.decided), strict=True)),
+            "travel_m": list(self.travel),
+            "peak_speed_m_s": self.peak_speed,
+            "peak_force": max(map(abs, self.profile.extremes)),
+            "profile": to_tree(self.profile),
+            "measurements": list(self.measurements),
+        }
+
+
+def design(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
+    """The shortest profile that parts the tied explanations of a diagnosis; ``None`` when nothing is tied.
+
+    Raises:
+        UsageError: no experiment of the family has room within the limits.
+    """
+    chosen = rivals(diagnosis)
+    if len(chosen) < 2:
+        return None
+    seen = sensing(diagnosis.records, diagnosis.noise_floor)
+    question = Question.of(chosen, shares(chosen), seen, limits)
+    return _proposed(question, diagnosis, names(chosen), "parts")
+
+
+def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
+    """The profile that shows most of what the data cannot show yet; ``None`` when nothing could hide.
+
+    Raises:
+        UsageError: no experiment of the family has room within the limits.
+    """
+    seen = sensing(diagnosis.records, diagnosis.noise_floor)
+    chosen = hidden(diagnosis, seen)
+    if len(chosen) < 2:
+        return None
+    question = Question.of(chosen, [0.0, *[1.0] * (len(chosen) - 1)], seen, limits)
+    return _proposed(question, diagnosis, names(chosen), "shows")
+
+
+def default_limits(diagnosis: Diagnosis) -> Limits:
+    """Limits that a record suggests: the force that it had, either way, the travel that it had, 20 s.
+
+    Raises:
+        UsageError: no force acts in it, or nothing moves.
+    """
+    force = max(float(np.max(np.abs(record.force))) for record in diagnosis.records)
+    travel = max(float(np.max(np.abs(record.position - record.position[0]))) for record in diagnosis.records)
+    return Limits((-force, force), (-travel, travel), 20.0)
+
+
+def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], verb: str) -> Proposal:
+    unit, length = diagnosis.records[0].force_unit, diagnosis.records[0].position_unit
+    found = screen(question, unit)
+    if not found:
+        raise UsageError(
+            "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
+        )
+    option, refits = _closest_look(question, found)
+    told = _hopeless(question, found, called)
+    pair = _closest_pair(option)
+    left = refits[pair[0]][pair[1]]
+    assert left is not None
+    sentence = _sentence(option, called, pair, left, question, (unit, length), verb)
+    return Proposal(
+        profile=option.profile,
+        names=tuple(called),
+        probability=option.probability,
+        decided=option.parting.decided,
+        travel=option.travel,
+        peak_speed=option.peak_speed,
+        time=option.grid.record.time,
+        predictions=np.stack([one.position for one in option.predictions]),
+        difference=left.difference,
+        pair=pair,
+        noise=question.sensing.noise,
+        considered=tuple((one.profile.name, one.profile.duration, one.probability) for one in found),
+        sentence=sentence,
+        measurements=told,
+        unit=unit,
+        length=length,
+    )
+
+
+def _closest_look(question: Question, found: Sequence[Option]) -> tuple[Option, list[list[Refitted | None]]]:
+    """The profile to be played, judged with real refits: one that refits see through gives way to the next."""
+    left = list(found)
+    seen: list[tuple[Option, list[list[Refitted | None]]]] = []
+    for _ in range(_CLOSER):
+        first = choose(left)
+        if first is None:
+            break
+        kept, refits = refitting.shares(question.predictors, first.predictions, first.grid, question.sensing)
+        closer = judge_again(question, first, kept)
+        seen.append((closer, refits))
+        if closer.probability >= min(first.probability - 0.02, ENOUGH):
+            break
+        left.remove(first)
+    best = choose([option for option, _ in seen])
+    return next(pair for pair in seen if pair[0] is best)
+
+
+def _closest_pair(option: Option) -> tuple[int, int]:
+    """The two rivals that are hardest to tell apart: (true, refitted)."""
+    chi = option.parting.chi.copy()
+    np.fill_diagonal(chi, np.inf)
+    hopeless = option.parting.decided < HOPELESS
+    if not hopeless.all():
+        chi[hopeless] = np.inf
+    a, b = np.unravel_index(int(np.argmin(chi)), chi.shape)
+    return int(a), int(b)
+
+
+def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]) -> tuple[str, ...]:
+    """What to measure for rivals that the best profile for them does not find out."""
+    best = np.max([option.parting.decided for option in found], axis=0)
+    pairs = []
+    for a in map(int, np.flatnonzero((best < HOPELESS) & (question.truths > 0.0))):
+        chi = np.max([option.parting.chi[a] for option in found], axis=0)
+        chi[a] = np.inf
+        b = int(np.argmin(chi))
+        what = measurements.measurement(question.contenders[a], question.contenders[b])
+        pairs.append((called[a], called[b], what))
+    return measurements.between(pairs)
+
+
+def _sentence(
+    option: Option, called: Sequence[str], pair: tuple[int, int], left: Refitted, question: Question,
+    units: tuple[str, str], verb: str,
+) -> str:  # fmt: skip
+    """What to do and why, in words."""
+    true, rival = (called[i] for i in pair)
+    worst = int(np.argmax(np.abs(left.difference)))
+    levels = abs(float(left.difference[worst])) / question.sensing.noise
+    profile = option.profile
+    low, high = profile.extremes
+    force = f"with {low:.3g} to {high:.3g} {units[0]}" if low < high else "without force"
+    what = "tell" if verb == "parts" else "show"
+    aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
+    return (
+        f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. It should {what} {aim} with "
+        f"probability {option.probability:.2f}. Hardest is {true} against {rival}: even refitted, the two will differ "
+        f"by up to {levels:.3g} noise levels, at {option.grid.record.time[worst]:.1f} s. The cart will move "
+        f"{option.travel[0]:.3g} to {option.travel[1]:.3g} {units[1]} from its start, at {option.peak_speed:.3g} "
+        f"{units[1]}/s at most, whichever is right."
+    )
+
+
+def with_limits(found: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
+    """``next_experiment`` with the limits that it was designed for."""
+    return {**found, "limits": limits.to_dict()}

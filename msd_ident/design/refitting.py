@@ -1,0 +1,90 @@
+"""Rivals refitted for good: what is left when B's parameters really move, as far as the measured data lets them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.design.discrimination import prior, refit, weights
+from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
+from msd_ident.record import FloatArray
+
+_STEPS = 6
+_SETTLED = 0.02
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """B refitted to A's readings: what is left of chi², the readings (n,) [m] of both."""
+
+    chi: float
+    true: FloatArray
+    rival: FloatArray
+
+    @property
+    def difference(self) -> FloatArray:
+        """(n,) of the readings [m]."""
+        return np.asarray(self.true - self.rival)
+
+
+def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing) -> Refitted:
+    """Levenberg–Marquardt on the rival's parameters, start position and zero; the measured data holds it back."""
+    weight = weights(true, on, seen)
+    before = prior(rival, seen.noise)
+    origin = np.concatenate([rival.point, [rival.start.position, rival.start.zero]])
+    lower, upper = _bounds(rival)
+    point, readings, jacobian = origin.copy(), own.position, own.jacobian
+    cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
+    for _ in range(_STEPS):
+        normal = (jacobian * weight) @ jacobian.T + before
+        slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
+        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        scaled = normal / np.outer(size, size) + max(damping, 1e-12) * np.eye(size.size)
+        ahead = np.clip(point + np.linalg.solve(scaled, slope / size) / size, lower, upper)
+        row, rows = rival.linearised(on.record, ahead[:-NUISANCES], ahead[-NUISANCES:])
+        reached = _cost(row, true, weight, ahead - origin, before)
+        if reached >= cost:
+            damping = max(10.0 * damping, 1e-3)
+            continue
+        settled = cost - reached < _SETTLED * reached + 0.01
+        point, readings, jacobian, cost, damping = ahead, row, rows, reached, 0.1 * damping
+        if settled:
+            break
+    return Refitted(cost, true.position, readings)
+
+
+def _bounds(rival: Predictor) -> tuple[FloatArray, FloatArray]:
+    lower = [-np.inf] * (rival.point.size + NUISANCES)
+    upper = [np.inf] * (rival.point.size + NUISANCES)
+    for i, place in enumerate(rival.places):
+        parameter = rival.contender.model.parameters[place]
+        lower[i], upper[i] = parameter.lower, parameter.upper
+        if parameter.name in ("mass", "stiffness"):
+            lower[i] = 0.2 * float(rival.point[i])
+    return np.array(lower), np.array(upper)
+
+
+def _cost(readings: FloatArray, true: Prediction, weight: FloatArray, moved: FloatArray, before: FloatArray) -> float:
+    return float(weight @ (true.position - readings) ** 2 + moved @ before @ moved)
+
+
+def shares(
+    predictors: Sequence[Predictor], predictions: Sequence[Prediction], on: Grid, seen: Sensing
+) -> tuple[FloatArray, list[list[Refitted | None]]]:
+    """(r, r) part of chi² that real refits leave of what linear ones do (at most 1), and the refits themselves."""
+    count = len(predictors)
+    kept = np.ones((count, count))
+    found: list[list[Refitted | None]] = [[None] * count for _ in range(count)]
+    for a, true in enumerate(predictions):
+        weight = weights(true, on, seen)
+        for b, rival in enumerate(predictors):
+            if a == b:
+                continue
+            done = refitted(rival, predictions[b], true, on, seen)
+            found[a][b] = done
+            distance = (true.position - predictions[b].position)[None, :]
+            linear = float(refit(predictions[b].jacobian, weight, prior(rival, seen.noise)).left(distance)[0, 0])
+            kept[a, b] = np.clip(done.chi / max(linear, 1e-9), 0.0, 1.0)
+    return kept, found

@@ -1,0 +1,109 @@
+"""Rest before the first push, for models that a search left where the samples alone say nothing.
+
+After one step from an unknown zero, all forces and the zero may grow together without a sample objecting: the cart
+swings about where the step leaves it, and what that is to the relaxed spring nobody sees. That it stood at rest before
+says it (``fit.posing``: spring and offset cancelled, within what friction holds).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.diagnose.candidates import Fitted, weigh
+from msd_ident.diagnose.descent import State, Weighting
+from msd_ident.diagnose.readings import Readings
+from msd_ident.fit.posing import pose
+from msd_ident.fit.problem import Balance, Problem
+from msd_ident.fit.units import exponents
+from msd_ident.record import FloatArray
+
+_STEPS, _TRIES = 12, 40
+_WORTH = 0.05
+
+
+def balances(fitted: Fitted) -> tuple[Balance, ...]:
+    """What rest at the start of each record says."""
+    problem = fitted.problem
+    kept = frozenset(problem.model.names) - set(problem.names[: len(problem.free)])
+    return pose(fitted.model, problem.records, kept).balances
+
+
+def information(problem: Problem, point: FloatArray, known: Sequence[Balance]) -> FloatArray:
+    """(p, p) information that rest adds."""
+    added = np.zeros((problem.size, problem.size))
+    for balance in known:
+        _, slope = problem.imbalance(point, balance)
+        added += np.outer(slope, slope) / balance.spread**2
+    return added
+
+
+def settled(fitted: Fitted, readings: Sequence[Readings], known: Sequence[Balance]) -> Fitted:
+    """The same set where rest at the start agrees too, as far as the samples let it."""
+    problem = fitted.problem
+    if _pull(problem, fitted.point, known) < 1.0:
+        return fitted
+    weighting = weigh(problem, readings)
+    start = min((fitted.point, _rescaled(fitted, known)), key=lambda p: _cost(weighting, p, known))
+    state = _descend(weighting, weighting.exact(start, weighting.steps(fitted.state)), known)
+    model = problem.model.with_values(problem.values(state.point))
+    return replace(fitted, model=model, state=state)
+
+
+def _pull(problem: Problem, point: FloatArray, known: Sequence[Balance]) -> float:
+    return sum((problem.imbalance(point, balance)[0] / balance.spread) ** 2 for balance in known)
+
+
+def _cost(weighting: Weighting, point: FloatArray, known: Sequence[Balance]) -> float:
+    residual = weighting.residual(point)
+    return float(residual @ residual) + _pull(weighting.problem, point, known)
+
+
+def _rescaled(fitted: Fitted, known: Sequence[Balance]) -> FloatArray:
+    """All forces times what would have the cart start at the relaxed spring, its distance from the balance kept."""
+    problem = fitted.problem
+    record = problem.records[known[0].record]
+    reach = float(record.force_at(record.time[:1])[0]) / max(fitted.model.stiffness, 1e-300)
+    start = fitted.initial[known[0].record].position
+    factor = reach / (reach - start) if reach != 0.0 and reach != start else 1.0
+    if not 1e-3 < factor < 1e3:
+        return fitted.point
+    values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
+    for parameter in fitted.model.parameters:
+        if np.isfinite(values[parameter.name]):
+            values[parameter.name] *= factor ** exponents(parameter.unit).get("N", 0)
+    if "cogging_phase" in values:
+        values["cogging_phase"] += 2.0 * np.pi * start / values["cogging_pitch"]
+    initial = [
+        replace(one, position=one.position - start, zero=one.zero + start) if i == known[0].record else one
+        for i, one in enumerate(fitted.initial)
+    ]
+    return np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+
+
+def _descend(weighting: Weighting, state: State, known: Sequence[Balance]) -> State:
+    """Levenberg–Marquardt on samples and rest together."""
+    problem, damping, taken = weighting.problem, 1e-6, 0
+    cost = state.chi + _pull(problem, state.point, known)
+    for _ in range(_TRIES):
+        normal = state.jacobian @ state.jacobian.T + information(problem, state.point, known)
+        slope = state.jacobian @ state.residual
+        for balance in known:
+            left, gradient = problem.imbalance(state.point, balance)
+            slope = slope + gradient * left / balance.spread**2
+        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        scaled = normal / np.outer(size, size) + damping * np.eye(size.size)
+        move = -np.linalg.solve(scaled, slope / size) / size
+        point = np.clip(state.point + move, problem.lower, problem.upper)
+        reached = _cost(weighting, point, known)
+        if reached < cost:
+            worth = cost - reached > _WORTH
+            state = weighting.exact(point, weighting.steps(state))
+            cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
+            if not worth or taken >= _STEPS:
+                break
+        elif (damping := 10.0 * damping) > 1e4:
+            break
+    return state
