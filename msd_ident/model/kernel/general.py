@@ -14,7 +14,7 @@ import numpy as np
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
 from msd_ident.model.kernel.passage import RETRY, calm, needs_fifth, passage, place_of
-from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, second_acceleration, step4, step5
+from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, applied_first, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
@@ -48,7 +48,7 @@ def _cruise(
         left = length[j]
         drive = _drive(start, level, slope, transient, decay, j)
         # Position and velocity go on smoothly, so only the force can have jumped.
-        a0 = a + (applied(drive, 0.0) - before) * world[1]
+        a0 = a + (applied_first(drive) - before) * world[1]
         fifth = needs_fifth(quick, left, longest4, v, a0)
         if fifth:
             if left > longest5:
@@ -118,7 +118,7 @@ def general(
     drive = _drive(start, level, slope, transient, decay, j)
     s, i, a = _begin(world, p, w, edges, springs, drive, eventful, x, v)
     y, u, c = x, v, second_acceleration(world, x, v, x, v)
-    before = applied(drive, 0.0)
+    before = applied_first(drive)
     longest4, longest5, budget = 2.0 * length[0], 2.0 * length[0], STEPS + STEPS_A_SEGMENT * length.size
     while True:
         if s != 0.0 or not eventful:
@@ -131,7 +131,7 @@ def general(
             break
         drive = _drive(start, level, slope, transient, decay, j)
         if s != 0.0 or not eventful:
-            a += (applied(drive, 0.0) - before) / m
+            a += (applied_first(drive) - before) / m
         x, v, a, y, u, c, s, i, longest4, longest5, budget = passage(
             world, held, p, w, edges, springs, drive, length[j], eventful, restless, quick,
             (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,

@@ -20,6 +20,7 @@ from typing import Any
 
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.kernel.compiled import inlined, joined
+from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.model import PLANT_PARAMETERS
 
 #: Place of every parameter of the library in the kernel's one parameter vector.
@@ -79,7 +80,7 @@ def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
         if law is None:
             continue
         function = f"{effect.name}_{kind}"
-        scope[function] = joined(law)
+        scope[function] = joined(with_own_sine(law))
         lines += [f"    if active & {BIT[effect.name]}:", f"        value {join} {_call(function, law)}"]
     lines.append("    return value")
     return _compile(kind, lines, scope)
@@ -108,7 +109,7 @@ def _remember() -> Any:
         for name, _ in effect.memory:
             law = effect.laws()[f"reversal_{name}"]
             function = f"{effect.name}_{name}"
-            scope[function] = joined(law)
+            scope[function] = joined(with_own_sine(law))
             new.append(_call(function, law))
         if new:
             places = ", ".join(f"w[{MEMORY[name]}]" for name, _ in effect.memory)

@@ -51,6 +51,12 @@ def applied(drive, t):
 
 
 @inlined
+def applied_first(drive):
+    """The same as the segment begins."""
+    return drive[1] + drive[3]
+
+
+@inlined
 def outer(world, p, w, drive, t):
     """The forces [N] on the cart that do not depend on its motion."""
     active, _, _, constant, _, _, _ = world
