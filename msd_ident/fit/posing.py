@@ -115,14 +115,22 @@ def regressed(problem: Problem) -> list[Start]:
 
 
 def wide_vectors(problem: Problem, models: Sequence[Model], starts: Sequence[Start]) -> list[FloatArray]:
-    """Vectors to start from: of each model its own values, and the regressions' values for what is linear."""
+    """Vectors to start from: each model's values, those that are linear as each of the regressions tells."""
     vectors = []
     for model in models:
-        own = dict(zip(model.names, model.values.tolist(), strict=True))
-        for start in starts:
-            vectors.append(_vector(problem, Start({**own, **_linear(problem, start)}, start.initial)))
-        vectors.append(_vector(problem, Start(own, starts[0].initial if starts else _first_readings(problem))))
+        own = _values_of(model)
+        vectors += [_vector(problem, Start({**own, **_linear(problem, start)}, start.initial)) for start in starts]
     return vectors
+
+
+def own_vectors(problem: Problem, model: Model, starts: Sequence[Start]) -> list[FloatArray]:
+    """A model's very own values, with the states and zeros of each regression, and with the first readings."""
+    states = [*(start.initial for start in starts), _first_readings(problem)]
+    return [_vector(problem, Start(_values_of(model), initial)) for initial in states]
+
+
+def _values_of(model: Model) -> dict[str, float]:
+    return dict(zip(model.names, model.values.tolist(), strict=True))
 
 
 def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
@@ -168,6 +176,7 @@ def regression_start(records: Record | Sequence[Record], model: Model, *, fixed:
     group = (records,) if isinstance(records, Record) else tuple(records)
     problem = pose(model, group, fixed)
     objective = SquaredError(problem)
-    vectors = wide_vectors(problem, [model], regressed(problem))
-    best = min(vectors[:-1] or vectors, key=objective.cost)
+    starts = regressed(problem)
+    vectors = wide_vectors(problem, [model], starts) or own_vectors(problem, model, starts)
+    best = min(vectors, key=objective.cost)
     return model.with_values(problem.values(best))

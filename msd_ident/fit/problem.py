@@ -25,6 +25,8 @@ NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 _RELATIVE_STEP = 1e-5
 #: Beyond this many samples a second Jacobian beside the first would be too much memory.
 _LONG_RECORD = 200_000
+#: Fewest samples a swing, and altogether, that a thinned record keeps.
+_FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
 #: A simulation that blows up counts as an error of this many amplitudes.
 _BLOWN_UP = 1e6
 
@@ -169,6 +171,22 @@ class Problem:
         simulators = tuple(Simulator(self.model, record) for record in records)
         return replace(self, records=records, simulators=simulators)
 
+    def thinned(self, enough: int) -> Problem:
+        """The same problem on every n-th sample, with the mean force in between; itself where that would lose much.
+
+        At least ``enough`` samples stay, and so many a swing that a step of the solver is still a small part of it.
+        """
+        every = sum(record.samples for record in self.records) // enough
+        records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
+        if all(few is record for few, record in zip(records, self.records, strict=True)):
+            return self
+        simulators = tuple(Simulator(self.model, record) for record in records)
+        return replace(self, records=records, simulators=simulators)
+
+    def _spare(self, record: Record) -> int:
+        """Samples of a record within a hundredth of a swing."""
+        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
+
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""
         return _RELATIVE_STEP * self.scale
@@ -215,6 +233,21 @@ class Problem:
         if not np.isfinite(rows.sum()):
             np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
         return np.asarray(np.clip(rows, -worst, worst, out=rows) if max(rows.max(), -rows.min()) > worst else rows)
+
+
+def _thinned(record: Record, every: int) -> Record:
+    """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
+    count = record.samples // every if every > 1 else 0
+    if count < _FEWEST_SAMPLES:
+        return record
+    stop = count * every
+    time, position = record.time[:stop:every], record.position[:stop:every]
+    if record.force_time.size < count // 4:
+        return replace(record, time=time, position=position)
+    if not record.shared_clock or record.hold != "zero":
+        return record
+    force = record.force[:stop].reshape(count, every).mean(axis=1)
+    return replace(record, time=time, position=position, force_time=time, force=force)
 
 
 _KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")
@@ -285,13 +318,10 @@ def _bounds(
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)
     most = {"disturbance_frequency": np.pi / period, "lag_time": duration, "time_offset": 0.25 * duration}
-    # A slow ramp moves far more slowly than its plant could: what bounds a mass is a swing within a sample.
-    quickest = min((period / typical.time) ** 2, _LEAST["mass"])
-    least = {**_LEAST, "mass": quickest, "second_mass": quickest}
     lower, upper = [], []
     for parameter in (model.parameters[i] for i in free):
         size = typical.of(parameter.unit)
         reach = most.get(parameter.name, _MOST.get(parameter.name, np.inf) * size)
-        lower.append(max(parameter.lower, least.get(parameter.name, -np.inf) * size, -reach))
+        lower.append(max(parameter.lower, _LEAST.get(parameter.name, -np.inf) * size, -reach))
         upper.append(min(parameter.upper, reach))
     return np.array(lower + [-np.inf] * rest), np.array(upper + [np.inf] * rest)

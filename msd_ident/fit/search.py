@@ -3,9 +3,10 @@
 Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
 whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
 first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
-valley too, and is then the end. If not, the other starts are refined; then the parameters of dry friction and backlash
+valley too, and is then the end. If not, the other starts are explored; then the parameters of dry friction and backlash
 jump, for their surface has a valley for every number of half-swings; and where even the best fits badly, the horizon
-is grown: over the first few swings a wrong frequency cannot yet slip by a whole cycle.
+is grown: over the first few swings a wrong frequency cannot yet slip by a whole cycle. Exploring is rough: long records
+are thinned for it, and a valley that others undercut is not followed to its bottom.
 """
 
 from __future__ import annotations
@@ -25,6 +26,11 @@ _REFINED = 3
 _FIRST = 6
 _SHORT = 12
 _LONG = 120
+#: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
+_EXPLORED = 25
+_WORTH = 1e-5
+#: Samples that are enough to tell valleys apart, all records together.
+_ENOUGH = 5_000
 #: This many noise floors: the right valley of the right model.
 _AT_FLOOR = 1.3
 _BLOCKS = (8, 32)
@@ -56,35 +62,58 @@ class Valleys:
     problem: Problem
     plain: SquaredError
     weighted: SquaredError
+    rough: SquaredError
     floor: float
 
-    def deepest(self, starts: Sequence[FloatArray], guesses: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
-        """The deepest valley found from any of the starts (vectors), or from guesses made around the best of them."""
-        costs = np.array([self.weighted.cost(start) for start in starts])
-        likely = [starts[int(i)] for i in np.argsort(costs)[:_REFINED]]
-        best = self.settle(likely[0])
+    def deepest(
+        self,
+        starts: Sequence[FloatArray],
+        given: Sequence[Sequence[FloatArray]],
+        guesses: Callable[[FloatArray], Sequence[FloatArray]],
+    ) -> Outcome:
+        """The deepest valley found.
+
+        Args:
+            starts: vectors to start from, of which only the most likely are followed.
+            given: for each model that the caller gave, its values with several initial states, the best of which is
+                always followed.
+            guesses: further starts around the best found so far.
+        """
+        own = [min(variants, key=self.weighted.cost) for variants in given]
+        likely = sorted([*starts, *own], key=self.weighted.cost)[:_REFINED]
+        first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
         if not self.at_floor(best):
-            others = [*likely[1:], starts[-1], *guesses(best.point)]
-            for outcome in self._race(others):
-                best = _deeper(best, self.settle(outcome.point))
-                if self.at_floor(best):
-                    break
-            if not self.at_floor(best) and set(_MULTISTABLE) & set(self.problem.names):
-                best = _deeper(best, self._grow(others))
+            others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
+            best = self._deepest_of(best, [*others, *guesses(best.point)])
         best = self._jump(best, all_entries=not self.at_floor(best))
         if self._relative(best) > _SLIPPED:
             best = _deeper(best, self._grow(likely))
-        return best if best.converged else minimise(self.plain, best.point, limits(self.problem))
+        return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
+
+    def _deepest_of(self, best: Outcome, others: Sequence[FloatArray]) -> Outcome:
+        """The best of what was found and of what the other starts lead to."""
+        if set(_MULTISTABLE) & set(self.problem.names):
+            best = _deeper(best, self._grow(others))
+            if self.at_floor(best):
+                return best
+        for outcome in self._race(others):
+            best = _deeper(best, self._explore(outcome.point, self._roughly()))
+            if self.at_floor(best):
+                break
+        return best
+
+    def _roughly(self) -> Limits:
+        return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Outcome]:
         """A few iterations from every start; the leaders."""
-        outcomes = [minimise(self.weighted, start, limits(self.problem, _FIRST)) for start in starts]
+        outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
         return sorted(outcomes, key=_cost)[:_REFINED]
 
-    def settle(self, start: FloatArray) -> Outcome:
-        """From a start to the bottom of its valley, rests weighted down first."""
-        rough = minimise(self.weighted, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
-        return minimise(self.plain, rough.point, limits(self.problem))
+    def _explore(self, start: FloatArray, until: Limits) -> Outcome:
+        """From a start down its valley, rests weighted down first."""
+        down = minimise(self.rough, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
+        return minimise(self.plain, down.point, until)
 
     def at_floor(self, outcome: Outcome) -> bool:
         """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
@@ -121,20 +150,23 @@ class Valleys:
             change = np.zeros(problem.size)
             change[entry] = (factor - 1.0) * best.point[entry]
             change[others] = follow * change[entry]
-            near.append(minimise(self.weighted, best.point + change, limits(problem, _SHORT)))
+            near.append(minimise(self.rough, best.point + change, limits(problem, _SHORT)))
         for outcome in sorted(near, key=_cost)[:2]:
-            best = _deeper(best, minimise(self.plain, outcome.point, limits(problem)))
+            best = _deeper(best, minimise(self.plain, outcome.point, self._roughly()))
         return best
 
     def _grow(self, starts: Sequence[FloatArray]) -> Outcome:
         """Fit the first swings from every start, then go on with the two best over more and more of the records."""
         points = list(starts)
         for horizon in _HORIZONS:
-            part = SquaredError(self.problem.shortened(horizon), coarse=_COARSE)
+            part = SquaredError(self.rough.problem.shortened(horizon), coarse=_COARSE)
             outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
             kept = 2 if horizon >= _DECIDED else len(points)
             points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
-        return min((self.settle(point) for point in points), key=_cost)
+        best = self._explore(points[0], self._roughly())
+        for point in [] if self.at_floor(best) else points[1:]:
+            best = _deeper(best, self._explore(point, self._roughly()))
+        return best
 
     def _spread(self, outcome: Outcome) -> float:
         samples = sum(record.samples for record in self.problem.records)
@@ -172,11 +204,17 @@ def _deeper(one: Outcome, other: Outcome) -> Outcome:
 
 def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
+    plain, weighted = SquaredError(problem), _weighted(problem)
+    thin = problem.thinned(_ENOUGH)
+    return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin), floor)
+
+
+def _weighted(problem: Problem) -> SquaredError:
+    """Squared error with rests weighted down, differentiated by wide steps."""
     pairs = zip(problem.records, problem.encoder_steps, strict=True)
     weights = tuple(motion_weights(record.position, step, _part_of_a_swing(problem, record)) for record, step in pairs)
-    plain = SquaredError(problem)
     resting = any(bool(np.any(weight < 1.0)) for weight in weights)
-    return Valleys(problem, plain, SquaredError(problem, weights if resting else (), coarse=_COARSE), floor)
+    return SquaredError(problem, weights if resting else (), coarse=_COARSE)
 
 
 def _part_of_a_swing(problem: Problem, record: Record) -> int:
