@@ -172,8 +172,11 @@ def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
     """
     coarse, change = thin.with_mean_force(), 0.0
     exact, mean = (one.problem(friction.model) for one in (thin, coarse))
+    values = dict(zip(friction.model.names, friction.model.values.tolist(), strict=True))
+    # Fewer samples may show otherwise whether a record begins at rest: the entries of the vector differ then.
+    points = [problem.vector(values, friction.initial) for problem in (exact, mean)]
     for r, part in enumerate(thin.readings):
-        change += part.chi(exact.residual(friction.point, r) - mean.residual(friction.point, r))
+        change += part.chi(exact.residual(points[0], r) - mean.residual(points[1], r))
     return coarse if change < _COARSE**2 * max(left, 1.0) * thin.evidence else thin
 
 
