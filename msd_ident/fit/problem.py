@@ -318,10 +318,13 @@ def _bounds(
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)
     most = {"disturbance_frequency": np.pi / period, "lag_time": duration, "time_offset": 0.25 * duration}
+    # A slow ramp moves far more slowly than its plant could: what bounds a mass is a swing within a sample.
+    quickest = min((period / typical.time) ** 2, _LEAST["mass"])
+    least = {**_LEAST, "mass": quickest, "second_mass": quickest}
     lower, upper = [], []
     for parameter in (model.parameters[i] for i in free):
         size = typical.of(parameter.unit)
         reach = most.get(parameter.name, _MOST.get(parameter.name, np.inf) * size)
-        lower.append(max(parameter.lower, _LEAST.get(parameter.name, -np.inf) * size, -reach))
+        lower.append(max(parameter.lower, least.get(parameter.name, -np.inf) * size, -reach))
         upper.append(min(parameter.upper, reach))
     return np.array(lower + [-np.inf] * rest), np.array(upper + [np.inf] * rest)
