@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ FRICTION = (
 )
 RATE = RigParameter("rate", "Hz", 1000.0, 1e-3, 1e6, "samples per second")
 
+#: More than any parameter has levels: brackets in brackets, dashes behind dashes.
+_DEEPEST, _BRACKETS = 5, 100
+_INDENTED = re.compile(r"^[ ?:\t-]{200,}", re.MULTILINE)
 #: Parameters of the node alone; files may hold them, simulations without ROS pass over them.
 NODE_ONLY = ("latency", "real_time_factor", "time_mode", "use_sim_time", "batch_size", "joint_name")
 
@@ -103,8 +107,14 @@ def _rig_friction(tree: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     return {"coulomb_friction": forces | ({"static_force": static * weight} if static > kinetic else {})}
 
 
-def nested(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Dotted names opened: {"a.b": 1} and {"a": {"b": 1}} become the latter."""
+def nested(given: Mapping[str, Any], depth: int = 0) -> dict[str, Any]:
+    """Dotted names opened: {"a.b": 1} and {"a": {"b": 1}} become the latter.
+
+    Raises:
+        RigError: the same name for a value and for a group, or more levels than any rig has.
+    """
+    if depth > _DEEPEST:
+        raise RigError(f"parameters in {depth} levels; expected 3: is there an alias within itself?")
     tree: dict[str, Any] = {}
     for key, value in given.items():
         head, _, rest = str(key).partition(".")
@@ -112,11 +122,11 @@ def nested(given: Mapping[str, Any]) -> dict[str, Any]:
             branch = tree.setdefault(head, {})
             if not isinstance(branch, dict):
                 raise RigError(f"{head} is {branch!r} and {key} is {value!r}; expected one or the other")
-            branch |= nested({rest: value})
+            branch |= nested({rest: value}, depth + 1)
         elif isinstance(value, Mapping) and isinstance(tree.get(head), dict):
-            tree[head] |= nested(value)
+            tree[head] |= nested(value, depth + 1)
         else:
-            tree[head] = nested(value) if isinstance(value, Mapping) else value
+            tree[head] = nested(value, depth + 1) if isinstance(value, Mapping) else value
     return tree
 
 
@@ -140,10 +150,15 @@ def load(name: str) -> dict[str, Any]:
             raise RigError(f"no rig {name!r}; expected one of {', '.join(names())}, or the path of a .yaml file")
         path = found[0]
     try:
-        tree = yaml.safe_load(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if _INDENTED.search(text) or text.count("[") + text.count("{") > _BRACKETS:
+            raise RigError(f"{name} is nested too deeply; expected '/**:', 'ros__parameters:', and parameters below")
+        tree = yaml.safe_load(text)
     except FileNotFoundError:
         raise RigError(f"no file {name}; expected a rig's .yaml file, or one of {', '.join(names())}") from None
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except RigError:
+        raise
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         raise RigError(f"{name} cannot be read as YAML ({' '.join(str(error).split())})") from None
     return _parameters(tree, name)
 

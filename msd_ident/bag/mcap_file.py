@@ -175,24 +175,28 @@ class McapFile:
             self.schemas.setdefault(record.id, record)
 
     def _walk(self) -> None:
-        """Find the segments; after a fault go on at the next chunk that the index knows.
-
-        What looks like a message between chunks after a fault is taken for debris.
-        """
+        """Find the segments; after a fault go on at the next chunk that the index knows."""
         position = len(MAGIC)
         while True:
             fault = self._walk_from(position)
             if fault is None:
+                self._leave_debris()
                 return
-            if any(segment.chunked for segment in self._segments):
-                self._segments = [segment for segment in self._segments if segment.chunked]
             later = [offset for offset in self._indexed if offset > fault]
             if not later:
                 cut = "ends without its index" if fault + FRAME.size > len(self._data) else "is cut off or damaged"
                 self._faults.append(f"the file {cut} at byte {fault} of {len(self._data)}")
+                self._leave_debris()
                 return
             self._faults.append(f"damaged at byte {fault}")
             position = min(later)
+
+    def _leave_debris(self) -> None:
+        """Nobody writes messages between chunks: what looks like one has no checksum and is a damaged record."""
+        chunks = [segment for segment in self._segments if segment.chunked]
+        if chunks and len(chunks) < len(self._segments):
+            self._faults.append(f"{len(self._segments) - len(chunks)} records between chunks are damaged")
+            self._segments = chunks
 
     def _walk_from(self, position: int) -> int | None:
         """Walk records; the offset where that fails, ``None`` when the data section ends as it should."""

@@ -130,7 +130,7 @@ class Table:
             value = math.nan
         if not math.isfinite(value):
             raise DataError(
-                f"{self._path} line {line}, column {self.layout.header[index]} holds {text!r}; expected a finite "
+                f"{self._path} line {line}, column {self.layout.header[index]} holds {text[:40]!r}; expected a finite "
                 "number: repair or remove that line"
             )
         return value

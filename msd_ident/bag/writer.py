@@ -139,14 +139,15 @@ class BagWriter:
             SetupError: the disk is full or gone.
         """
         with self._disk():
-            if name not in self._topics:
+            if name not in self._topics and not self._closed:
                 text = self._definitions.text(type_name) if definition is None else definition
                 type_hash = self._definitions.type_hash(type_name) if definition is None else ""
                 qos = qos_to_yaml(qos_from_yaml(offered_qos_yaml))
                 entry = self._entry.topics.setdefault(name, TopicEntry(name, type_name, qos, type_hash))
                 self._topics[name] = _Topic(entry, text)
                 self._register(self._topics[name])
-            return bool(self._topics[name].definition)
+                self._flush()  # readers that go by the metadata know the topic before its first message is there
+            return name in self._topics and bool(self._topics[name].definition)
 
     def write(self, topic: str, raw: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
         """Append one serialised message; ``publish_time_ns`` defaults to ``log_time_ns``.
@@ -212,7 +213,6 @@ class BagWriter:
             self._schemas[kind] = self._writer.add_schema(kind, encoding, topic.definition.encode())
         about = {"offered_qos_profiles": topic.entry.qos, "topic_type_hash": topic.entry.type_hash}
         topic.channel = self._writer.add_channel(topic.entry.name, MessageEncoding.CDR, self._schemas[kind], about)
-        self._dirty, self._oldest_ns = True, time.monotonic_ns()
 
     def _is_over(self, log_time_ns: int) -> bool:
         """Whether the message belongs to the next file."""

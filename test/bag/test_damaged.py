@@ -131,7 +131,7 @@ def test_a_damaged_chunk_is_left_out_and_counted(tmp_path: Path) -> None:
     path.write_bytes(raw)
     record = read(path)
     assert record.samples == 401
-    assert record.notes == ("bag_0.mcap: 1 of 6 chunks are damaged and were left out; 100 of 502 messages are lost.",)
+    assert record.notes == ("bag_0.mcap: 1 of 7 chunks are damaged and were left out; 100 of 502 messages are lost.",)
 
 
 def test_a_damaged_record_in_the_middle_costs_no_chunk_behind_it(tmp_path: Path) -> None:
