@@ -35,8 +35,9 @@ from msd_ident.record import Record
 _RIVALS = 8
 #: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
 _MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
-#: A coarser force may change the motion by this part of what is left of it.
-_COARSE = 0.03
+#: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
+#: change the motion by this part of what is left of it.
+_FAR, _COARSE = 300.0**2, 0.03
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -165,7 +166,7 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
 
 
 def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
-    """With mean forces, where what that changes is small beside the noise and what the model with friction leaves.
+    """With mean forces, where the model with friction is so far off that nothing will reach the noise.
 
     Args:
         left: chi² that this model leaves, for each piece of evidence.
@@ -177,7 +178,7 @@ def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
     points = [problem.vector(values, friction.initial) for problem in (exact, mean)]
     for r, part in enumerate(thin.readings):
         change += part.chi(exact.residual(points[0], r) - mean.residual(points[1], r))
-    return coarse if change < _COARSE**2 * max(left, 1.0) * thin.evidence else thin
+    return coarse if left > _FAR and change < _COARSE**2 * left * thin.evidence else thin
 
 
 def _searching(experiment: Experiment, progress: Progress) -> Search:
