@@ -30,7 +30,10 @@ setup(
     long_description=(ROOT / "README.md").read_text(encoding="utf-8") if (ROOT / "README.md").exists() else "",
     long_description_content_type="text/markdown",
     packages=find_packages(include=["msd_ident", "msd_ident.*", "msd_sim", "msd_sim.*"]),
-    package_data={"": ["py.typed", "*.html", "*.css", "*.js", "*.svg", "*.j2", "*.yaml"]},
+    package_data={
+        "": ["py.typed", "*.html", "*.css", "*.js", "*.svg", "*.j2", "*.yaml"],
+        "msd_ident.report": ["templates/*", "vendor/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
@@ -41,11 +44,13 @@ setup(
     python_requires=">=3.10",
     install_requires=[
         "control>=0.10.1",
+        "jinja2>=3.1",
         "lz4>=4.3",
         "matplotlib>=3.8",
         "mcap>=1.5",  # the first whose writer can close a chunk by time
         "numba>=0.60",
         "numpy>=1.26",
+        "plotly>=6.0",  # the first that writes arrays as base64
         "pyyaml>=6.0",
         "rich>=13.7",
         "rosbags>=0.11",
@@ -57,6 +62,7 @@ setup(
         "test": [
             "hypothesis>=6.100",
             "mypy>=1.11",
+            "playwright>=1.45",  # drives the Chromium of the machine
             "pytest>=8.2",
             "pytest-timeout>=2.3",
             "pytest-xdist>=3.6",

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import pages, run, sources
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from msd_ident import pipeline
     from msd_ident.diagnose import Diagnosis
     from msd_ident.record import Record
@@ -34,13 +31,14 @@ def diagnose(
     model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
-    report: Annotated[Optional[Path], typer.Option(help="page to write the report to (HTML)")] = None,  # noqa: UP045
+    report: pages.ReportOption = None,
+    markdown: pages.MarkdownOption = None,
+    figures: pages.FiguresOption = None,
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Diagnose: what the model lacks, how sure that is, what it costs, what was gained, what is still open."""
     from msd_ident import pipeline
-    from msd_ident.cli import run
     from msd_ident.report import diagnosis as tables
 
     source = sources.options(
@@ -48,24 +46,15 @@ def diagnose(
     )
     options = pipeline.Options(model=model)
     output = run.Output(json, quiet, overwrite)
-    if report is not None:
-        run.check_target(report, overwrite)
-
-    done: list[Diagnosis] = []
+    targets = pages.Pages(report, markdown, figures, source, output)
+    targets.check()
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
         def tell(stage: str, fraction: float, cause: str) -> None:
             progress(f"{stage}: {cause}" if cause else stage, fraction)
 
-        done.append(pipeline.diagnose(records, options, tell))
-        return done[-1]
+        return pipeline.diagnose(records, options, tell)
 
-    def show(found: Diagnosis, console: Console) -> None:
-        tables.print_diagnosis(found, console)
-
-    code = run.work(paths, source, together, output, solve, show)
-    if report is not None and done:
-        from msd_ident.report import page
-
-        page.save(done, report)
+    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep)
+    targets.finish()
     return code

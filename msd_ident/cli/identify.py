@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import pages, run, sources
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from msd_ident import pipeline
     from msd_ident.identification import Identification
     from msd_ident.record import Record
@@ -35,13 +32,14 @@ def identify(
     loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
-    figures: Annotated[Optional[Path], typer.Option(help="folder for Figures 7 and 8 as PNG")] = None,  # noqa: UP045
+    report: pages.ReportOption = None,
+    markdown: pages.MarkdownOption = None,
+    figures: pages.FiguresOption = None,
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Identify (ωn, ζ, K), then m, b, k and dry friction, each with its interval."""
     from msd_ident import pipeline
-    from msd_ident.cli import run
     from msd_ident.report import tables
 
     source = sources.options(
@@ -49,30 +47,12 @@ def identify(
     )
     options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
     output = run.Output(json, quiet, overwrite)
-
-    if figures is not None:
-        run.make_folder(figures)
+    targets = pages.Pages(report, markdown, figures, source, output)
+    targets.check()
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
-        found = pipeline.identify(records, options, progress)
-        if figures is not None:
-            _draw(found, figures, overwrite)
-        return found
+        return pipeline.identify(records, options, progress)
 
-    def show(found: Identification, console: Console) -> None:
-        tables.print_identification(found, console)
-        if figures is not None:
-            console.print(f"figures: {figures / found.name}", soft_wrap=True)
-
-    return run.work(paths, source, together, output, solve, show)
-
-
-def _draw(found: Identification, folder: Path, overwrite: bool) -> None:
-    from msd_ident.cli import run
-    from msd_ident.report import figures
-
-    target = folder / found.name
-    if target.is_dir():
-        for path in figures.paths(found, target):
-            run.check_target(path, overwrite)
-    figures.save(found, target)
+    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep)
+    targets.finish()
+    return code

@@ -116,10 +116,12 @@ def work(
     output: Output,
     solve: Callable[[Sequence[Record], Progress], Result],
     show: Callable[[Any, Console], None],
+    keep: Callable[[tuple[Path, ...], Any], None] = lambda group, result: None,
 ) -> int:
     """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
 
-    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
+    A path that fails gets its one line on stderr and an object with ``error``; the others go on. ``keep`` is given each
+    result with its paths.
     """
     from rich.console import Console
 
@@ -139,6 +141,7 @@ def work(
             continue
         found = result.to_json_dict()
         lines.append({"schema": found.pop("schema"), "path": name, **found})
+        keep(group, result)
         if output.tables:
             show(result, console)
     write(lines, output)

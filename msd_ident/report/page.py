@@ -1,69 +1,184 @@
-"""A page about diagnoses: what the terminal shows, with pictures of the missing force and of what is left (HTML)."""
+"""The page that people look at: all sections of all results in one file that needs no network."""
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from msd_ident.report.diagnosis import print_diagnosis
+from msd_ident.diagnose import Diagnosis
+from msd_ident.errors import SetupError
+from msd_ident.provenance import versions
+from msd_ident.report.plots import Detail, diagnosis_curves, identification_curves
+from msd_ident.report.sections.causes import Causes
+from msd_ident.report.sections.data import Data
+from msd_ident.report.sections.fit import Fit
+from msd_ident.report.sections.missing_force import MissingForce
+from msd_ident.report.sections.next_experiment import NextExperiment
+from msd_ident.report.sections.parameters import (
+    Parameters,
+    StandardForm,
+    diagnosis_columns,
+    identification_columns,
+)
+from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from jinja2 import Environment
 
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.identification import Identification
+    from msd_ident.provenance import Provenance
+    from msd_ident.report.plot import Plot
 
-_PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>msd diagnose</title>
-<style>body{{font-family:sans-serif;margin:2em;max-width:75em}} img{{max-width:100%}} pre{{line-height:1.25}}</style>
-</head><body>
-{body}
-</body></html>
-"""
+#: A page is not larger than this, however many records it is about [bytes].
+LARGEST = 6_000_000
 
 
-def save(diagnoses: Sequence[Diagnosis], path: Path) -> None:
-    """Write one page about all diagnoses."""
-    path.write_text(_PAGE.format(body="\n<hr>\n".join(_section(found) for found in diagnoses)), encoding="utf-8")
+@dataclass(frozen=True)
+class Article:
+    """One result: what made it, the records' names, its sections in order."""
+
+    command: str
+    name: str
+    sections: tuple[Section, ...]
+
+    @property
+    def verdict(self) -> str:
+        """For the colour of its pill."""
+        return str(self.sections[0].context()["verdict"])
+
+    @property
+    def pill(self) -> str:
+        """The verdict in a few words."""
+        return str(self.sections[0].context()["pill"])
+
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """All plots of all sections."""
+        return tuple(plot for section in self.sections for plot in section.plots)
 
 
-def _section(diagnosis: Diagnosis) -> str:
-    from rich.console import Console
+def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+    """The sections of a diagnosis."""
+    detail = detail or Detail.shared_by(len(found.records))
+    sections: list[Section] = [
+        DiagnosisVerdict(found),
+        Fit(found.records, diagnosis_curves(found), found.noise_floor, detail),
+        MissingForce(found, detail),
+        Causes(found),
+        Parameters(found.records, diagnosis_columns(found), found.extended.open_directions),
+        Data(found.records, found.findings, provenance, found.extended.quantities.get("time_offset")),
+    ]
+    if found.next_experiment is not None:
+        sections.append(NextExperiment(found.next_experiment))
+    return Article("msd diagnose", " + ".join(record.name for record in found.records), tuple(sections))
 
-    console = Console(record=True, width=110, file=io.StringIO(), highlight=False)
-    print_diagnosis(diagnosis, console)
-    text = console.export_html(inline_styles=True, code_format="<pre>{code}</pre>")
-    handle = io.BytesIO()
-    draw(diagnosis).savefig(handle, format="png", dpi=110)
-    picture = base64.b64encode(handle.getvalue()).decode("ascii")
-    return f'{text}\n<p><img alt="missing force and residual" src="data:image/png;base64,{picture}"></p>'
+
+def of_identification(
+    found: Identification, provenance: Provenance | None = None, detail: Detail | None = None
+) -> Article:
+    """The sections of an identification."""
+    detail = detail or Detail.shared_by(len(found.records))
+    sections: tuple[Section, ...] = (
+        IdentificationVerdict(found),
+        Fit(found.records, identification_curves(found), found.noise_floor, detail),
+        StandardForm(found),
+        Parameters(found.records, identification_columns(found), found.open),
+        Data(found.records, found.findings, provenance, None),
+    )
+    return Article("msd identify", " + ".join(record.name for record in found.records), sections)
 
 
-def draw(diagnosis: Diagnosis) -> Figure:
-    """Missing force over velocity, position and time with its band, and the residual before and after."""
-    from matplotlib.figure import Figure
+def articles(
+    results: Sequence[Diagnosis | Identification], provenance: Sequence[Provenance | None] = ()
+) -> tuple[Article, ...]:
+    """An article for each result, all together as detailed as one page can carry."""
+    detail = Detail.shared_by(sum(len(found.records) for found in results))
+    made = []
+    for found, origin in zip_longest(results, provenance):
+        if isinstance(found, Diagnosis):
+            made.append(of_diagnosis(found, origin, detail))
+        else:
+            made.append(of_identification(found, origin, detail))
+    return tuple(made)
 
-    figure = Figure(figsize=(11.0, 7.0), layout="constrained")
-    axes = figure.subplots(2, 2)
-    unit, length = diagnosis.records[0].force_unit, diagnosis.records[0].position_unit
-    for part in diagnosis.missing:
-        axes[0][0].plot(part.velocity, part.force, ".", markersize=1)
-        axes[0][1].plot(part.position, part.force, ".", markersize=1)
-        axes[1][0].plot(part.time, part.force, linewidth=0.8)
-        low, high = part.force - 2.0 * part.std, part.force + 2.0 * part.std
-        axes[1][0].fill_between(part.time, low, high, alpha=0.3)
-    for record, before, after in zip(
-        diagnosis.records, diagnosis.base.residuals, diagnosis.extended.residuals, strict=True
-    ):
-        axes[1][1].plot(record.time, before, color="0.6", linewidth=0.8, label="base")
-        axes[1][1].plot(record.time, after, color="C3", linewidth=0.8, label="extended")
-    names = (f"velocity [{length}/s]", f"position [{length}]", "time [s]", "time [s]")
-    for axis, name in zip(axes.flat, names, strict=True):
-        axis.set_xlabel(name)
-        axis.set_ylabel(f"missing force [{unit}]")
-        axis.grid(alpha=0.3)
-    axes[1][1].set_ylabel(f"model − data [{length}]")
-    axes[1][1].legend(loc="upper right")
-    return figure
+
+def render(results: Sequence[Diagnosis | Identification], provenance: Sequence[Provenance | None] = ()) -> str:
+    """The page as text; ``provenance`` of each result, where it is known."""
+    from markupsafe import Markup
+
+    made = articles(results, provenance)
+    title = made[0].name if len(made) == 1 else f"{len(made)} results"
+    page = _environment().get_template("page.html.j2")
+    return page.render(
+        articles=[_rendered(article, f"r{number}") for number, article in enumerate(made, start=1)],
+        title=f"{title} – {made[0].command}",
+        version=versions()["msd_ident"],
+        made=next((origin.made for origin in provenance if origin is not None), ""),
+        css=Markup(_shipped("templates", "page.css")),
+        script=Markup(_shipped("templates", "page.js")),
+        plotly=Markup(_shipped("vendor", "plotly-basic.min.js")),
+    )
+
+
+def save(
+    results: Sequence[Diagnosis | Identification], path: Path, provenance: Sequence[Provenance | None] = ()
+) -> None:
+    """Write one page about all results.
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
+    try:
+        path.write_text(render(results, provenance), encoding="utf-8")
+    except OSError as error:
+        raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable file") from None
+
+
+def _rendered(article: Article, anchor: str) -> dict[str, Any]:
+    """An article with the text of its sections."""
+    from markupsafe import Markup
+
+    sections = []
+    for section in article.sections:
+        here = f"{anchor}-{section.slug}"
+        template = _environment().get_template(section.template)
+        body = template.render(here=here, plots=section.plots, **section.context())
+        sections.append({"anchor": here, "slug": section.slug, "title": section.title, "body": Markup(body)})
+    return {
+        "anchor": anchor,
+        "command": article.command,
+        "name": article.name,
+        "verdict": article.verdict,
+        "pill": article.pill,
+        "sections": sections,
+    }
+
+
+@cache
+def _environment() -> Environment:
+    """Templates; every text is escaped, since names and notes come out of other people's files."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    from msd_ident.report import plotly_figure
+
+    found = Environment(
+        loader=PackageLoader("msd_ident.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    found.filters["figure"] = lambda plot: Markup(plotly_figure.to_json(plot))
+    return found
+
+
+@cache
+def _shipped(folder: str, name: str) -> str:
+    return resources.files("msd_ident.report").joinpath(folder).joinpath(name).read_text(encoding="utf-8")

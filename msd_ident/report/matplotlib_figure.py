@@ -1,0 +1,112 @@
+"""Plots for papers: the page's plots, drawn by matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from msd_ident.errors import SetupError
+from msd_ident.report.plot import Panel, Plot, Series
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Colours of the roles: told apart by colour-blind readers, and dark enough for print.
+INK = {
+    "measured": "#1f2933",
+    "base": "#d1495b",
+    "extended": "#00798c",
+    "law": "#7048b6",
+    "force": "#6b7280",
+    "noise": "#9aa5b1",
+    "paper": "#b7791f",
+}
+SUFFIXES = ("png", "svg")
+_WIDTH, _DOTS = 8.0, 160
+
+
+def draw(plot: Plot) -> Figure:
+    """The figure, its height in proportion to the page's."""
+    from matplotlib.figure import Figure
+
+    made = Figure(figsize=(_WIDTH, plot.height / 90.0), layout="constrained")
+    grid = made.subplots(
+        len(plot.panels), 1, sharex=True, squeeze=False, height_ratios=[panel.share for panel in plot.panels]
+    )
+    for axes, panel in zip(grid[:, 0], plot.panels, strict=True):
+        _panel(axes, panel)
+    grid[-1, 0].set_xlabel(plot.xlabel)
+    if plot.log:
+        grid[-1, 0].set_xscale("log")
+    made.suptitle(_plain(plot.title), fontsize=11, x=0.02, ha="left")
+    return made
+
+
+def save(plots: Sequence[Plot], directory: Path) -> list[Path]:
+    """Write every plot as PNG and SVG; the paths in that order.
+
+    Raises:
+        SetupError: the disk does not take them.
+    """
+    targets = paths(plots, directory)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        for plot in plots:
+            drawn = draw(plot)
+            for target in paths([plot], directory):
+                drawn.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
+    except OSError as error:
+        raise SetupError(f"cannot write to {directory}: {error.strerror}; expected a place that takes files") from None
+    return targets
+
+
+def paths(plots: Sequence[Plot], directory: Path) -> list[Path]:
+    """Where ``save`` writes."""
+    return [directory / f"{plot.slug}.{suffix}" for plot in plots for suffix in SUFFIXES]
+
+
+def _panel(axes: Axes, panel: Panel) -> None:
+    for series in panel.series:
+        _series(axes, series)
+    axes.set_ylabel(panel.ylabel)
+    if panel.log:
+        axes.set_yscale("log")
+    if panel.ticks:
+        axes.set_yticks([place for place, _ in panel.ticks], [_plain(word) for _, word in panel.ticks])
+    axes.grid(alpha=0.25, linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    if any(series.legend for series in panel.series):
+        axes.legend(frameon=False, fontsize=8, ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1)
+
+
+def _series(axes: Axes, series: Series) -> None:
+    colour, label = INK[series.role], _plain(series.name) if series.legend else None
+    if series.kind == "band":
+        assert series.low is not None
+        axes.fill_between(series.x, series.low, series.y, color=colour, alpha=0.25, linewidth=0, label=label)
+    elif series.kind == "bars":
+        axes.barh(series.y, series.x, color=colour, height=0.6, label=label)
+    elif series.kind == "points" and series.error is not None:
+        axes.errorbar(series.x, series.y, series.error, fmt="o", markersize=3, color=colour, linewidth=0.8, label=label)
+    elif series.kind == "points":
+        many = series.x.size >= 200
+        size, alpha = (1.6, 0.45) if many else (3.5, 1.0)
+        axes.plot(series.x, series.y, ".", markersize=2 * size, alpha=alpha, color=colour, mew=0, label=label)
+    else:
+        width = {"measured": 2.2, "law": 2.0}.get(series.role, 1.1)
+        axes.plot(
+            series.x,
+            series.y,
+            color=colour,
+            linewidth=width,
+            linestyle="--" if series.dashed else "-",
+            drawstyle="steps-post" if series.kind == "steps" else "default",
+            label=label,
+        )
+
+
+def _plain(text: str) -> str:
+    """Text from outside as it stands: a dollar sign would begin a formula."""
+    return text.replace("$", r"\$")

@@ -1,0 +1,224 @@
+"""Which plots a result gives: measured and modelled motion, residuals, missing force, ring-down, frequency response."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from msd_ident.report import words
+from msd_ident.report.numbers import Scale, length_scale
+from msd_ident.report.plot import Panel, Plot, Role, Series
+from msd_ident.report.thinning import MAXIMUM_POINTS, spaced, thinned
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose import Diagnosis
+    from msd_ident.diagnose.laws import Beyond
+    from msd_ident.diagnose.missing import MissingForce
+    from msd_ident.diagnose.ringdown import RingDown
+    from msd_ident.features.frequency import FrequencyResponse
+    from msd_ident.identification import Identification
+    from msd_ident.record import FloatArray, Record
+
+
+#: Points of curves and clouds of each kind that a page can carry.
+_CURVES, _CLOUDS = 24_000, 6000
+
+
+@dataclass(frozen=True)
+class Detail:
+    """Most points of a curve and of a cloud."""
+
+    curve: int = MAXIMUM_POINTS
+    cloud: int = 1000
+
+    @classmethod
+    def shared_by(cls, records: int) -> Detail:
+        """What each of so many records may have for a page to stay small; one alone has all."""
+        return cls(
+            min(MAXIMUM_POINTS, max(_CURVES // max(records, 1), 150)), min(1000, max(_CLOUDS // max(records, 1), 150))
+        )
+
+
+@dataclass(frozen=True)
+class ModelCurve:
+    """A model's reading (n,) and residual, model − data (n,), of each record, in the position unit."""
+
+    label: str
+    role: Role
+    predicted: tuple[FloatArray, ...]
+    residuals: tuple[FloatArray, ...]
+
+
+def diagnosis_curves(diagnosis: Diagnosis) -> tuple[ModelCurve, ...]:
+    """Base and extended model; the base alone where nothing was added."""
+    fits: list[tuple[str, Role, Any]] = [("base model", "base", diagnosis.base)]
+    if diagnosis.causes:
+        fits.append(("extended model", "extended", diagnosis.extended))
+    return tuple(
+        ModelCurve(
+            label,
+            role,
+            tuple(r.position + left for r, left in zip(diagnosis.records, found.residuals, strict=True)),
+            found.residuals,
+        )
+        for label, role, found in fits
+    )
+
+
+def identification_curves(found: Identification) -> tuple[ModelCurve, ...]:
+    """Original model, friction raised, joint refit."""
+    fits: list[tuple[str, Role, Any]] = [("original (m, b, k)", "base", found.original)]
+    if found.paper_refined is not None:
+        fits.append(("friction raised", "paper", found.paper_refined))
+    fits.append(("joint refit", "extended", found.refined))
+    return tuple(
+        ModelCurve(
+            label,
+            role,
+            model.predicted,
+            tuple(p - r.position for r, p in zip(found.records, model.predicted, strict=True)),
+        )
+        for label, role, model in fits
+    )
+
+
+def fit_plot(
+    record: Record,
+    curves: Sequence[ModelCurve],
+    index: int,
+    noise_floor: float,
+    detail: Detail = Detail(),  # noqa: B008
+) -> Plot:
+    """Force, motion and residuals over the whole record; the band is twice the noise floor either way."""
+    points, most = record.time, detail.curve
+    span = length_scale(float(np.ptp(record.position)), record.position_unit)
+    left = length_scale(max(float(np.std(curve.residuals[index])) for curve in curves), record.position_unit)
+    motion = [line("measured", "measured", points, span.factor * record.position, most)]
+    motion += [line(c.label, c.role, points, span.factor * c.predicted[index], most) for c in curves]
+    residuals = [noise_band(record, noise_floor, left)]
+    for curve in curves:
+        residuals.append(_unnamed(line(curve.label, curve.role, points, left.factor * curve.residuals[index], most)))
+    return Plot(
+        "fit",
+        f"Measured and simulated motion: {record.name}",
+        "time [s]",
+        (
+            force_panel(record, most),
+            Panel(f"position [{span.unit}]", tuple(motion), 2.2),
+            Panel(f"model − data [{left.unit}]", tuple(residuals), 1.3),
+        ),
+        height=620,
+    )
+
+
+def line(name: str, role: Role, x: FloatArray, y: FloatArray, points: int = MAXIMUM_POINTS) -> Series:
+    """A thinned curve."""
+    return Series(name, role, *thinned(x, y, points))
+
+
+def _unnamed(series: Series) -> Series:
+    return Series(series.name, series.role, series.x, series.y, series.kind, legend=False)
+
+
+def force_panel(record: Record, points: int = MAXIMUM_POINTS) -> Panel:
+    """The force on top of a plot."""
+    return Panel(f"force [{record.force_unit}]", (_force(record, points),), 0.7)
+
+
+def noise_band(record: Record, noise_floor: float, scale: Scale) -> Series:
+    """Twice the noise floor either way, over the whole record."""
+    ends = record.time[[0, -1]]
+    edge = np.full(2, 2.0 * noise_floor * scale.factor)
+    return Series("noise, ± 2σ", "noise", ends, edge, "band", low=-edge)
+
+
+def _force(record: Record, points: int) -> Series:
+    start, end = float(record.time[0]), float(record.time[-1])
+    inside = (record.force_time > start) & (record.force_time < end)
+    stamps = np.concatenate(([start], record.force_time[inside], [end]))
+    kind = "steps" if record.hold == "zero" else "line"
+    return Series("force", "force", *thinned(stamps, record.force_at(stamps), points), kind, legend=False)  # type: ignore[arg-type]
+
+
+def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail = Detail()) -> Plot:  # noqa: B008
+    """The force beyond the linear plant against time, with its band and what the extended model says of it."""
+    part, unit = beyond.measured[index], record.force_unit
+    time, force = thinned(part.time, part.force, detail.curve)
+    spread = 2.0 * np.interp(time, part.time, part.std)
+    series = [
+        Series("± 2σ", "noise", time, force + spread, "band", low=force - spread),
+        Series("missing force, smoothed from the data", "measured", time, force),
+    ]
+    if beyond.explained:
+        other = beyond.explained[index]
+        series.append(line("the same, of the extended model", "extended", other.time, other.force, detail.curve))
+    return Plot("missing_time", "against time", "time [s]", (Panel(f"missing force [{unit}]", tuple(series)),), 300)
+
+
+def missing_clouds(
+    beyond: Beyond,
+    record: Record,
+    index: int,
+    detail: Detail = Detail(),  # noqa: B008
+) -> tuple[Plot, Plot]:
+    """The same force against velocity and against position, the law drawn through it."""
+    part, length, force = beyond.measured[index], record.position_unit, record.force_unit
+    scale = length_scale(float(np.ptp(part.position)), length)
+    velocity = _cloud("velocity", f"velocity [{length}/s]", 1.0, beyond, index, force, detail)
+    position = _cloud("position", f"position from rest [{scale.unit}]", scale.factor, beyond, index, force, detail)
+    return velocity, position
+
+
+def _cloud(signal: str, label: str, factor: float, beyond: Beyond, index: int, unit: str, detail: Detail) -> Plot:
+    part = beyond.measured[index]
+    series = [_points("smoothed from the data", "measured", part, signal, factor, detail)]
+    law = next((law for law in beyond.laws if law.signal == signal), None)
+    if beyond.explained and not (beyond.whole and law is not None):
+        series.append(_points("extended model", "extended", beyond.explained[index], signal, factor, detail))
+    if law is not None:
+        name = " + ".join(words.effect(cause) for cause in law.causes)
+        series.append(Series(f"law: {name}", "law", factor * law.over, law.force))
+    panel = Panel(f"missing force [{unit}]", tuple(series))
+    return Plot(f"missing_{signal}", f"against {signal}", label, (panel,), 340)
+
+
+def _points(name: str, role: Role, part: MissingForce, signal: str, factor: float, detail: Detail) -> Series:
+    keep = spaced(part.time.size, detail.cloud)
+    return Series(name, role, factor * getattr(part, signal)[keep], part.force[keep], "points")
+
+
+def ring_down_plot(ring_down: RingDown, scale: Scale) -> Plot:
+    """Damping ratio and natural frequency against the amplitude of the swing, ± 2σ."""
+    amplitude = scale.factor * np.asarray(ring_down.amplitude)
+
+    def panel(label: str, name: str) -> Panel:
+        values, spread = np.asarray(getattr(ring_down, name)), 2.0 * np.asarray(getattr(ring_down, f"{name}_std"))
+        return Panel(label, (Series(label, "measured", amplitude, values, "points", error=spread, legend=False),))
+
+    panels = (panel("damping ratio ζ", "damping_ratio"), panel("ωn [rad/s]", "natural_frequency"))
+    return Plot("ring_down", "Ring-down", f"amplitude of the swing [{scale.unit}]", panels, 380)
+
+
+def bode_plot(
+    models: Sequence[tuple[str, Role, FrequencyResponse]], measured: FrequencyResponse | None, units: tuple[str, str]
+) -> Plot:
+    """Bode plot of the linear parts, with the measured response where there is one; ``units`` of position and force."""
+    rows = [(name, role, response, "line") for name, role, response in models]
+    if measured is not None:
+        rows.insert(0, ("measured", "measured", measured, "points"))
+    size = [Series(name, role, r.frequency, r.magnitude, kind) for name, role, r, kind in rows]  # type: ignore[arg-type]
+    turn = [Series(name, role, r.frequency, r.phase, kind, legend=False) for name, role, r, kind in rows]  # type: ignore[arg-type]
+    panels = (Panel(f"|x / F| [{units[0]}/{units[1]}]", tuple(size), 1.4, log=True), Panel("phase [°]", tuple(turn)))
+    return Plot("bode", "Frequency response", "frequency [rad/s]", panels, 460, log=True)
+
+
+def probability_plot(names: Sequence[str], probabilities: Sequence[float]) -> Plot:
+    """Causes and their probabilities as bars, the first on top."""
+    percent = 100.0 * np.asarray(probabilities, dtype=np.float64)
+    place = np.arange(percent.size, 0.0, -1.0)
+    bars = Series("probability", "law", percent, place, "bars", legend=False)
+    panel = Panel("", (bars,), ticks=tuple(zip(place.tolist(), names, strict=True)))
+    return Plot("causes", "Causes", "probability [%]", (panel,), height=120 + 28 * len(names))

@@ -1,0 +1,113 @@
+"""Which causes, how sure, what they change, and what was tried and rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.report import marked, words
+from msd_ident.report.marked import Marked
+from msd_ident.report.numbers import number
+from msd_ident.report.plot import Plot
+from msd_ident.report.plots import probability_plot
+from msd_ident.report.sections.section import Section
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose import Cause, Contender, Diagnosis
+
+#: Causes in a picture: the likeliest, so many at most.
+_LIKELY, _MOST = 1e-3, 8
+_SHOWN = ("mass", "damping", "stiffness")
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One cause of a group that the data joins: its probability as a bar; the number is in the JSON for named ones."""
+
+    name: str
+    meaning: str
+    percent: float
+    text: Marked | str
+    parameters: tuple[tuple[str, str, Marked], ...]
+
+
+@dataclass(frozen=True)
+class Change:
+    """An explanation still standing: m, b, k and µ (or Fc) in it, and how far they are from the base model's."""
+
+    name: str
+    probability: str
+    cells: tuple[tuple[str, str], ...]
+
+
+class Causes(Section):
+    """Bars in groups, changes, rejected causes."""
+
+    slug = "causes"
+    title = "Causes"
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self._found = diagnosis
+
+    @property
+    def papers(self) -> tuple[Plot, ...]:
+        """The likeliest causes as bars."""
+        likely = [one for one in self._found.tried if one.held or one.probability > _LIKELY][:_MOST]
+        if not likely:
+            return ()
+        return (probability_plot([words.effect(one.name) for one in likely], [one.probability for one in likely]),)
+
+    def context(self) -> Mapping[str, Any]:
+        """Groups of bars, rows of changes, rows of what was tried."""
+        found = self._found
+        tried = [one for one in found.tried if not one.held]
+        return {
+            "groups": [tuple(self._group(index, cause)) for index, cause in enumerate(found.causes)],
+            "changes": list(self._changes()),
+            "units": [found.base.quantities[name].unit for name in _SHOWN],
+            "rejected": [
+                (words.effect(one.name), words.meaning(one.name), words.probability(one.probability), one.reason)
+                for one in tried
+            ],
+            "unexplained": found.verdict == "unexplained",
+            "spread": [
+                (words.parameter(name), number(low), number(high)) for name, (low, high) in found.spread.items()
+            ],
+        }
+
+    def _group(self, index: int, cause: Cause) -> Iterator[Bar]:
+        key = f"causes.{index}"
+        sure = Marked(f"{key}.probability", cause.probability, words.probability(cause.probability))
+        parameters = tuple(
+            (*words.parameter(name), _with_unit(marked.quantity(f"{key}.parameters.{name}", found), found.unit))
+            for name, found in cause.parameters.items()
+        )
+        yield Bar(words.effect(cause.name), words.meaning(cause.name), 100.0 * cause.probability, sure, parameters)
+        chances = {one.name: one.probability for one in self._found.tried}
+        for name in cause.tied_with:
+            chance = chances.get(name, 0.0)
+            yield Bar(words.effect(name), words.meaning(name), 100.0 * chance, words.probability(chance), ())
+
+    def _changes(self) -> Iterator[Change]:
+        base = self._found.base.quantities
+        cells = tuple((number(base[name].value), "") for name in _SHOWN)
+        yield Change("base model", "", (*cells, ("–", "")))
+        for contender in self._found.contenders:
+            if contender.causes:
+                yield self._change(contender)
+
+    def _change(self, contender: Contender) -> Change:
+        base, model = self._found.base.quantities, contender.model
+        cells = []
+        for name in _SHOWN:
+            before, after = base[name].value, model[name]
+            cells.append((number(after), f"{100.0 * (after / before - 1.0):+.2g} %" if before else ""))
+        rubbing = "coulomb_force" in model.names
+        cells.append((f"{number(model['coulomb_force'], 3)}" if rubbing else "–", ""))
+        name = words.listed([words.effect(cause) for cause in contender.causes])
+        return Change(name, words.probability(contender.probability), tuple(cells))
+
+
+def _with_unit(found: Marked, unit: str) -> Marked:
+    return found if unit == "1" else Marked(found.key, found.value, f"{found.text} {unit}")

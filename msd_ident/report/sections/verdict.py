@@ -1,0 +1,119 @@
+"""What was found, in one sentence and three numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.report import marked, words
+from msd_ident.report.marked import Marked
+from msd_ident.report.numbers import length_scale, number
+from msd_ident.report.sections.section import Section
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose import Diagnosis
+    from msd_ident.identification import Identification
+
+
+@dataclass(frozen=True)
+class Card:
+    """A number that matters: what it is, the number, and what to make of it."""
+
+    label: str
+    value: Marked
+    remark: str
+    role: str = "measured"
+
+
+class DiagnosisVerdict(Section):
+    """The verdict of a diagnosis."""
+
+    slug = "verdict"
+    title = "Verdict"
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self._found = diagnosis
+
+    def context(self) -> Mapping[str, Any]:
+        """Sentence, cards and warnings."""
+        found = self._found
+        return {
+            "verdict": found.verdict,
+            "pill": f"{found.verdict}: {words.VERDICTS[found.verdict]}",
+            "headline": words.headline(found),
+            "summary": found.summary,
+            "cards": list(self._cards()),
+            "warnings": found.warnings,
+            "open": (),
+        }
+
+    def _cards(self) -> Iterator[Card]:
+        found = self._found
+        scale = length_scale(found.base.see, found.records[0].position_unit)
+        floors = number(found.base_adequacy.ratio, 3)
+        before = marked.length("base.see_m", found.base.see, scale)
+        yield Card("error of the base model", before, f"SEE of m, b, k alone: {floors} noise floors", "base")
+        if found.causes:
+            after = marked.length("extended.see_m", found.extended.see, scale)
+            floors = number(found.adequacy.ratio, 3)
+            less = f"{number(found.see_reduction_percent, 3)} % less: {floors} noise floors"
+            yield Card("error of the extended model", after, less, "extended")
+        floor = marked.length("noise_floor_m", found.noise_floor, scale)
+        yield Card("noise floor", floor, "what no model can beat", "noise")
+        held = found.heldout
+        if found.causes and math.isfinite(held.reduction_percent):
+            gained = Marked("gain.heldout_reduction_percent", held.reduction_percent, f"{held.reduction_percent:.1f} %")
+            low, high = held.interval_percent
+            yield Card("better on unseen data", gained, f"95 % interval {low:.1f} to {high:.1f} %", "law")
+
+
+class IdentificationVerdict(Section):
+    """What an identification found."""
+
+    slug = "verdict"
+    title = "Result"
+
+    def __init__(self, found: Identification) -> None:
+        self._found = found
+
+    def context(self) -> Mapping[str, Any]:
+        """Sentence, cards, warnings and what is open."""
+        found = self._found
+        scale = length_scale(found.original.see, found.records[0].position_unit)
+        cards = [
+            Card(
+                "error of the original model",
+                marked.length("original.see_m", found.original.see, scale),
+                found.original.method,
+                "base",
+            ),
+            Card(
+                "error of the joint refit",
+                marked.length("refined.see_m", found.refined.see, scale),
+                f"{number(found.see_reduction_percent, 3)} % less (eq. 15)",
+                "extended",
+            ),
+            Card(
+                "noise floor",
+                marked.length("noise_floor_m", found.noise_floor, scale),
+                "what no model can beat",
+                "noise",
+            ),
+        ]
+        near = found.refined.see <= 2.0 * found.noise_floor
+        return {
+            "verdict": "explained" if near else "ambiguous",
+            "pill": "identified" if near else "identified, with something missing",
+            "headline": self._headline(near),
+            "summary": found.route,
+            "cards": cards,
+            "warnings": found.warnings,
+            "open": found.open,
+        }
+
+    def _headline(self, near: bool) -> str:
+        if near:
+            return "Mass, damping, stiffness and dry friction explain the motion down to the noise."
+        return "The model follows the motion, but leaves more than noise: msd diagnose names what it lacks."

@@ -1,0 +1,89 @@
+"""A diagnosis in the words of the workshop; nothing here adds a fact."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.model.model import PLANT_PARAMETERS
+from msd_ident.report.tables import WORDS
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose import Diagnosis
+
+#: What each verdict means, in two or three words.
+VERDICTS = {
+    "adequate": "the model is enough",
+    "explained": "cause named",
+    "ambiguous": "several causes possible",
+    "unexplained": "no known cause",
+}
+#: Effects that bear a person's name.
+_PEOPLE = ("coulomb", "stribeck")
+_PARAMETERS = {p.name: p for p in (*PLANT_PARAMETERS, *(p for effect in LIBRARY for p in effect.parameters))}
+
+
+def effect(name: str) -> str:
+    """``quadratic drag`` for ``quadratic_drag``."""
+    words = name.replace("_", " ")
+    return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words
+
+
+def meaning(name: str) -> str:
+    """What the effect is: the first sentence of its own file, without its full stop."""
+    sentence = (sys.modules[by_name(name).__module__].__doc__ or effect(name)).splitlines()[0].rstrip(".")
+    return sentence[0].lower() + sentence[1:]
+
+
+def law(name: str) -> str:
+    """The effect's law as a formula."""
+    return by_name(name).law
+
+
+def parameter(name: str) -> tuple[str, str]:
+    """Words and symbol of a parameter."""
+    if name in WORDS:
+        return WORDS[name]
+    known = _PARAMETERS.get(name)
+    return (known.meaning, known.symbol) if known else (effect(name), "")
+
+
+def listed(words: list[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence that a technician understands."""
+    names = [cause.name for cause in diagnosis.causes]
+    if diagnosis.verdict == "adequate":
+        return "The simulation is right: a mass, a damper and a spring explain all that the encoder saw."
+    if diagnosis.verdict == "unexplained":
+        helped = f"; {listed([effect(name) for name in names])} help, but not enough" if names else ""
+        return f"The simulation misses something that no cause we know repairs{helped}."
+    if diagnosis.verdict == "ambiguous":
+        choices = [listed([effect(c.name), *map(effect, c.tied_with)], "or") for c in diagnosis.causes]
+        return f"The simulation misses {listed(choices)}: this data cannot tell which."
+    if len(names) == 1:
+        return f"The simulation misses {effect(names[0])}: {meaning(names[0])}."
+    return f"The simulation misses {listed([effect(name) for name in names])}."
+
+
+def gain(diagnosis: Diagnosis) -> str:
+    """What the extension is worth on data that no fit saw, in a few words."""
+    held = diagnosis.heldout
+    if not diagnosis.causes or not math.isfinite(held.reduction_percent):
+        return ""
+    return f"{held.reduction_percent:.1f} % ({held.interval_percent[0]:.1f} to {held.interval_percent[1]:.1f} %)"
+
+
+def probability(value: float) -> str:
+    """A probability in per cent that never claims certainty."""
+    percent = 100.0 * value
+    if percent > 99.9:
+        return "> 99.9 %"
+    if percent < 0.01:
+        return "< 0.01 %"
+    return f"{percent:.1f} %" if percent >= 1.0 else f"{percent:.2g} %"
