@@ -34,8 +34,8 @@ def summary(
         )
     named = _listed(causes)
     gain = (
-        f"left-out data is predicted {heldout.reduction_percent:.0f} % better "
-        f"({heldout.interval_percent[0]:.0f} to {heldout.interval_percent[1]:.0f} %)"
+        f"left-out data is predicted {heldout.reduction_percent:.3g} % better "
+        f"({heldout.interval_percent[0]:.3g} to {heldout.interval_percent[1]:.3g} %)"
     )
     if verdict == "unexplained":
         helped = f"{named} helped ({gain}), but " if causes else ""
