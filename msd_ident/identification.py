@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from msd_ident.datasheet import data_sheet
 from msd_ident.features import Features, StandardForm
 from msd_ident.fit import Initial, see_reduction
 from msd_ident.model import Model
@@ -115,6 +116,7 @@ class Identification:
             "findings": [
                 {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
             ],
+            "data": [data_sheet(record).to_json_dict() for record in self.records],
         }  # fmt: skip
 
     def _paper_dict(self) -> dict[str, Any] | None:

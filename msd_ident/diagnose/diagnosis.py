@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from msd_ident.datasheet import data_sheet
 from msd_ident.diagnose.adequacy import Adequacy
 from msd_ident.diagnose.contenders import Contender
 from msd_ident.diagnose.curves import Characteristics
@@ -127,6 +128,7 @@ class Diagnosis:
             ],
             "tried": [one.to_json_dict() for one in self.tried],
             "findings": [vars(finding) for finding in self.findings],
+            "data": [data_sheet(record).to_json_dict() for record in self.records],
             "warnings": list(self.warnings),
             "next_experiment": None if self.next_experiment is None else dict(self.next_experiment),
         }

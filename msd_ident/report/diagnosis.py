@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from msd_ident.report import numbers
-from msd_ident.report.tables import new_table
+from rich.markup import escape
+
+from msd_ident.report import numbers, words
+from msd_ident.report.tables import new_table, say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,11 +25,11 @@ def causes_table(diagnosis: Diagnosis) -> Table | None:
     """The causes by name, probability and parameters; ``None`` without any."""
     if not diagnosis.causes:
         return None
-    table = new_table("Causes", "name", "sure", "parameter", "value ± 95 %")
+    table = new_table("Causes", "name", "sure", "", "value ± 95 %", "unit")
     for cause in diagnosis.causes:
-        lead = (cause.name, f"{min(cause.probability, 0.999):.3f}")
+        lead = (cause.name, words.probability(cause.probability))
         for name, quantity in cause.parameters.items():
-            table.add_row(*lead, name, f"{numbers.with_band(quantity)} {_unit(quantity)}".strip())
+            table.add_row(*lead, words.parameter(name)[1], numbers.with_band(quantity), _unit(quantity))
             lead = ("", "")
     return table
 
@@ -62,29 +64,35 @@ def rivals_table(diagnosis: Diagnosis) -> Table | None:
     """Other explanations that were fitted, and what they leave."""
     if not diagnosis.rivals or diagnosis.verdict == "adequate":
         return None
-    table = new_table("Other explanations", "causes", "probability", "left, in noise floors")
+    table = new_table("Other explanations", "causes", "probability", "noise floors left")
+    table.columns[0].no_wrap = False
     for rival in diagnosis.rivals:
-        probability = f"{rival.probability:.4f}" if rival.probability > 1e-4 else "< 0.0001"
-        table.add_row(" + ".join(rival.causes) or "none", probability, numbers.number(rival.floors, 3))
+        left = numbers.number(rival.floors, 3)
+        table.add_row(" + ".join(rival.causes) or "none", words.probability(rival.probability), left)
     return table
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     """Everything that a lab needs to act on a diagnosis."""
-    name = " + ".join(record.name for record in diagnosis.records)
+    name = escape(" + ".join(record.name for record in diagnosis.records))
     colour = _COLOURS[diagnosis.verdict]
     console.print(f"[bold]{name}[/bold]: [bold {colour}]{diagnosis.verdict}[/bold {colour}]")
-    console.print(diagnosis.summary)
+    console.print(diagnosis.summary, markup=False)
     console.print()
     for table in (causes_table(diagnosis), models_table(diagnosis), rivals_table(diagnosis)):
         if table is not None:
             console.print(table)
     for sentence in ties(diagnosis):
-        console.print(f"[yellow]tied:[/yellow] {sentence}")
+        say(console, "tied", "yellow", sentence)
     unit = diagnosis.records[0].position_unit
     console.print(f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit}; {_gain(diagnosis)}")
+    if diagnosis.ring_down is not None:
+        for sentence in diagnosis.ring_down.sentences:
+            say(console, "ring-down", "cyan", sentence)
     for sentence in diagnosis.warnings:
-        console.print(f"[yellow]note:[/yellow] {sentence}")
+        say(console, "note", "yellow", sentence)
+    if diagnosis.next_experiment is not None:
+        say(console, "next", "green", str(diagnosis.next_experiment.get("sentence", "")))
 
 
 def _gain(diagnosis: Diagnosis) -> str:

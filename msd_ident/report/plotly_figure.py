@@ -39,11 +39,12 @@ def figure(plot: Plot) -> Figure:
                 found.add_trace(trace)
     last = "" if len(plot.panels) == 1 else str(len(plot.panels))
     axes["xaxis"] = _axis(plot.xlabel, plot.log) | {"anchor": f"y{last}", "domain": [0.0, 1.0]}
+    named = any(series.legend for panel in plot.panels for series in panel.series)
     found.update_layout(
         **axes,
         template="none",
         height=plot.height,
-        margin={"l": 62, "r": 12, "t": 34, "b": 46},
+        margin={"l": 62, "r": 12, "t": 34 if named else 10, "b": 46},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         font={"family": "system-ui, sans-serif", "size": 12, "color": "var(--ink)"},

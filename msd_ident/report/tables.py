@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from msd_ident.quantity import Quantity
@@ -113,7 +114,7 @@ def parameter_table(identification: Identification) -> Table:
     table.add_section()
     factor, unit = _length(identification)
     table.add_row("SEE", *(numbers.number(found.see * factor, 3) for _, found in fits), unit)
-    reductions = [numbers.number(value, 3) for value in _reductions(identification)]
+    reductions = [numbers.number(round(value, 6), 3) for value in _reductions(identification)]
     table.add_row("SEE reduction", *["–", *reductions][-len(fits) :], "%")
     return table
 
@@ -148,15 +149,20 @@ def print_identification(identification: Identification, console: Console) -> No
     records = identification.records
     samples = sum(record.samples for record in records)
     console.print(
-        f"[bold]{identification.name}[/bold]: {samples} samples, {sum(r.duration for r in records):.2f} s, "
+        f"[bold]{escape(identification.name)}[/bold]: {samples} samples, {sum(r.duration for r in records):.2f} s, "
         f"{identification.missing_samples} missing"
     )
     for make in (features_table, standard_form_table, parameter_table, interval_table):
         table = make(identification)
         if table is not None:
             console.print(table)
-    console.print(identification.route)
+    console.print(identification.route, markup=False)
     for sentence in identification.warnings:
-        console.print(f"[yellow]warning:[/yellow] {sentence}")
+        say(console, "warning", "yellow", sentence)
     for sentence in identification.open:
-        console.print(f"[cyan]open:[/cyan] {sentence}")
+        say(console, "open", "cyan", sentence)
+
+
+def say(console: Console, lead: str, colour: str, sentence: str) -> None:
+    """A sentence behind a coloured word; brackets in it (``effort[elbow]``) are text, not markup."""
+    console.print(f"[{colour}]{lead}:[/{colour}] {escape(sentence)}")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from msd_ident.datasheet import DataSheet, data_sheet
+from msd_ident.report.marked import Marked, length
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.section import Section
 
@@ -36,7 +37,7 @@ class Data(Section):
     def context(self) -> Mapping[str, Any]:
         """Rows over records, findings, provenance."""
         sheets = [data_sheet(record) for record in self._records]
-        told = [_column(sheet) for sheet in sheets]
+        told = [_column(sheet, index) for index, sheet in enumerate(sheets)]
         rows = [(label, [column[label] for column in told]) for label in told[0]]
         offset = (
             f"{with_band(self._offset)} {self._offset.unit}"
@@ -53,27 +54,34 @@ class Data(Section):
         }
 
 
-def _column(sheet: DataSheet) -> dict[str, str]:
-    step = length_scale(sheet.encoder_step, sheet.position_unit)
-    floor = length_scale(sheet.noise_floor, sheet.position_unit)
+def _column(sheet: DataSheet, index: int) -> dict[str, Marked | str]:
+    """Label → cell."""
+
+    def told(name: str, text: str) -> Marked:
+        return Marked(f"data.{index}.{name}", getattr(sheet, name), text)
+
+    step, floor = (length_scale(size, sheet.position_unit) for size in (sheet.encoder_step, sheet.noise_floor))
     return {
-        "duration": f"{number(sheet.duration_s)} s",
-        "rate": f"{number(sheet.rate_hz)} Hz",
-        "samples of position": str(sheet.samples),
-        "samples of force": str(sheet.force_samples),
-        "missing samples": f"{sheet.missing_samples} in {sheet.gaps} gaps" if sheet.gaps else "none",
-        "longest interval": _time(sheet.longest_gap_s),
-        "jitter of the stamps": _time(sheet.jitter_s),
-        "encoder step": f"{number(step.factor * sheet.encoder_step, 3)} {step.unit}"
+        "duration": told("duration_s", f"{number(sheet.duration_s)} s"),
+        "rate": told("rate_hz", f"{number(sheet.rate_hz)} Hz"),
+        "samples of position": told("samples", str(sheet.samples)),
+        "samples of force": told("force_samples", str(sheet.force_samples)),
+        "missing samples": told("missing_samples", str(sheet.missing_samples)),
+        "gaps": told("gaps", str(sheet.gaps)),
+        "longest interval": told("longest_gap_s", _time(sheet.longest_gap_s)),
+        "jitter of the stamps": told("jitter_s", _time(sheet.jitter_s)),
+        "encoder step": length(f"data.{index}.encoder_step", sheet.encoder_step, step)
         if sheet.encoder_step
         else "not seen",
-        "noise": f"{number(floor.factor * sheet.noise_floor, 3)} {floor.unit}",
-        "force step to first motion": _time(sheet.step_delay_s) if math.isfinite(sheet.step_delay_s) else "not seen",
+        "noise": length(f"data.{index}.noise_floor", sheet.noise_floor, floor),
+        "force step to first motion": told("step_delay_s", _time(sheet.step_delay_s))
+        if math.isfinite(sheet.step_delay_s)
+        else "not seen",
     }
 
 
 def _time(seconds: float) -> str:
     if abs(seconds) < 1e-8:
-        return "none"
+        return "0 s"
     factor, unit = (1e6, "µs") if abs(seconds) < 1e-3 else (1e3, "ms") if abs(seconds) < 1.0 else (1.0, "s")
     return f"{number(factor * seconds, 3)} {unit}"

@@ -28,6 +28,7 @@
       told.layout.margin = { l: 50, r: 4, t: 52, b: 42 };
       told.layout.font.size = 11;
     }
+    if (root.classList.contains("printing")) told.layout.height = Math.round(0.82 * told.layout.height);
     if (touch) told.layout.dragmode = false; // a finger scrolls the page; two zoom
     const zoomed = canvas._fullLayout && canvas._fullLayout.xaxis && !canvas._fullLayout.xaxis.autorange;
     if (zoomed) told.layout.xaxis.range = canvas._fullLayout.xaxis.range.slice();
@@ -54,7 +55,7 @@
       if (on && !one.open) { one.open = true; one.dataset.was = "closed"; }
       else if (!on && one.dataset.was) { one.open = false; delete one.dataset.was; }
     });
-    root.style.width = on ? "690px" : "";
+    root.style.width = on ? "785px" : "";
     figures.forEach(draw);
     root.style.width = "";
   };
