@@ -71,8 +71,10 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
 
     ``earlier`` is the response before it, whose rest value counts as where this one began.
     """
-    inside = (record.time >= onset.time) & (record.time <= onset.after.end)
-    if np.count_nonzero(inside) < SHORTEST:
+    inside = slice(
+        int(np.searchsorted(record.time, onset.time)), int(np.searchsorted(record.time, onset.after.end, side="right"))
+    )
+    if inside.stop - inside.start < SHORTEST:
         return None
     time, position = record.time[inside], record.position[inside]
     still = _at_rest(record, onset, noise, float(np.ptp(position)))
@@ -136,7 +138,8 @@ def _at_rest(record: Record, onset: Onset, noise: Noise, swing: float) -> bool:
 
 def _last_before(record: Record, onset: Onset) -> FloatArray:
     """The last readings before the step, without those under an earlier force."""
-    level = record.position[(record.time < onset.time) & (record.time >= onset.before.start)]
+    first, stop = np.searchsorted(record.time, [onset.before.start, onset.time])
+    level = record.position[first : max(first, stop)]
     return level[-max(5, int(_TAIL * level.size)) :]
 
 
