@@ -24,6 +24,8 @@ Causes = frozenset[str]
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 _DAMPED = 1e-3
 _KEPT = 3
+#: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
+_KICK, _FLOOR = 0.6, 1.5
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further.
 _HOPELESS = 4.0
 
@@ -211,7 +213,28 @@ def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fit
         least: chi² of the best set so far: a set that stays far above it is not refined to the last digit.
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
-    return min(refined, key=lambda fitted: fitted.chi)
+    best = min(refined, key=lambda fitted: fitted.chi)
+    if not _FLOOR * experiment.evidence < best.chi < _HOPELESS * least:
+        return best
+    kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
+    return min([best, *kicked], key=lambda fitted: fitted.chi)
+
+
+def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
+    """A few steps down from either side of a harmonic law's phase: where a cart sticks in its wells, the surface has
+    valleys within a cycle.
+    """
+    weighting = weigh(fitted.problem, experiment.readings)
+    found = []
+    for entry, name in enumerate(fitted.problem.names):
+        if not name.endswith("_phase"):
+            continue
+        for turn in (-_KICK, _KICK):
+            point = fitted.point.copy()
+            point[entry] += turn
+            state = State(point, weighting.residual(point), fitted.state.jacobian, False)
+            found.append(_lower(experiment, _at(fitted.causes, fitted.problem, state), _FIRST))
+    return found
 
 
 def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
