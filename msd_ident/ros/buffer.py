@@ -1,74 +1,36 @@
-"""The live buffer: the latest samples of force and position, bounded, without ROS."""
+"""The live buffer: the latest samples of force and position, bounded, of one recording. Without ROS.
+
+Stamps are not trusted. A clock that is set, a replay in a loop, a publisher that begins anew: each begins a new
+recording, since no model runs across it. A single stamp from elsewhere, a sample that comes twice and a stamp that
+stands still are left out. All of it is counted and told.
+"""
 
 from __future__ import annotations
 
 import threading
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from msd_ident.errors import UsageError
-from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Origin, Record, from_stamps
+from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Record, from_stamps
+from msd_ident.ros.ring import Ring, StampArray
+from msd_ident.ros.watch import Watch
 
-StampArray = npt.NDArray[np.int64]
+__all__ = ["Counts", "LiveBuffer", "Ring", "StampArray"]
 
-#: A stamp this much behind the newest one is no late sample but a clock that was set back [ns].
+#: A stamp this much behind the newest one is no late sample but of a clock that was set back [ns].
 _SET_BACK_NS = int(LATEST_SECONDS * 1e9)
-
-
-class Ring:
-    """Stamped values in order of arrival; when full, the oldest go out. Not safe for threads by itself."""
-
-    def __init__(self, capacity: int) -> None:
-        if capacity < 1:
-            raise UsageError(f"a buffer of {capacity} samples; expected at least 1")
-        self._ns = np.zeros(capacity, dtype=np.int64)
-        self._values = np.zeros(capacity)
-        self._next = 0
-        self.size = 0
-        self.newest_ns = 0
-
-    @property
-    def capacity(self) -> int:
-        """Samples that fit."""
-        return int(self._ns.size)
-
-    def append(self, ns: int, value: float) -> None:
-        """Take one sample."""
-        self.newest_ns = max(ns, self.newest_ns) if self.size else ns
-        self._ns[self._next] = ns
-        self._values[self._next] = value
-        self._next = (self._next + 1) % self.capacity
-        self.size = min(self.size + 1, self.capacity)
-
-    def extend(self, ns: StampArray, values: FloatArray) -> None:
-        """Take samples in the order given; of more than fit, the last ones."""
-        if not ns.size:
-            return
-        self.newest_ns = max(int(ns.max()), self.newest_ns) if self.size else int(ns.max())
-        ns, values = ns[-self.capacity :], values[-self.capacity :]
-        at = (self._next + np.arange(ns.size)) % self.capacity
-        self._ns[at], self._values[at] = ns, values
-        self._next = int(at[-1] + 1) % self.capacity
-        self.size = min(self.size + int(ns.size), self.capacity)
-
-    def samples(self, last: int | None = None) -> tuple[StampArray, FloatArray]:
-        """Copies of stamps and values, oldest first; of the ``last`` ones only when given."""
-        count = self.size if last is None else min(last, self.size)
-        at = (self._next - count + np.arange(count)) % self.capacity
-        return self._ns[at], self._values[at]
-
-    def clear(self) -> None:
-        """Forget all samples."""
-        self._next = self.size = self.newest_ns = 0
-
-    def keep_before(self, ns: int) -> None:
-        """Forget the samples at or after a stamp."""
-        stamps, values = self.samples()
-        old = stamps < ns
-        self.clear()
-        self.extend(stamps[old], values[old])
+#: A position this much after the one before does not belong to the same recording [ns].
+_PAUSE_NS = 10 * 10**9
+#: A force that acts so much later than the newest position is stamped by another clock [ns].
+_AHEAD_NS = 600 * 10**9
+#: Samples, in so many messages, that come late in their order: the clock was set back by less than a second.
+_BEHIND_SAMPLES, _BEHIND_MESSAGES = 50, 5
+#: Samples with one stamp that are kept, for the record's own note.
+_STANDING = 5
+#: Latest samples among which one that comes again is looked for.
+_TAIL = 1000
 
 
 @dataclass(frozen=True)
@@ -76,11 +38,12 @@ class Counts:
     """What the buffer has seen since it was made.
 
     Attributes:
-        positions: position samples taken.
-        forces: force samples taken.
+        positions: position samples that came.
+        forces: force samples that came.
         late: samples older than one before them.
-        duplicates: samples with the stamp of the one before them.
-        restarts: times that the clock jumped back and the buffer began anew.
+        duplicates: samples that came twice.
+        restarts: times that a new recording began.
+        wild: samples left out because their stamps belong nowhere.
     """
 
     positions: int = 0
@@ -88,6 +51,7 @@ class Counts:
     late: int = 0
     duplicates: int = 0
     restarts: int = 0
+    wild: int = 0
 
 
 class LiveBuffer:
@@ -99,6 +63,7 @@ class LiveBuffer:
         force_unit: of the force values.
         position_unit: of the position values.
         free: no force acts (free decay), so that none is waited for.
+        watch: is told what goes wrong.
     """
 
     def __init__(
@@ -109,42 +74,71 @@ class LiveBuffer:
         force_unit: str = "N",
         position_unit: str = "m",
         free: bool = False,
+        watch: Watch | None = None,
     ) -> None:
         self.position = Ring(capacity)
         self.force = Ring(capacity)
         self._hold: Hold = hold
         self._units = (force_unit, position_unit)
         self._free = free
-        self._lock = threading.Lock()
-        self._positions = self._forces = self._late = self._duplicates = self._restarts = 0
+        self._watch = watch or Watch()
+        self._lock = threading.RLock()
+        self._positions = self._forces = self._late = self._duplicates = self._restarts = self._wild = 0
+        self._suspect: tuple[StampArray, FloatArray] | None = None
+        self._other_forces: deque[tuple[int, float]] = deque(maxlen=_TAIL)
+        self._standing = self._dropped = 0
+        self._behind = (0, 0, 0)  # samples, messages, last stamp
 
     @property
     def counts(self) -> Counts:
         """What was seen so far."""
-        return Counts(self._positions, self._forces, self._late, self._duplicates, self._restarts)
+        seen = (self._positions, self._forces, self._late, self._duplicates, self._restarts, self._wild)
+        return Counts(*seen)
 
     def add_position(self, ns: int, value: float) -> None:
         """Take one position sample."""
         with self._lock:
-            self._positions += 1
-            self._watch(self.position, ns)
-            self.position.append(ns, value)
+            if self._suspect is None and self.position.newest_ns < ns <= self.position.newest_ns + _PAUSE_NS:
+                self._positions += 1
+                self._standing, self._behind = 0, (0, 0, 0)
+                self.position.append(ns, value)
+            else:
+                self.add_positions(np.array([ns], dtype=np.int64), np.array([value]))
 
     def add_positions(self, ns: StampArray, values: FloatArray) -> None:
-        """Take the samples of one batch."""
+        """Take the samples of one batch, whose stamps rise."""
         if not ns.size:
             return
         with self._lock:
             self._positions += int(ns.size)
-            self._watch(self.position, int(ns[0]))
-            self.position.extend(ns, values)
+            first, newest = int(ns[0]), self.position.newest_ns
+            if not self.position.size or newest < first <= newest + _PAUSE_NS:
+                self._leave_out_suspect()
+                self._standing, self._behind = 0, (0, 0, 0)
+                self.position.extend(ns, values)
+            elif self._suspect is not None and 0 <= first - int(self._suspect[0][-1]) <= _PAUSE_NS:
+                self._begin_with_suspect()
+                self.position.extend(ns, values)
+            elif not newest - _SET_BACK_NS <= first <= newest + _PAUSE_NS:
+                self._leave_out_suspect()
+                self._suspect = (ns, values)
+            elif first == newest:
+                self._stand(ns, values)
+            else:
+                self._fall_behind(ns, values)
 
     def add_force(self, ns: int, value: float) -> None:
-        """Take one force sample."""
+        """Take one force sample; one of another clock waits until the position follows it."""
         with self._lock:
             self._forces += 1
-            self._watch(self.force, ns)
-            self.force.append(ns, value)
+            if self.force.size and ns < self.force.newest_ns - _SET_BACK_NS:
+                self._other_force(ns, value, "behind the one before it", self.force.newest_ns - ns)
+            elif self.position.size and ns > self.position.newest_ns + _AHEAD_NS:
+                self._other_force(ns, value, "ahead of the position", ns - self.position.newest_ns)
+            else:
+                self._duplicates += ns == self.force.newest_ns
+                self._late += ns < self.force.newest_ns
+                self.force.append(ns, value)
 
     def recent(self, seconds: float) -> tuple[StampArray, FloatArray]:
         """Position samples of the last seconds by stamp, in order of arrival."""
@@ -154,7 +148,7 @@ class LiveBuffer:
         keep = ns >= newest - round(seconds * 1e9)
         return ns[keep], values[keep]
 
-    def record(self, notes: tuple[str, ...] = (), origins: tuple[Origin, ...] = ()) -> Record:
+    def record(self) -> Record:
         """All that is in the buffer, made into a record as the bag reader does it.
 
         Raises:
@@ -163,8 +157,12 @@ class LiveBuffer:
         with self._lock:
             ns_x, x = self.position.samples()
             ns_f, f = self.force.samples()
+            dropped = self._dropped
+        notes: tuple[str, ...] = ()
         if self._free and ns_x.size:
             ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
+        if dropped:
+            notes = (f"position: {dropped} samples that came again, or whose stamp stood still, were left out.",)
         force_unit, position_unit = self._units
         return from_stamps(
             ns_x,
@@ -176,7 +174,6 @@ class LiveBuffer:
             position_unit=position_unit,
             name="live",
             notes=notes,
-            origins=origins,
         )
 
     def clear(self) -> None:
@@ -184,16 +181,76 @@ class LiveBuffer:
         with self._lock:
             self.position.clear()
             self.force.clear()
+            self._suspect, self._dropped = None, 0
 
-    def _watch(self, ring: Ring, ns: int) -> None:
-        """Count what is out of order; a clock that was set back (a replay in a loop) begins a new recording."""
-        if not ring.size or ns > ring.newest_ns:
-            return
-        if ns < ring.newest_ns - _SET_BACK_NS:
+    def begin_anew(self) -> None:
+        """A new recording begins: the positions so far go, the force that acts stays."""
+        with self._lock:
             self._restarts += 1
             self.position.clear()
-            self.force.keep_before(ns)
-        elif ns == ring.newest_ns:
-            self._duplicates += 1
-        else:
-            self._late += 1
+            self._suspect, self._dropped = None, 0
+            self._standing, self._behind = 0, (0, 0, 0)
+
+    def _leave_out_suspect(self) -> None:
+        if self._suspect is None:
+            return
+        ns, _ = self._suspect
+        self._suspect = None
+        self._wild += int(ns.size)
+        apart = (int(ns[0]) - self.position.newest_ns) / 1e9
+        self._watch.note("wild stamps", f"a stamp {apart:+.6g} s from the others, left out", int(ns.size))
+
+    def _begin_with_suspect(self) -> None:
+        """Two in a row agree that the clock was set: what came first begins the new recording."""
+        assert self._suspect is not None
+        ns, values = self._suspect
+        first = int(ns[0])
+        apart = (first - self.position.newest_ns) / 1e9
+        self.begin_anew()
+        self.force.keep_before(first)
+        for at, force in self._other_forces:
+            if abs(at - first) <= _AHEAD_NS:
+                self.force.append(at, force)
+        self._other_forces.clear()
+        self.position.extend(ns, values)
+        way = "back" if apart < 0 else "forward"
+        self._watch.note(f"clock set {way}", f"the clock jumped {way} by {abs(apart):.6g} s: a new recording began")
+
+    def _stand(self, ns: StampArray, values: FloatArray) -> None:
+        """The stamp is the one before again."""
+        self._duplicates += int(ns.size)
+        self._standing += 1
+        if self._standing <= _STANDING:
+            self._watch.note("duplicates", "samples come twice", int(ns.size))
+            self.position.extend(ns, values)
+            return
+        self._dropped += int(ns.size)
+        self._watch.note("stamps stand still", f"the stamps of {self._standing} samples in a row stand still")
+
+    def _fall_behind(self, ns: StampArray, values: FloatArray) -> None:
+        """Older than the newest by less than a second: again, late, or of a clock that was set back a little."""
+        again = np.isin(ns, self.position.samples(_TAIL)[0])
+        samples, messages, last = self._behind
+        if last and int(ns[0]) <= last:
+            samples = messages = 0
+        self._behind = (samples + int(ns.size), messages + 1, int(ns[-1]))
+        if self._behind[0] >= _BEHIND_SAMPLES and self._behind[1] >= _BEHIND_MESSAGES:
+            back = (self.position.newest_ns - int(ns[-1])) / 1e9
+            self.begin_anew()
+            self._watch.note("clock set back", f"the clock jumped back by {back:.3g} s: a new recording began")
+            self.position.extend(ns, values)
+            return
+        fresh = ~again
+        self._duplicates += int(again.sum())
+        self._dropped += int(again.sum())
+        self._late += int(fresh.sum())
+        if again.any():
+            self._watch.note("duplicates", "samples come twice", int(again.sum()))
+        if fresh.any():
+            self._watch.note("late", "samples come late, behind newer ones", int(fresh.sum()))
+            self.position.extend(ns[fresh], values[fresh])
+
+    def _other_force(self, ns: int, value: float, where: str, apart_ns: int) -> None:
+        self._other_forces.append((ns, value))
+        sentence = f"a force is stamped {apart_ns / 1e9:.6g} s {where}: two clocks? it waits for a position there"
+        self._watch.note("forces of another clock", sentence)

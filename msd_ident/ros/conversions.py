@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import struct
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,20 @@ def message_class(type_name: str) -> Any:
         ) from None
 
 
+def is_stamped(type_name: str) -> bool:
+    """Whether messages of the type begin with a stamped header."""
+    fields = message_class(type_name).get_fields_and_field_types()
+    return next(iter(fields.values()), "") == "std_msgs/Header"
+
+
+def raw_stamp(raw: bytes) -> int | None:
+    """Stamp [ns] of a serialised message that begins with a header; ``None`` where there is none."""
+    if len(raw) < _STAMPED:
+        return None
+    sec, nanosec = struct.unpack_from("<iI" if raw[1] & 1 else ">iI", raw, 4)
+    return sec * 10**9 + nanosec or None
+
+
 def nanoseconds(stamp: Time) -> int:
     """A stamp as one whole number [ns]."""
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
@@ -40,6 +55,22 @@ def nanoseconds(stamp: Time) -> int:
 def time_message(ns: int) -> Time:
     """The stamp of a whole number of nanoseconds."""
     return Time(sec=ns // 10**9, nanosec=ns % 10**9)
+
+
+#: Fewest bytes of a message with a stamp: what says how it is encoded, seconds, nanoseconds.
+_STAMPED = 12
+#: Messages in a row with another joint at the place of the one that was, after which it counts as renamed.
+_GIVEN_UP = 50
+#: Joints that a sentence names.
+_MOST_NAMED = 10
+#: Longer than any batch [ns].
+_LONGEST_NS = 10**15
+
+
+def _index(step: str) -> int | None:
+    """Place in an array that a step such as ``[0]`` names."""
+    key = step[1:-1]
+    return int(key) if step.startswith("[") and key.isdigit() else None
 
 
 class Signal:
@@ -65,22 +96,23 @@ class Signal:
             )
         self.field = parse_field(text)
         self.is_batch = type_name == BATCH and text == "positions"
+        self.type_name = type_name
         self.frame = ""
         self.without = 0
         self.missing = 0
+        self.switches = 0
+        self.entry = ""
         self._scale = scale
         self._expected: int | None = None
         self._joints: tuple[str, ...] = ()
+        self._index = _index(self.field.steps[-1])
+        self._strangers = 0
 
     @property
     def problem(self) -> str:
-        """What is odd about the messages; empty when nothing is."""
-        if self.without:
-            joints = f"; the joints are: {', '.join(self._joints)}" if self._joints else ""
-            return f"{self.without} messages hold no {self.field.text}{joints}"
-        if self.missing:
-            return f"{self.missing} samples are missing by the sequence numbers of the batches"
-        return ""
+        """Why messages gave no sample; empty when all did."""
+        joints = f"; the joints are: {', '.join(self._joints)}" if self._joints else ""
+        return f"{self.without} messages hold no {self.field.text}{joints}" if self.without else ""
 
     def sample(self, message: Any, received_ns: int) -> tuple[int, float] | None:
         """Stamp [ns] and value of a message with one sample, ``None`` when the entry is not in it.
@@ -89,21 +121,41 @@ class Signal:
             DataError: the type has no such field.
         """
         value = self.field.value(message)
-        if value is None:
+        if value is None or (self._index is not None and not self._same_joint(message)):
             self.without += 1
-            self._joints = joint_names(message)
+            self._joints = joint_names(message)[:_MOST_NAMED]
             return None
         return self._stamp(message, received_ns), value * self._scale
 
     def batch(self, message: Any, received_ns: int) -> tuple[StampArray, FloatArray]:
-        """Stamps [ns] and values of a message with many samples."""
-        count = len(message.positions)
+        """Stamps [ns] and values of a message with many samples.
+
+        Raises:
+            DataError: its stamps would not rise, or leave all time.
+        """
+        count, period = len(message.positions), int(message.period_ns)
+        if count and not 0 < period * count < _LONGEST_NS:
+            raise DataError(f"a batch of {count} samples has the period {period} ns; expected one above 0")
         sequence = int(message.sequence)
         if self._expected is not None and sequence > self._expected:
             self.missing += sequence - self._expected
         self._expected = sequence + count
-        stamps = batch_stamps(self._stamp(message, received_ns), int(message.period_ns), count)
+        stamps = batch_stamps(self._stamp(message, received_ns), period, count)
         return stamps, np.array(message.positions, dtype=np.float64) * self._scale
+
+    def _same_joint(self, message: Any) -> bool:
+        """Whether the entry that is meant by its place is the joint that it was; one that stays away is given up."""
+        names = joint_names(message)
+        name = names[self._index] if self._index is not None and 0 <= self._index < len(names) else self.entry
+        if name == self.entry or not self.entry:
+            self.entry, self._strangers = name, 0
+            return True
+        self._strangers += 1
+        if self._strangers < _GIVEN_UP:
+            return False
+        self.entry, self._strangers = name, 0
+        self.switches += 1
+        return True
 
     def _stamp(self, message: Any, received_ns: int) -> int:
         header = getattr(message, "header", None)

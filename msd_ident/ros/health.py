@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -11,13 +11,13 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from msd_ident.ros.buffer import LiveBuffer
 from msd_ident.ros.inputs import Input, listed
+from msd_ident.ros.losses import SILENCE, TopicCount
+from msd_ident.ros.watch import Watch
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
-#: Silence of the encoder that counts as an error [s].
-SILENCE = 2.0
-#: Part of late samples that counts as a warning.
-MANY = 0.01
+#: Faults that one sentence tells.
+MOST_TOLD = 3
 
 
 def array(stamp: Time, *statuses: DiagnosticStatus) -> DiagnosticArray:
@@ -41,40 +41,66 @@ def log(logger: RcutilsLogger, good: bool, sentence: str) -> None:
         logger.warning(sentence)
 
 
-def data_status(name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input]) -> DiagnosticStatus:
+def data_status(
+    name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+) -> DiagnosticStatus:
     """How the measurements are doing."""
-    level, sentence = _judge_data(buffer, force, position)
+    level, sentence = _judge_data(buffer, force, position, watch)
     counts = buffer.counts
     ns, _ = buffer.recent(1.0)
-    values = {
+    values: dict[str, object] = {
         "position samples": counts.positions,
         "force samples": counts.forces,
         "samples in buffer": buffer.position.size,
         "samples in the last second": ns.size,
         "late": counts.late,
         "duplicates": counts.duplicates,
-        "missing by sequence": sum(entry.signal.missing for entry in position if entry.signal),
-        "restarts of the clock": counts.restarts,
+        "wild stamps": counts.wild,
+        "recordings begun anew": counts.restarts,
     }
-    return status(name, level, sentence, values)
+    for entry in (*position, *force):
+        if entry.count.received:
+            values[f"{entry.topic}: missing by numbers"] = entry.missing
+            values[f"{entry.topic}: missing by stamps"] = entry.count.holes
+    return status(name, level, sentence, {**values, **{f"seen: {kind}": n for kind, n in watch.counts.items()}})
 
 
-def _judge_data(buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input]) -> tuple[bytes, str]:
+def _judge_data(
+    buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+) -> tuple[bytes, str]:
     counts = buffer.counts
     for entry in (*position, *force):
         if entry.problem:
             return ERROR, entry.problem
-    heard = max(entry.heard for entry in position)
     odd = [entry.signal.problem for entry in (*position, *force) if entry.signal and entry.signal.problem]
     if not counts.positions:
         return ERROR, odd[0] if odd else f"no position samples; expected some on {listed(position)}"
-    silent = time.monotonic() - heard
+    silent = time.monotonic() - max(entry.count.heard for entry in position)
     if silent > SILENCE:
-        return ERROR, f"no position sample for {silent:.0f} s; expected them on {listed(position)}"
+        nobody = "" if any(entry.publishers for entry in position) else ", and nobody publishes them"
+        return ERROR, f"no position sample for {silent:.0f} s{nobody}; expected them on {listed(position)}"
+    told = [*watch.recent, *_crowds((*position, *force)), *_silences(force)]
     if force and not counts.forces:
-        return WARN, odd[0] if odd else f"no force samples yet; expected some on {listed(force)}"
-    if odd:
-        return WARN, odd[0]
-    if counts.late > MANY * counts.positions:
-        return WARN, f"{counts.late} of {counts.positions} samples came late"
+        told.append(f"no force samples yet; expected some on {listed(force)}")
+    if told:
+        return WARN, "; ".join(told[:MOST_TOLD])
     return OK, f"{counts.positions} position samples, {counts.forces} force samples"
+
+
+def _crowds(inputs: Sequence[Input]) -> Iterator[str]:
+    """Several publishers of one encoder. Of the force anybody may be one."""
+    for entry in inputs:
+        if entry.wanted.what == "position" and entry.publishers > 1:
+            yield f"{entry.topic}: {entry.publishers} publishers; expected one"
+
+
+def _silences(force: Sequence[Input]) -> Iterator[str]:
+    """A force that came in a stream and does no more. One that is sent when it changes may be silent for long."""
+    for entry in force:
+        if entry.count.silence:
+            yield f"{silence(entry.topic, entry.count)}: the last one is taken to act on"
+
+
+def silence(topic: str, count: TopicCount) -> str:
+    """A stream that has ended, in words."""
+    return f"{topic}: nothing for {count.silence:.0f} s, where {count.rate:.3g} messages came in a second"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -23,6 +23,7 @@ from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER
 from msd_ident.ros.sources import Part, Sources, options
 from msd_ident.ros.steps import Settling, StepWatcher
+from msd_ident.ros.watch import Watch
 from msd_ident.ros.worker import Worker
 from msd_ident.stopping import Stopped
 from msd_interfaces.msg import Estimate
@@ -54,6 +55,7 @@ SETTINGS = (
         choices=("auto", "spring", "no_spring"),
         fixed=False,
     ),
+    Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
 )
 
@@ -73,11 +75,12 @@ class Request:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a request, in a sentence; the estimate when it is a success."""
+    """What came of a request, in a sentence; the estimate when it is a success, and what makes it doubtful."""
 
     success: bool
     message: str
     estimate: Estimate | None = None
+    doubt: str = ""
 
 
 class Identifier:
@@ -92,12 +95,14 @@ class Identifier:
         self.node = Node("identifier", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
         s = self.settings
+        self.watch = Watch(s["remember"])
         self.buffer = LiveBuffer(
             s["buffer_samples"],
             hold=s["hold"],
             force_unit=s["force_unit"],
             position_unit=s["position_unit"],
             free=options(s).no_force,
+            watch=self.watch,
         )
         self.watcher = StepWatcher(s["step_threshold"])
         self._worker = Worker("fit")
@@ -138,7 +143,7 @@ class Identifier:
 
     def _make_inputs(self) -> dict[str, list[Input]]:
         data = MutuallyExclusiveCallbackGroup()
-        sink = Sink(self.buffer, self.watcher)
+        sink = Sink(self.buffer, self.watcher, self.watch)
         depth = self.settings["queue_depth"]
 
         def made(what: Literal["force", "position"]) -> list[Input]:
@@ -233,12 +238,14 @@ class Identifier:
         found = pipeline.identify([record], chosen)
         made_ns = self.node.get_clock().now().nanoseconds
         estimate = to_estimate(found, request.bag_path or "live", made_ns, sources.frame)
-        return Outcome(True, sentence(estimate), estimate)
+        notes = {note for used in found.records for note in used.notes}
+        doubt = next((warning for warning in found.warnings if warning not in notes), "")
+        return Outcome(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
-        name = self.node.get_name()
-        data = health.data_status(f"{name}: data", self.buffer, self._inputs["force"], self._inputs["position"])
-        level = DiagnosticStatus.OK if self._last.success else DiagnosticStatus.WARN
-        estimate = health.status(f"{name}: estimate", level, self._last.message, {})
+        name, inputs = self.node.get_name(), self._inputs
+        data = health.data_status(f"{name}: data", self.buffer, inputs["force"], inputs["position"], self.watch)
+        level = health.OK if self._last.success and not self._last.doubt else health.WARN
+        estimate = health.status(f"{name}: estimate", level, self._last.doubt or self._last.message, {})
         model = self._diagnosing.status(f"{name}: model")
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate, model))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -14,12 +14,17 @@ from rclpy.subscription import Subscription
 
 from msd_ident.bag.fields import parse_field
 from msd_ident.bag.options import NO_FORCE
-from msd_ident.errors import MsdError
-from msd_ident.record import FloatArray, Origin
+from msd_ident.errors import DataError, MsdError
+from msd_ident.record import LARGEST, FloatArray, Origin
 from msd_ident.ros import names
 from msd_ident.ros.buffer import LiveBuffer, StampArray
 from msd_ident.ros.conversions import Signal, message_class
+from msd_ident.ros.losses import Holes, TopicCount
 from msd_ident.ros.steps import StepWatcher
+from msd_ident.ros.watch import Watch
+
+#: Pause after which a publisher that began anew may have another zero [ns].
+_RESTART_NS = 100_000_000
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,12 @@ class Input:
     """One subscription that fills the live buffer.
 
     A topic whose type is known is subscribed to at once, any other when ``look`` finds a publisher. The subscription
-    never asks for more than the publishers offer: it is made anew when one comes that offers less.
+    never asks for more than the publishers offer: it is made anew when one comes that offers less, or another type.
+
+    Attributes:
+        problem: why nothing can be taken from the topic; empty when something can.
+        publishers: how many there are.
+        count: messages that came and that did not.
     """
 
     def __init__(self, node: Node, signal: Wanted, sink: Sink, depth: int, group: CallbackGroup) -> None:
@@ -66,7 +76,10 @@ class Input:
         self.topic = node.resolve_topic_name(signal.topic)
         self.problem = ""
         self.signal: Signal | None = None
-        self.heard = 0.0
+        self.publishers = 0
+        self.count = TopicCount()
+        self._holes = Holes()
+        self._last_ns = 0
         self._subscription: Subscription | None = None
         self._node, self._sink, self._depth, self._group = node, sink, depth, group
         known = "" if signal.field else names.TYPES.get(signal.topic, "")
@@ -74,29 +87,38 @@ class Input:
             self._subscribe(known, names.force_qos(depth) if signal.what == "force" else names.encoder_qos(depth))
 
     @property
-    def origin(self) -> Origin:
-        """Topic, and what its publisher numbered and never came."""
-        return Origin(self.wanted.what, self.topic, self.signal.missing if self.signal else 0)
+    def missing(self) -> int:
+        """What its publisher numbered and never came: samples of batches, else messages."""
+        return self.signal.missing if self.signal and self.signal.is_batch else self.count.lost
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader of results must know about the samples."""
-        return (self.signal.problem,) if self.signal and self.signal.missing else ()
+    def origin(self, since_ns: int) -> Origin:
+        """Topic, and what its publisher numbered and never came after a stamp [ns]."""
+        return Origin(self.wanted.what, self.topic, self._holes.since(since_ns))
 
     def look(self) -> None:
         """Subscribe when somebody publishes the topic, as the publishers allow."""
-        publishers = [] if self.problem else self._node.get_publishers_info_by_topic(self.topic)
-        if not publishers:
+        publishers = self._node.get_publishers_info_by_topic(self.topic)
+        self.publishers = len(publishers)
+        types = {publisher.topic_type for publisher in publishers}
+        if not publishers or (self.problem and types == {self._type}):
             return
         qos = names.matching_qos([publisher.qos_profile for publisher in publishers], self._depth)
-        if self._subscription is None or names.asks_for_more(self._subscription.qos_profile, qos):
+        new = self._type not in types
+        if self._subscription is None or new or names.asks_for_more(self._subscription.qos_profile, qos):
             self._subscribe(publishers[0].topic_type, qos)
+
+    @property
+    def _type(self) -> str:
+        return self.signal.type_name if self.signal else ""
 
     def _subscribe(self, type_name: str, qos: QoSProfile) -> None:
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+        self.problem = ""
         try:
-            self.signal = self.signal or Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
+            if type_name != self._type:
+                self.signal = Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
             kind, topic = message_class(type_name), self.wanted.topic
             self._subscription = self._node.create_subscription(
                 kind, topic, self._take, qos, callback_group=self._group
@@ -104,18 +126,79 @@ class Input:
         except MsdError as error:
             self._complain(error)
 
-    def _take(self, message: object) -> None:
+    def _take(self, message: Any, info: Mapping[str, Any]) -> None:
         if self.problem or self.signal is None:
             return
-        self.heard = time.monotonic()
         received_ns = self._node.get_clock().now().nanoseconds
         try:
             if self.signal.is_batch:
-                self._sink.positions(*self.signal.batch(message, received_ns))
-            elif (sample := self.signal.sample(message, received_ns)) is not None:
-                self._sink.sample(self.wanted.what, *sample)
+                self._take_batch(message, received_ns, info["publication_sequence_number"])
+            else:
+                self._take_sample(message, received_ns, info["publication_sequence_number"])
         except MsdError as error:
             self._complain(error)
+
+    def _take_sample(self, message: Any, received_ns: int, number: int | None) -> None:
+        assert self.signal is not None
+        switches, joint = self.signal.switches, self.signal.entry
+        found = self.signal.sample(message, received_ns)
+        if self.signal.switches != switches:
+            self._sink.begin_anew(self.wanted.what)
+            sentence = f"joint {joint} is gone and {self.signal.entry} is in its place: a new recording began"
+            self._note("joint renamed", sentence)
+        if found is None:
+            self._counted(number, None)
+            self._note("no sample", self.signal.problem)
+            return
+        ns, value = found
+        self._counted(number, ns)
+        if abs(value) <= LARGEST:
+            self._sink.sample(self.wanted.what, ns, value)
+        else:
+            self._note("not finite", f"a {self.wanted.what} of {value:.3g} is left out")
+
+    def _take_batch(self, message: Any, received_ns: int, number: int | None) -> None:
+        assert self.signal is not None
+        before = self.signal.missing
+        try:
+            ns, values = self.signal.batch(message, received_ns)
+        except DataError as error:
+            self._counted(number, None)
+            self._note("no sample", str(error))
+            return
+        if not ns.size:
+            self._note("no sample", "a batch holds no samples")
+            return
+        self._counted(number, int(ns[0]))
+        lost = self.signal.missing - before
+        self._holes.add(int(ns[0]), lost)
+        if lost:
+            self._note("missing", f"{lost} samples are missing by the sequence numbers of the batches", lost)
+        good = np.abs(values) <= LARGEST
+        if not good.all():
+            self._note("not finite", f"{np.count_nonzero(~good)} samples of a batch are not finite, left out")
+        self._sink.positions(ns[good], values[good])
+
+    def _counted(self, number: int | None, ns: int | None) -> None:
+        """Count a message; a publisher that began anew after a pause begins a new recording, zeroed who knows where."""
+        assert self.signal is not None
+        alone = self.publishers <= 1
+        restarts, last = self.count.restarts, self._last_ns
+        lost = self.count.count(number, None if self.signal.is_batch else ns, alone=alone)
+        self._last_ns = ns or last
+        if lost and not self.signal.is_batch:
+            self._holes.add(self._last_ns, lost)
+            self._note("missing", f"{lost} messages are missing by their numbers", lost)
+        if self.count.restarts == restarts:
+            return
+        if ns and last and ns - last > _RESTART_NS and self.wanted.what == "position":
+            self._sink.begin_anew("position")
+            self._note("publisher restarted", "its publisher began anew, and a new recording with it")
+        elif alone:
+            self._note("publisher restarted", "its publisher began anew")
+
+    def _note(self, kind: str, sentence: str, count: int = 1) -> None:
+        self._sink.watch.note(kind, f"{self.topic}: {sentence}", count)
 
     def _complain(self, error: MsdError) -> None:
         self.problem = f"{self.topic}: {error}"
@@ -128,9 +211,10 @@ class Sink:
     Where the position comes single and in batches, the batches count, as in a bag.
     """
 
-    def __init__(self, buffer: LiveBuffer, watcher: StepWatcher) -> None:
+    def __init__(self, buffer: LiveBuffer, watcher: StepWatcher, watch: Watch) -> None:
         self.buffer = buffer
         self.watcher = watcher
+        self.watch = watch
         self._batches = False
 
     def sample(self, what: str, ns: int, value: float) -> None:
@@ -147,6 +231,12 @@ class Sink:
             self._batches = True
             self.buffer.position.clear()
         self._follow_clock(lambda: self.buffer.add_positions(ns, values))
+
+    def begin_anew(self, what: str) -> None:
+        """What follows is no continuation of what was."""
+        if what == "position":
+            self.buffer.begin_anew()
+            self.watcher.forget()
 
     def _follow_clock(self, add: Callable[[], None]) -> None:
         restarts = self.buffer.counts.restarts

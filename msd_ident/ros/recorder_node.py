@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +15,15 @@ from rclpy.parameter import Parameter
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
+from msd_ident.bag import OfferedQos
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.errors import DataError, MsdError, UsageError
 from msd_ident.ros import health, names
-from msd_ident.ros.conversions import message_class
+from msd_ident.ros.conversions import is_stamped, message_class, raw_stamp
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.recording import Limits, Recording, Summary
+from msd_ident.ros.watch import Watch
 from msd_interfaces.srv import StartRecording
 
 COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
@@ -38,6 +40,7 @@ SETTINGS = (
     Setting("sync_period", 1.0, "longest time for which a message is not on the disk [s]", 0.05, 3600.0),
     Setting("split_megabytes", SPLIT_BYTES // 2**20, "size at which a file of the bag ends [MiB]", 1, 1_048_576),
     Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
+    Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
 )
 
@@ -59,12 +62,14 @@ class Recorder:
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("recorder", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
+        self.watch = Watch(self.settings["remember"])
         self._log = self.node.get_logger()
         self._recording: Recording | None = None
         self._last: Summary | None = None
         self._wanted: frozenset[str] | None = frozenset()
         self._refused: set[str] = set()
         self._subscriptions: dict[str, Subscription] = {}
+        self._types: dict[str, str] = {}
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
         node.create_service(StartRecording, names.RECORDER_START, self._on_start)
@@ -156,42 +161,68 @@ class Recorder:
         return Place(self.settings["bag_folder"]).new(name)
 
     def _look(self) -> None:
-        """Subscribe to wanted topics that have come."""
+        """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""
         if self._recording is None:
             return
         for topic, types in self.node.get_topic_names_and_types():
             chosen = topic in self._wanted if self._wanted is not None else not _hidden(topic)
-            if chosen and topic not in self._subscriptions and topic not in self._refused:
+            if chosen and topic not in self._refused:
                 try:
-                    self._subscribe(self._recording, topic, types)
+                    self._follow(self._recording, topic, types)
                 except MsdError as error:
                     self._refused.add(topic)
                     self._log.warning(f"{topic} is not recorded: {error}")
+                    self.watch.note("not recorded", f"{topic} is not recorded: {error}")
 
-    def _subscribe(self, recording: Recording, topic: str, types: Sequence[str]) -> None:
+    def _follow(self, recording: Recording, topic: str, types: Sequence[str]) -> None:
         publishers = self.node.get_publishers_info_by_topic(topic)
         if not publishers:
             return
-        if len(types) > 1:
-            raise DataError(f"it has {len(types)} types ({', '.join(types)}); expected one")
         offered = [publisher.qos_profile for publisher in publishers]
-        kind = message_class(types[0])
-        if not recording.add_topic(topic, types[0], [names.to_offered(profile) for profile in offered]):
-            self._log.warning(f"the definition of {types[0]} is not here; only who knows the type can read {topic}")
         qos = names.matching_qos(offered, self.settings["queue_depth"])
-        take = self._taker(recording, topic)
+        has = self._subscriptions.get(topic)
+        if has is None:
+            if len(types) > 1:
+                raise DataError(f"it has {len(types)} types ({', '.join(types)}); expected one")
+            self._add(recording, topic, types[0], [names.to_offered(profile) for profile in offered])
+        elif self._types[topic] not in {publisher.topic_type for publisher in publishers}:
+            now = publishers[0].topic_type
+            words = f"{topic} is of type {now} now and no longer {self._types[topic]}: it is not recorded"
+            self.watch.note("another type", words)
+            return
+        elif not names.asks_for_more(has.qos_profile, qos):
+            return
+        else:
+            self.node.destroy_subscription(has)
+        take = self._taker(recording, topic, self._types[topic])
+        kind = message_class(self._types[topic])
         self._subscriptions[topic] = self.node.create_subscription(kind, topic, take, qos, raw=True)
 
-    def _taker(self, recording: Recording, topic: str) -> Callable[[bytes, dict[str, Any]], None]:
+    def _add(self, recording: Recording, topic: str, kind: str, offered: Sequence[OfferedQos]) -> None:
+        message_class(kind)
+        if not recording.add_topic(topic, kind, offered):
+            self._log.warning(f"the definition of {kind} is not here; only who knows the type can read {topic}")
+        self._types[topic] = kind
+
+    def _taker(self, recording: Recording, topic: str, kind: str) -> Callable[[bytes, dict[str, Any]], None]:
         """Callback for one topic: log time is the time of receipt, on the simulated clock if that is used."""
         clock = self.node.get_clock() if self.node.get_parameter("use_sim_time").value else None
+        stamped = is_stamped(kind)
+        count = recording.summary.topics[topic]
 
         def take(raw: bytes, info: dict[str, Any]) -> None:
             if clock is None:
                 received, sent = info["received_timestamp"], info["source_timestamp"]
             else:
                 received = sent = clock.now().nanoseconds
-            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"))
+            lost, restarts = count.lost, count.restarts
+            stamp = raw_stamp(raw) if stamped else None
+            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"), stamp)
+            if count.lost != lost:
+                words = f"{topic}: {count.lost - lost} messages are missing by their numbers"
+                self.watch.note("missing", words, count.lost - lost)
+            if count.restarts != restarts:
+                self.watch.note("publisher restarted", f"{topic}: its publisher began anew, or there are two")
 
         return take
 
@@ -221,11 +252,23 @@ class Recorder:
         if summary is not None:
             state = "recording" if self._recording else "recorded"
             sentence = f"{state}: {summary.sentence}"
-            values = {topic: count.received for topic, count in summary.topics.items()}
-            level = DiagnosticStatus.WARN if summary.lost else level
+            for topic, count in summary.topics.items():
+                values[topic] = count.received
+                values[f"{topic}: missing by numbers"] = count.lost
+                values[f"{topic}: missing by stamps"] = count.holes
+            odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
+            level = DiagnosticStatus.WARN if summary.lost or odd else level
             level = DiagnosticStatus.ERROR if summary.error else level
+            sentence = "; ".join((sentence, *odd[: health.MOST_TOLD]))
+        values.update({f"seen: {kind}": times for kind, times in self.watch.counts.items()})
         status = health.status(f"{self.node.get_name()}: bag", level, sentence, values)
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), status))
+
+    def _silences(self, summary: Summary) -> Iterator[str]:
+        """Topics that came in a stream and do no more."""
+        for topic, count in tuple(summary.topics.items()):
+            if count.silence:
+                yield health.silence(topic, count)
 
 
 def _compression(word: str) -> Compression:

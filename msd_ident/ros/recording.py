@@ -5,37 +5,15 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from msd_ident.bag import BagWriter, OfferedQos, qos_to_yaml
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
+from msd_ident.ros.losses import TopicCount
 
 #: Longest time without messages after which the writer sees what it has onto the disk [s].
 IDLE = 0.5
-
-
-@dataclass
-class TopicCount:
-    """Messages of one topic so far.
-
-    Attributes:
-        received: messages handed over.
-        lost: messages that their publisher numbered and that never came; known while a topic has one publisher.
-    """
-
-    received: int = 0
-    lost: int = 0
-    _last: int | None = field(default=None, repr=False)
-
-    def count(self, sequence: int | None) -> None:
-        """Count a message by its publisher's number."""
-        self.received += 1
-        if sequence is None:
-            return
-        if self._last is not None and sequence > self._last + 1:
-            self.lost += sequence - self._last - 1
-        self._last = sequence
 
 
 @dataclass(frozen=True)
@@ -134,9 +112,17 @@ class Recording:
         self._counts.setdefault(name, TopicCount())
         return self._writer.add_topic(name, type_name, qos_to_yaml(offered))
 
-    def put(self, topic: str, raw: bytes, log_ns: int, publish_ns: int, sequence: int | None = None) -> None:
-        """Hand over one message; never blocks."""
-        self._counts[topic].count(sequence)
+    def put(
+        self,
+        topic: str,
+        raw: bytes,
+        log_ns: int,
+        publish_ns: int,
+        sequence: int | None = None,
+        stamp_ns: int | None = None,
+    ) -> None:
+        """Hand over one message with its publisher's number and its own stamp, where it has them; never blocks."""
+        self._counts[topic].count(sequence, stamp_ns)
         if self._error or self.waiting_bytes + len(raw) > self._most_bytes:
             self._refused += 1
             return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from msd_ident.bag import SourceOptions
 from msd_ident.record import Record
@@ -63,9 +63,15 @@ class Sources:
     def _live(self, part: Part) -> Record:
         """The buffer as a record, its window cut as the bag reader does it."""
         window = options(self._settings, part).window
-        heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.heard]
-        origins = tuple(entry.origin for entry in heard)
-        record = self._buffer.record(notes=tuple(note for entry in heard for note in entry.notes), origins=origins)
+        record = self._buffer.record()
+        heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
+        origins = tuple(entry.origin(record.start_ns) for entry in heard)
+        lost = tuple(
+            f"{origin.topic}: {origin.lost} samples are missing by the numbers of their publisher."
+            for origin in origins
+            if origin.lost
+        )
+        record = replace(record, origins=origins, notes=(*record.notes, *lost))
         return record.window(*window) if any(map(math.isfinite, window)) else record
 
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
 from msd_ident.record import from_stamps  # noqa: E402
 from msd_ident.ros.buffer import LiveBuffer, Ring  # noqa: E402
+from msd_ident.ros.watch import Watch  # noqa: E402
 
 chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
 
@@ -65,10 +66,11 @@ def test_late_samples_and_duplicates_are_counted_and_mended() -> None:
     buffer.add_force(ns[0], 1.0)
     for at in [*ns[:50], ns[20], ns[49], ns[51], ns[50], *ns[52:]]:
         buffer.add_position(at, float(at - START_NS))
-    assert (buffer.counts.positions, buffer.counts.late, buffer.counts.duplicates) == (102, 2, 1)
+    assert (buffer.counts.positions, buffer.counts.late, buffer.counts.duplicates) == (102, 1, 2)
     record = buffer.record()
     assert record.samples == 100
     assert any("duplicate stamps" in note for note in record.notes)
+    assert "position: 1 samples that came again, or whose stamp stood still, were left out." in record.notes
 
 
 def test_a_clock_set_back_begins_a_new_recording_with_the_force_that_holds() -> None:
@@ -105,3 +107,73 @@ def test_recent_gives_the_last_seconds_by_stamp() -> None:
     assert buffer.recent(0.1)[1].tolist() == list(range(899, 1000))
     buffer.clear()
     assert buffer.recent(1.0)[0].size == 0 and buffer.counts.positions == 1000
+
+
+def filled(count: int = 1000) -> tuple[LiveBuffer, Watch, list[int]]:
+    watch = Watch()
+    buffer = LiveBuffer(10_000, watch=watch)
+    ns = stamps(count)
+    buffer.add_force(ns[0], 3.0)
+    for at in ns:
+        buffer.add_position(at, 0.5)
+    return buffer, watch, ns
+
+
+def test_a_clock_set_forward_begins_a_new_recording() -> None:
+    buffer, watch, ns = filled()
+    later = [at + 3600 * 10**9 for at in ns]
+    for at in later:
+        buffer.add_position(at, 0.25)
+    record = buffer.record()
+    assert record.samples == 1000 and record.start_ns == later[0] and record.force.tolist() == [3.0]
+    assert watch.recent == ("the clock jumped forward by 3599 s: a new recording began",)
+
+
+def test_a_clock_set_back_by_less_than_a_second_begins_a_new_recording() -> None:
+    buffer, watch, ns = filled()
+    for at in ns:
+        buffer.add_position(at + 700_000_000 + 100_000, 0.25)
+    assert buffer.counts.restarts == 1
+    assert set(buffer.record().position) == {0.25}
+    assert "clock set back" in watch.counts
+
+
+def test_single_stamps_from_elsewhere_are_left_out() -> None:
+    buffer, watch, ns = filled()
+    for i, at in enumerate(range(ns[-1] + 1_000_000, ns[-1] + 501_000_000, 1_000_000)):
+        if i % 50 == 7:
+            buffer.add_position(at + (-1) ** i * 10**15, 9.0)
+        buffer.add_position(at, 0.5)
+    assert buffer.counts.wild == 10 and buffer.counts.restarts == 0
+    record = buffer.record()
+    assert record.samples == 1500 and set(record.position) == {0.5}
+    assert watch.counts["wild stamps"] == 10
+
+
+@pytest.mark.parametrize("size", [1, 10])
+def test_a_stamp_that_stands_still_does_not_push_out_what_is_there(size: int) -> None:
+    buffer, watch, ns = filled(9000)
+    for _ in range(3000):
+        buffer.add_positions(np.full(size, ns[-1], dtype=np.int64), np.full(size, 0.7))
+    assert buffer.record().samples == 9000
+    assert buffer.counts.duplicates == 3000 * size
+    assert watch.recent[0] == "the stamps of 3000 samples in a row stand still"
+
+
+def test_a_batch_that_comes_twice_counts_once() -> None:
+    buffer, watch, ns = filled()
+    again = np.array(ns[-100:], dtype=np.int64)
+    buffer.add_positions(again, np.full(100, 0.5))
+    assert (buffer.counts.duplicates, buffer.counts.late) == (100, 0)
+    assert buffer.record().samples == 1000 and buffer.position.size == 1000
+
+
+def test_a_force_of_another_clock_waits_for_a_position_there() -> None:
+    buffer, watch, ns = filled()
+    ahead = ns[0] + 3600 * 10**9
+    buffer.add_force(ahead + 5, 7.0)
+    assert buffer.record().force.tolist() == [3.0]
+    assert watch.recent[0].startswith("a force is stamped 3599 s ahead of the position: two clocks?")
+    for at in ns:
+        buffer.add_position(at + 3600 * 10**9, 0.5)
+    assert buffer.record().force.tolist() == [3.0, 7.0]

@@ -85,7 +85,7 @@ def test_a_batch_is_unpacked_and_its_losses_are_counted() -> None:
     assert ns.tolist() == [5_000_000_000, 5_000_100_000, 5_000_200_000] and values.tolist() == [2.0, 4.0, 6.0]
     message.sequence = 20
     signal.batch(message, 7)
-    assert signal.problem == "7 samples are missing by the sequence numbers of the batches"
+    assert signal.missing == 7 and signal.problem == ""
 
 
 def test_an_open_parameter_has_no_interval() -> None:

@@ -25,8 +25,9 @@ from std_srvs.srv import Trigger  # noqa: E402
 from msd_ident import quality  # noqa: E402
 from msd_ident.bag import SourceOptions, iterate_messages, open_bag, read  # noqa: E402
 from msd_ident.errors import UsageError  # noqa: E402
+from msd_ident.ros.losses import TopicCount  # noqa: E402
 from msd_ident.ros.recorder_node import Recorder  # noqa: E402
-from msd_ident.ros.recording import Recording, TopicCount  # noqa: E402
+from msd_ident.ros.recording import Recording  # noqa: E402
 from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_interfaces.srv import StartRecording  # noqa: E402
 
@@ -159,7 +160,7 @@ def test_numbers_of_a_publisher_tell_what_was_lost() -> None:
     count = TopicCount()
     for number in (5, 6, 9, 10, 1, 2, None):
         count.count(number)
-    assert (count.received, count.lost) == (7, 2), "a number that falls is a publisher that began anew"
+    assert (count.received, count.lost, count.restarts) == (7, 2, 1), "a number that falls is of one that began anew"
 
 
 def test_what_the_disk_cannot_take_is_counted_and_never_blocks(tmp_path: Path) -> None:
