@@ -3,7 +3,7 @@
 # make setup    only set up
 # make bench    speed of solver and fit
 # make blind    the long study with hidden causes
-# make study    are all effects recovered, do the intervals cover the truth (long)
+# make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make clean    remove what these made
 
 SHELL := /bin/bash
@@ -39,7 +39,10 @@ blind: setup
 	@$(PY) -m bench.blind --docs docs $(ARGS)
 
 study: setup
-	@$(PY) bench/study_coverage.py && $(PY) bench/study_recovery.py
+	@mkdir -p out/study
+	@for seed in 0 1000; do $(PY) bench/study_coverage.py --seed $$seed --json out/study/coverage_$$seed.json || true; done
+	@$(PY) bench/study_recovery.py $(ARGS) --verbose --json out/study/recovery.json || true
+	@$(PY) bench/study_table.py --recovery out/study/recovery.json --coverage out/study/coverage_*.json --out docs/accuracy.md
 
 # The compiled solver lies in the user's cache, for all checkouts.
 clean:
