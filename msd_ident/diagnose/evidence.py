@@ -19,6 +19,7 @@ import numpy as np
 
 from msd_ident.diagnose.candidates import Causes, Fitted
 from msd_ident.diagnose.readings import Readings
+from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 #: Odds, before any data, that a given cause acts.
@@ -125,9 +126,23 @@ class Ranking:
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
 
 
+def _same_as(fitted: Fitted) -> set[Causes]:
+    """Simpler sets that the fitted model is: an effect ended without strength, or Stribeck's law without its peak."""
+    model, found = fitted.model, set()
+    for name in fitted.causes:
+        if all(model[parameter] == value for parameter, value in by_name(name).neutral):
+            found.add(fitted.causes - {name})
+    if "stribeck_friction" in fitted.causes and model["static_force"] <= model["coulomb_force"]:
+        found.add(fitted.causes - {"stribeck_friction"} | {"coulomb_friction"})
+    return found
+
+
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
-    """All sets by evidence; the simplest of those within ``DECISIVE`` of the best is put first."""
-    values = {causes: log_evidence(fitted, scale) for causes, fitted in sets.items()}
+    """All sets by evidence; the simplest of those within ``DECISIVE`` of the best is put first.
+
+    A set that turned out to be a simpler one under another name is left out.
+    """
+    values = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
     near = [causes for causes in order if values[causes] >= top - DECISIVE]

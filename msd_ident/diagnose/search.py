@@ -98,7 +98,7 @@ class Search:
         for turn in range(_ROUNDS):
             best = self._pruned(self.ranking().best)
             share = min(0.6 + 0.03 * turn, 0.85)
-            if self._fit(self._swapped(best.causes), share, share + 0.015):
+            if self._fit(self._swapped(best.causes) + self._resolved(best.causes), share, share + 0.015):
                 continue
             if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
                 break
@@ -143,6 +143,13 @@ class Search:
             found.append(rest)
             found += [rest | {other} for other in self.experiment.library if other not in causes]
         return found
+
+    def _resolved(self, causes: Causes) -> list[Causes]:
+        """Sets in which a law that holds Coulomb's as a limit is Coulomb's and one cause more: what they can mimic."""
+        found = []
+        for name in sorted(causes & set(_SIMPLER)):
+            found += self._grown(causes - {name} | {_COMPANION})
+        return [wanted for wanted in found if not wanted & (causes & set(_SIMPLER))]
 
     def _grown(self, causes: Causes) -> list[Causes]:
         """Sets with one cause more."""

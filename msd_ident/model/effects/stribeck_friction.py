@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StribeckFriction(Effect):
-    """Breakaway Fs at rest, falling to Fc over the velocity vs."""
+    """Breakaway Fs at rest, falling to Fc over the velocity vs. An Fs below Fc, which no dry friction has, counts as Fc:
+    friction that grows with the speed is damping or drag.
+    """
 
     coulomb_force: float
     static_force: float
@@ -41,12 +43,12 @@ class StribeckFriction(Effect):
         """Kinetic friction [N]."""
         square = speed * speed * (1.0 / stribeck_velocity**2)
         bump = math.exp(-square) if square < 40.0 else 0.0
-        return coulomb_force + (static_force - coulomb_force) * bump
+        return coulomb_force + max(static_force - coulomb_force, 0.0) * bump
 
     @staticmethod
-    def breakaway(static_force: float) -> float:
+    def breakaway(coulomb_force: float, static_force: float) -> float:
         """Largest force [N] that it holds at rest."""
-        return static_force
+        return max(static_force, coulomb_force)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
