@@ -21,6 +21,8 @@ from msd_ident.record import FloatArray, Record
 
 #: No solver and no clock is better than this part of the motion.
 _EXACT = 2e-6
+#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
+_ALL_ROUNDING = 0.35
 
 
 @dataclass(frozen=True)
@@ -32,12 +34,14 @@ class Readings:
         noise: standard deviation of a reading [m].
         weight: (n,) share of a piece of evidence that each sample holds, in (0, 1].
         runs: (n,) number of the run that each sample belongs to.
+        step: one step of the encoder [m], 0 where none shows.
     """
 
     record: Record
     noise: float
     weight: FloatArray
     runs: npt.NDArray[np.intp]
+    step: float = 0.0
 
     @property
     def evidence(self) -> float:
@@ -46,8 +50,8 @@ class Readings:
 
     @property
     def rounded(self) -> bool:
-        """Whether rounding rules: readings repeat far more often than noise would let them."""
-        return self.evidence < 0.8 * self.record.samples
+        """Whether rounding rules: readings repeat far more often than noise would let them, or it is all the noise."""
+        return self.evidence < 0.8 * self.record.samples or self.noise < _ALL_ROUNDING * self.step
 
     @property
     def factor(self) -> FloatArray:
@@ -66,7 +70,7 @@ class Readings:
             force_time=self.record.force_time,
             force=self.record.force,
         )
-        return of_record(record, self.noise)
+        return of_record(record, self.noise, self.step)
 
     def with_mean_force(self) -> Readings:
         """The same with one force between any two samples: its mean there, which gives the same impulse.
@@ -108,27 +112,31 @@ def _impulse(record: Record) -> FloatArray:
     return np.asarray(np.where(ahead > 0.0, total[place] + ahead * middle, np.interp(record.time, stamps, total)))
 
 
-def of_record(record: Record, noise: float) -> Readings:
-    """Weights for readings with the given noise [m]."""
+def of_record(record: Record, noise: float, step: float = 0.0) -> Readings:
+    """Weights for readings with the given noise and encoder step [m]."""
     change = np.flatnonzero(np.diff(record.position) != 0.0)
     edges = np.concatenate(([0], change + 1, [record.samples]))
     lengths = np.diff(edges)
     runs = np.repeat(np.arange(lengths.size), lengths)
-    return Readings(record, noise, 1.0 / np.repeat(lengths, lengths).astype(np.float64), runs)
+    return Readings(record, noise, 1.0 / np.repeat(lengths, lengths).astype(np.float64), runs, step)
 
 
 def prepare(records: Sequence[Record]) -> tuple[Readings, ...]:
     """Readings of each record with the noise that its own rest phases and encoder tell, else the group's."""
     group = noise_floor(tuple(records))
-    return tuple(of_record(record, _noise(record, group)) for record in records)
+    return tuple(_prepared(record, group) for record in records)
 
 
-def _noise(record: Record, group: float) -> float:
+def _prepared(record: Record, group: float) -> Readings:
+    step = quality.encoder_step(record)
+    return of_record(record, _noise(record, group, step), step)
+
+
+def _noise(record: Record, group: float, step: float) -> float:
     own = quality.noise_floor(record)
     told = own if math.isfinite(own) and own > 0.0 else group
     if not (math.isfinite(told) and told > 0.0):
         told = scatter(record)
-    step = quality.encoder_step(record)
     return max(told, step / math.sqrt(12.0), _EXACT * float(np.ptp(record.position)), 1e-300)
 
 
