@@ -56,6 +56,7 @@ class Outcome:
     heldout_floors: float
     removed: float
     seconds: float
+    processor_seconds: float = math.nan
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -98,14 +99,14 @@ def run(case: Case) -> Outcome:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "record.csv"
         write(draw, path)
-        began = time.perf_counter()
+        began = time.perf_counter(), time.process_time()
         record = read(path, SourceOptions())
         diagnosis = pipeline.diagnose([record])
-        seconds = time.perf_counter() - began
+        seconds = time.perf_counter() - began[0], time.process_time() - began[1]
     return _opened(case, draw, record, diagnosis, seconds)
 
 
-def _opened(case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis, seconds: float) -> Outcome:
+def _opened(case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis, seconds: tuple[float, float]) -> Outcome:
     floors = (diagnosis.base_adequacy.ratio, diagnosis.adequacy.ratio)
     removable = diagnosis.heldout.see_base**2 - draw.noise**2
     left = max(diagnosis.heldout.see_extended**2 - draw.noise**2, 0.0)
@@ -121,7 +122,8 @@ def _opened(case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis
         without_floors=_without(draw, record) if draw.beside else floors[0],
         heldout_floors=diagnosis.heldout.see_extended / draw.noise,
         removed=1.0 - math.sqrt(left / removable) if removable > 0.0 else math.nan,
-        seconds=seconds,
+        seconds=seconds[0],
+        processor_seconds=seconds[1],
     )
 
 

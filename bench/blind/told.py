@@ -27,11 +27,14 @@ def _figures(outcomes: Sequence[Outcome]) -> list[str]:
     for item in score.figures(outcomes):
         lines.append(f"| {item.what} | {item.percent:.1f} % | {item.total} | {item.must} | {item.aim} |")
     seconds = [o.seconds for o in score.main_experiment(outcomes)] or [float("nan")]
+    processor = [o.processor_seconds for o in score.main_experiment(outcomes)] or [float("nan")]
     lines += [
         f"| held-out SEE over noise, median when right | {score.heldout(outcomes):.3f} | | <= 1.2 | 1.05 |",
         f"| removable error removed, median | {100.0 * score.removed(outcomes):.1f} % | | | |",
         f"| seconds a diagnosis, median | {np.median(seconds):.2f} | {len(seconds)} | <= 2 | 0.5 |",
         f"| seconds a diagnosis, longest | {max(seconds):.2f} | {len(seconds)} | | |",
+        f"| seconds of processor time, median | {np.median(processor):.2f} | {len(processor)} | | |",
+        f"| seconds of processor time, longest | {max(processor):.2f} | {len(processor)} | | |",
     ]
     return lines
 
