@@ -1,5 +1,6 @@
 # make demo     set up what is missing, run the pipeline on the simulated rig
 # make test     set up what is missing, run the tests
+# make docs     the documentation, into site/
 # make setup    only set up
 # make bench    speed of solver and fit
 # make blind    the long study with hidden causes
@@ -14,7 +15,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint bench blind study clean
+.PHONY: help setup demo test lint docs docs-output bench blind study clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -32,6 +33,14 @@ lint: setup
 test: lint
 	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
 
+docs: setup
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet $(ARGS)
+	@echo site/index.html
+
+# The output that the pages show, from today's commands.
+docs-output: setup
+	@$(PY) docs/generate/transcript.py docs/tutorial.md docs/paper.md
+
 bench: setup
 	@$(PY) -m bench $(ARGS)
 
@@ -47,5 +56,5 @@ study: setup
 # The compiled solver lies in the user's cache, for all checkouts.
 clean:
 	@rm -rf "$${XDG_CACHE_HOME:-$$HOME/.cache}/msd_ident"
-	@rm -rf .venv build install log dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@rm -rf .venv build install log dist out site *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	@find . -name __pycache__ -type d -not -path './.git/*' -prune -exec rm -rf {} +

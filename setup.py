@@ -59,6 +59,11 @@ setup(
         "zstandard>=0.22",
     ],
     extras_require={
+        "docs": [
+            "latex2mathml>=3.77",
+            "mkdocs>=1.6,<2",
+            "mkdocs-material>=9.6",
+        ],
         "test": [
             "hypothesis>=6.100",
             "mypy>=1.11",
