@@ -10,7 +10,7 @@ import typer
 from msd_ident.errors import MsdError, UsageError
 
 #: Subcommands, each a module of this package with a function of the same name.
-COMMANDS = ("identify", "diagnose", "record", "replay", "repair", "simulate", "demo", "paper", "info")
+COMMANDS = ("identify", "diagnose", "design", "record", "replay", "live", "repair", "simulate", "demo", "paper", "info")
 
 app = typer.Typer(
     name="msd",

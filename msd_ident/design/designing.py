@@ -1,4 +1,4 @@
-"""The next experiment: of a family of profiles, the shortest that parts the rivals within the limits."""
+"""Judging profiles of a family: made as strong as the limits allow, predicted by every rival, and compared."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ _WORTH = 0.01
 
 @dataclass(frozen=True)
 class Option:
-    """A profile, what each rival predicts for it, and how well it parts them."""
+    """A profile, what each rival predicts for it, and how well it parts them.
+
+    ``shares`` (r, r) is the part of chi² that real refits leave; 1 as long as nobody looked.
+    """
 
     profile: Profile
     grid: Grid
@@ -35,11 +38,19 @@ class Option:
     parting: Parting
     travel: tuple[float, float]
     peak_speed: float
+    shares: FloatArray
 
     @property
     def probability(self) -> float:
         """Of a decision."""
         return self.parting.probability
+
+    @property
+    def strength(self) -> float:
+        """How far the closest two of those that are found out at all are apart, as a logarithm of chi²."""
+        chi = self.parting.chi + np.diag(np.full(len(self.parting.chi), np.inf))
+        found_out = self.parting.decided >= 0.5
+        return float(np.log(np.maximum(chi[found_out].min(axis=1), 1e-9)).mean()) if found_out.any() else -np.inf
 
 
 @dataclass(frozen=True)
@@ -78,10 +89,10 @@ def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
     return [found for found in _each(lambda one: _option(question, one), profiles) if found is not None]
 
 
-def screen(question: Question, unit: str = "N") -> list[Option]:
-    """The whole family, the best first."""
-    found = options(question, family(Pace(question.period, question.limits.duration), unit))
-    return sorted(found, key=lambda one: -one.probability)
+def family_of(question: Question, unit: str = "N") -> list[Profile]:
+    """The family in the plant's own time, the shortest first."""
+    made = family(Pace(question.period, question.limits.duration), unit)
+    return sorted(made, key=lambda profile: profile.duration)
 
 
 def choose(found: Sequence[Option]) -> Option | None:
@@ -104,7 +115,7 @@ def judge(question: Question, profile: Profile) -> Option:
     predictions = tuple(one.predict(on.record) for one in question.predictors)
     parting = discrimination.part(question.predictors, predictions, on, question.sensing, question.truths)
     low, high, speed = safety.extremes(question.predictors, predictions)
-    return Option(profile, on, predictions, parting, (low, high), speed)
+    return Option(profile, on, predictions, parting, (low, high), speed, np.ones_like(parting.chi))
 
 
 def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
@@ -112,7 +123,7 @@ def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
     parting = discrimination.part(
         question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
     )
-    return replace(option, parting=parting)
+    return replace(option, parting=parting, shares=kept)
 
 
 def _each(work: Callable[[Profile], Option | None], tasks: Sequence[Profile]) -> list[Option | None]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.design.discrimination import occam
-from msd_ident.design.prediction import Predictor, Sensing
+from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnose import Contender, Diagnosis
 from msd_ident.diagnose.contenders import marginal
 from msd_ident.diagnose.evidence import PRIOR_ODDS
@@ -36,16 +36,31 @@ def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
     if not diagnosis.contenders:
         return ()
     lead = diagnosis.contenders[0]
-    records = tuple(_thin(record) for record in diagnosis.records)
-    kept = frozenset(lead.model.names) - set(lead.free)
-    resting = {balance.record: balance.spread for balance in pose(lead.model, records, kept).balances}
-    data = _Data(records, seen, magnitudes(records, lead.model.mass), resting)
+    data = _measured(diagnosis, seen)
     found = []
     for kind in LIBRARY:
         rival = _hiding(kind, lead, data)
         if rival is not None:
             found.append(rival)
     return (lead, *found)
+
+
+def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
+    """The explanation that stands with one more effect, of the size given, the rest refitted around it.
+
+    Raises:
+        UsageError: the effect does not go with it.
+    """
+    seen = sensing(diagnosis.records, diagnosis.noise_floor)
+    return _refitted(diagnosis.contenders[0], effect, _measured(diagnosis, seen))[0]
+
+
+def _measured(diagnosis: Diagnosis, seen: Sensing) -> _Data:
+    lead = diagnosis.contenders[0]
+    records = tuple(_thin(record) for record in diagnosis.records)
+    kept = frozenset(lead.model.names) - set(lead.free)
+    resting = {balance.record: balance.spread for balance in pose(lead.model, records, kept).balances}
+    return _Data(records, seen, magnitudes(records, lead.model.mass), resting)
 
 
 def _thin(record: Record) -> Record:

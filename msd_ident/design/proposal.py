@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.design import measurements, refitting
-from msd_ident.design.designing import ENOUGH, Option, Question, choose, judge_again, screen
+from msd_ident.design import measurements, searching
+from msd_ident.design.designing import Option, Question, family_of
 from msd_ident.design.family import why
 from msd_ident.design.latent import hidden
 from msd_ident.design.limits import Limits
@@ -18,13 +18,10 @@ from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import to_tree
 from msd_ident.design.refitting import Refitted
 from msd_ident.design.rivals import names, rivals, shares
+from msd_ident.design.searching import HOPELESS
 from msd_ident.diagnose import Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.record import FloatArray
-
-#: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
-HOPELESS = 0.5
-_CLOSER = 3
 
 
 @dataclass(frozen=True)
@@ -106,7 +103,8 @@ def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     chosen = hidden(diagnosis, seen)
     if len(chosen) < 2:
         return None
-    question = Question.of(chosen, [0.0, *[1.0] * (len(chosen) - 1)], seen, limits)
+    hiding = len(chosen) - 1
+    question = Question.of(chosen, [0.5, *[0.5 / hiding] * hiding], seen, limits)
     return _proposed(question, diagnosis, names(chosen), "shows")
 
 
@@ -123,17 +121,18 @@ def default_limits(diagnosis: Diagnosis) -> Limits:
 
 def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], verb: str) -> Proposal:
     unit, length = diagnosis.records[0].force_unit, diagnosis.records[0].position_unit
-    found = screen(question, unit)
-    if not found:
+    found = searching.search(question, family_of(question, unit))
+    if found is None:
         raise UsageError(
             "no experiment has room within these limits; expected more force, travel, speed or time: raise them"
         )
-    option, refits = _closest_look(question, found)
-    told = _hopeless(question, found, called)
+    option, refits = found.best, found.refits
+    told = _hopeless(question, found.all, called)
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
     sentence = _sentence(option, called, pair, left, question, (unit, length), verb)
+    looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
         names=tuple(called),
@@ -146,30 +145,12 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
         difference=left.difference,
         pair=pair,
         noise=question.sensing.noise,
-        considered=tuple((one.profile.name, one.profile.duration, one.probability) for one in found),
+        considered=tuple((one.profile.name, one.profile.duration, one.probability) for one in looked),
         sentence=sentence,
         measurements=told,
         unit=unit,
         length=length,
     )
-
-
-def _closest_look(question: Question, found: Sequence[Option]) -> tuple[Option, list[list[Refitted | None]]]:
-    """The profile to be played, judged with real refits: one that refits see through gives way to the next."""
-    left = list(found)
-    seen: list[tuple[Option, list[list[Refitted | None]]]] = []
-    for _ in range(_CLOSER):
-        first = choose(left)
-        if first is None:
-            break
-        kept, refits = refitting.shares(question.predictors, first.predictions, first.grid, question.sensing)
-        closer = judge_again(question, first, kept)
-        seen.append((closer, refits))
-        if closer.probability >= min(first.probability - 0.02, ENOUGH):
-            break
-        left.remove(first)
-    best = choose([option for option, _ in seen])
-    return next(pair for pair in seen if pair[0] is best)
 
 
 def _closest_pair(option: Option) -> tuple[int, int]:

@@ -1,0 +1,122 @@
+"""``msd design``: the next experiment, from what was measured and what the rig may be put through."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from msd_ident.cli import sources
+from msd_ident.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.design import Limits, Proposal
+    from msd_ident.design.precision import Sharpened
+    from msd_ident.diagnose import Diagnosis
+    from msd_ident.record import Record
+
+LimitsOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) that the rig takes"),
+]
+
+
+def design(
+    paths: sources.PathsArgument,
+    limits: LimitsOption = None,
+    targets: Annotated[
+        str, typer.Option("--for", metavar="NAME,…", help="sharpen these parameters instead, e.g. mass,damping")
+    ] = "",
+    check: Annotated[bool, typer.Option("--check", help="look for what this data could not show, tied or not")] = False,
+    out: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv"),
+    ] = None,
+    figure: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--figure", metavar="FILE", help="picture of what the rivals predict (.png, .svg, .pdf)"),
+    ] = None,
+    force: sources.ForceOption = "",
+    position: sources.PositionOption = "",
+    time: sources.TimeOption = "",
+    force_scale: sources.ForceScaleOption = None,
+    position_scale: sources.PositionScaleOption = None,
+    time_scale: sources.TimeScaleOption = None,
+    force_unit: sources.ForceUnitOption = "",
+    position_unit: sources.PositionUnitOption = "",
+    hold: sources.HoldOption = "zero",
+    model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
+    json: sources.JsonOption = "",
+    quiet: sources.QuietOption = False,
+    overwrite: sources.OverwriteOption = False,
+) -> int:
+    """Design the shortest experiment that tells apart what this data cannot. All paths are of one rig."""
+    from msd_ident import pipeline
+    from msd_ident.bag import read
+    from msd_ident.cli import run
+    from msd_ident.design import read_limits
+
+    output = run.Output(json, quiet, overwrite)
+    output.check()
+    for target in (out, figure):
+        if target is not None:
+            run.check_target(target, overwrite)
+    if limits is None:
+        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
+    allowed = read_limits(limits)
+    source = sources.options(
+        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, None, None
+    )
+    with run.progress(quiet) as report:
+        records: Sequence[Record] = [read(path, source) for path in paths]
+        diagnosis = pipeline.diagnose(
+            records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
+        )
+        report("designing", 0.95)
+        found = _designed(diagnosis, allowed, targets, check)
+    _write(found, diagnosis, output, out, figure, [str(path) for path in paths], allowed)
+    return 0
+
+
+def _designed(diagnosis: Diagnosis, limits: Limits, targets: str, check: bool) -> Proposal | Sharpened | None:
+    from msd_ident import design as designs
+    from msd_ident.design.precision import sharpen
+
+    if targets:
+        return sharpen(diagnosis, [name.strip() for name in targets.split(",") if name.strip()], limits)
+    return designs.check(diagnosis, limits) if check else designs.design(diagnosis, limits)
+
+
+def _write(
+    found: Proposal | Sharpened | None, diagnosis: Diagnosis, output: object, out: Path | None, figure: Path | None,
+    paths: Sequence[str], limits: Limits,
+) -> None:  # fmt: skip
+    from rich.console import Console
+
+    from msd_ident.cli import run
+    from msd_ident.design import Proposal, write_profile
+    from msd_ident.report import design_figures, design_tables
+
+    assert isinstance(output, run.Output)
+    line = {
+        "schema": "msd.design/1", "path": " + ".join(paths), "verdict": diagnosis.verdict,
+        "limits": limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
+    }  # fmt: skip
+    run.write([line], output)
+    console: Console = Console(highlight=False)
+    if output.tables:
+        design_tables.print_design(found, diagnosis, console)
+    if found is None:
+        return
+    if out is not None:
+        write_profile(found.profile, out, (found.sentence,))
+        if output.tables:
+            console.print(f"profile: {out}", soft_wrap=True)
+    if figure is not None and isinstance(found, Proposal):
+        design_figures.save(found, figure)
+        if output.tables:
+            console.print(f"picture: {figure}", soft_wrap=True)

@@ -1,0 +1,79 @@
+"""The search through the family: from short to long, until one experiment decides as well as anybody needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.design import refitting
+from msd_ident.design.designing import ENOUGH, Option, Question, choose, judge_again, options
+from msd_ident.design.profile import Profile
+from msd_ident.design.refitting import Refitted
+from msd_ident.record import FloatArray
+
+#: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
+HOPELESS = 0.5
+_AT_ONCE, _CLOSER = 8, 5
+
+Refits = list[list[Refitted | None]]
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best experiment with its rivals' real refits, and all that were looked at."""
+
+    best: Option
+    refits: Refits
+    all: tuple[Option, ...]
+
+
+def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
+    """The first profile, in the order given, that decides well enough with rivals really refitted; else the best.
+
+    ``None`` when no profile has room within the limits.
+    """
+    seen: list[Option] = []
+    closer: list[tuple[Option, Refits]] = []
+    for begin in range(0, len(profiles), _AT_ONCE):
+        batch = options(question, profiles[begin : begin + _AT_ONCE])
+        seen += batch
+        good = [one for one in batch if one.probability >= ENOUGH]
+        if good and len(closer) < _CLOSER:
+            closer.append(_closely(question, min(good, key=lambda one: one.profile.duration)))
+            if closer[-1][0].probability >= ENOUGH:
+                return Found(*closer[-1], tuple(seen))
+    if not seen:
+        return None
+    question = _decidable(question, seen)
+    seen = [judge_again(question, one, np.ones_like(one.parting.chi)) for one in seen]
+    closer = [(judge_again(question, one, one.shares), refits) for one, refits in closer]
+    for pick in _promising(seen):
+        closer.append(_closely(question, pick))
+        if closer[-1][0].probability >= ENOUGH:
+            break
+    best = choose([one for one, _ in closer])
+    return Found(*next(pair for pair in closer if pair[0] is best), tuple(seen))
+
+
+def _promising(seen: Sequence[Option]) -> list[Option]:
+    """What deserves a closer look: the shortest of the good ones, and those that part the rivals furthest."""
+    first = choose(seen)
+    best = max(one.probability for one in seen)
+    good = [one for one in seen if one.probability >= best - 0.05 and one is not first]
+    good.sort(key=lambda one: -one.strength)
+    return ([first] if first else []) + good[: _CLOSER - 1]
+
+
+def _decidable(question: Question, seen: Sequence[Option]) -> Question:
+    """The question without those that no profile can find out: they get a measurement instead."""
+    best = np.max([one.parting.decided for one in seen], axis=0)
+    truths: FloatArray = np.where(best < HOPELESS, 0.0, question.truths)
+    return replace(question, truths=truths) if truths.any() else question
+
+
+def _closely(question: Question, option: Option) -> tuple[Option, Refits]:
+    """The option judged with rivals really refitted."""
+    kept, refits = refitting.shares(question.predictors, option.predictions, option.grid, question.sensing)
+    return judge_again(question, option, kept), refits
