@@ -106,7 +106,9 @@ def run(case: Case) -> Outcome:
     return _opened(case, draw, record, diagnosis, seconds)
 
 
-def _opened(case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis, seconds: tuple[float, float]) -> Outcome:
+def _opened(
+    case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis, seconds: tuple[float, float]
+) -> Outcome:
     floors = (diagnosis.base_adequacy.ratio, diagnosis.adequacy.ratio)
     removable = diagnosis.heldout.see_base**2 - draw.noise**2
     left = max(diagnosis.heldout.see_extended**2 - draw.noise**2, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from msd_ident.diagnose import resolvable
 from msd_ident.diagnose.descent import State, Weighting, descend, extended, step
-from msd_ident.diagnose.guesses import guesses
+from msd_ident.diagnose.guesses import from_coulomb, guesses
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
@@ -21,6 +21,13 @@ from msd_ident.record import FloatArray, Record
 
 Causes = frozenset[str]
 
+COULOMB = "coulomb_friction"
+#: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
+HOLDING_COULOMB = {
+    "stribeck_friction": "coulomb_force",
+    "position_dependent_friction": "coulomb_force",
+    "hysteresis": "hysteresis_force",
+}
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 _DAMPED = 1e-3
 _KEPT = 3
@@ -157,15 +164,22 @@ def causes_that_fit(causes: Causes) -> bool:
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
-    """Models to start from: the parent's values, with guesses for the effects that it lacks."""
+    """Models to start from: the parent's values, with guesses for the effects that it lacks.
+
+    A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
+    """
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
     liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
+    rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
     for name in sorted(causes - parent.causes):
-        found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
+        if rubs > 0.0 and name in HOLDING_COULOMB:
+            found = from_coulomb(name, plant, seen, rubs)
+        else:
+            found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
         models = [model + guess for model in models for guess in found]
     return models
 
@@ -284,6 +298,30 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
     state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
     return exactly(experiment, _at(causes, problem, state))
+
+
+def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
+    """A fitted model without one of its effects, the other parameters moved as the effect fades.
+
+    With sensitivities J of the residual, the strengths r go to their neutral values by Δr, and the others o follow by
+    Δo = -(Jo Jo')⁻¹ Jo Jr' Δr, which keeps the residual as it is as far as they can.
+    """
+    problem, point = fitted.problem, fitted.point
+    fade = np.zeros(point.size)
+    gone = np.zeros(point.size, dtype=bool)
+    neutral = dict(by_name(name).neutral)
+    for parameter in by_name(name).parameters:
+        if parameter.name in problem.names:
+            entry = problem.names.index(parameter.name)
+            gone[entry] = True
+            value = neutral.get(parameter.name, math.inf)
+            fade[entry] = value - point[entry] if math.isfinite(value) else 0.0
+    rows = fitted.state.jacobian
+    follow = np.linalg.lstsq(rows[~gone].T, -fade @ rows, rcond=1e-10)[0]
+    moved = point.copy()
+    moved[~gone] = np.clip(point[~gone] + follow, problem.lower[~gone], problem.upper[~gone])
+    model = fitted.model.with_values(problem.values(moved))
+    return replace(model, effects=tuple(e for e in model.effects if e.name != name)), problem.initials(moved)
 
 
 def _lower(experiment: Experiment, fitted: Fitted, steps: int) -> Fitted:

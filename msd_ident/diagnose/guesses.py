@@ -15,7 +15,10 @@ from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.record import FloatArray, Record
 
 _LINES = 4
@@ -47,6 +50,17 @@ def guesses(
         largest = float(np.max(np.abs(record.force)))
         found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
     return found
+
+
+def from_coulomb(name: str, plant: Model, record: Record, force: float) -> tuple[Effect, ...]:
+    """A law that holds Coulomb's as a limit, started next to a fitted Coulomb friction of ``force`` [N]."""
+    if name == "position_dependent_friction":
+        return (PositionDependentFriction(force, 0.0),)
+    if name == "stribeck_friction":
+        scales = {guess.stribeck_velocity for guess in StribeckFriction.guess(record, plant)}
+        return tuple(StribeckFriction(force, 1.3 * force, scale) for scale in sorted(scales))
+    lengths = {guess.hysteresis_length for guess in Hysteresis.guess(record, plant)}
+    return tuple(Hysteresis(force, length) for length in sorted(lengths))
 
 
 def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> tuple[Effect, ...]:

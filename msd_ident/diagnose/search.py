@@ -17,6 +17,8 @@ from typing import TypeVar
 
 from msd_ident import stopping
 from msd_ident.diagnose.candidates import (
+    COULOMB,
+    HOLDING_COULOMB,
     Causes,
     Experiment,
     Fitted,
@@ -26,8 +28,10 @@ from msd_ident.diagnose.candidates import (
     finish,
     proposals,
     refine,
+    without,
 )
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.fit.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
@@ -38,16 +42,8 @@ _Done = TypeVar("_Done")
 Progress = Callable[[str, float, str], None]
 
 NOTHING: Causes = frozenset()
-#: Laws that hold a simpler one as a limit, with the parameter that becomes the simpler law's.
-_SIMPLER = {
-    "stribeck_friction": "coulomb_force",
-    "position_dependent_friction": "coulomb_force",
-    "hysteresis": "hysteresis_force",
-}
 LARGEST = 4
 _ROUNDS = 12
-#: The cause that most often stands beside another one: it is always tried as a companion.
-_COMPANION = "coulomb_friction"
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -82,7 +78,8 @@ class Search:
         self._fit([frozenset({name}) for name in self.experiment.library], 0.05, 0.35)
         leader = self.ranking().best
         if not self.at_floor(leader):
-            companions = [causes for causes in (leader.causes, frozenset({_COMPANION})) if causes]
+            # Friction is what most often stands beside another cause.
+            companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
         return self._walk()
 
@@ -115,14 +112,15 @@ class Search:
         self.pruned.add(best.causes)
         for name in sorted(best.causes):
             model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
-            self._look_again(best.causes - {name}, model, best)
-            causes = best.causes - {name} | {_COMPANION}
-            if name in _SIMPLER and _COMPANION not in best.causes and causes_that_fit(causes):
-                self._look_again(causes, model + CoulombFriction(best.model[_SIMPLER[name]]), best)
+            self._look_again(best.causes - {name}, *without(best, name))
+            causes = best.causes - {name} | {COULOMB}
+            if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
+                rubbing = model + CoulombFriction(best.model[HOLDING_COULOMB[name]])
+                self._look_again(causes, rubbing, best.initial)
         return self.ranking().best
 
-    def _look_again(self, causes: Causes, model: Model, leader: Fitted) -> None:
-        fitted = refine(self.experiment, causes, model, leader.initial)
+    def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
+        fitted = refine(self.experiment, causes, model, initial)
         self.tried.add(causes)
         if causes not in self.sets or fitted.chi < self.sets[causes].chi:
             self.sets[causes] = fitted
@@ -147,9 +145,9 @@ class Search:
     def _resolved(self, causes: Causes) -> list[Causes]:
         """Sets in which a law that holds Coulomb's as a limit is Coulomb's and one cause more: what they can mimic."""
         found = []
-        for name in sorted(causes & set(_SIMPLER)):
-            found += self._grown(causes - {name} | {_COMPANION})
-        return [wanted for wanted in found if not wanted & (causes & set(_SIMPLER))]
+        for name in sorted(causes & set(HOLDING_COULOMB)):
+            found += self._grown(causes - {name} | {COULOMB})
+        return [wanted for wanted in found if not wanted & (causes & set(HOLDING_COULOMB))]
 
     def _grown(self, causes: Causes) -> list[Causes]:
         """Sets with one cause more."""
@@ -207,12 +205,15 @@ class Search:
         return finish(self.experiment, begun, least)
 
     def _parents(self, causes: Causes) -> list[Fitted]:
-        """The best two fitted sets that lack just one of the causes, if they are comparable, or else the base."""
+        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else the
+        base; and those that have Coulomb friction in place of a law that holds it as a limit.
+        """
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
-        return worth or [known[NOTHING]]
+        twins = [causes - {name} | {COULOMB} for name in causes & set(HOLDING_COULOMB) if COULOMB not in causes]
+        return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
 
 
 def _named(task: Causes | list[Start] | list[Fitted]) -> str:
