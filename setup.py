@@ -50,7 +50,6 @@ setup(
         "mcap>=1.5",  # the first whose writer can close a chunk by time
         "numba>=0.60",
         "numpy>=1.26",
-        "plotly>=6.0",  # the first that writes arrays as base64
         "pyyaml>=6.0",
         "rich>=13.7",
         "rosbags>=0.11",
@@ -59,6 +58,7 @@ setup(
         "zstandard>=0.22",
     ],
     extras_require={
+        "live": ["bokeh>=3.7"],  # the page of `msd live`; `make setup` installs it
         "docs": [
             "latex2mathml>=3.77",
             "mkdocs>=1.6,<2",
@@ -68,6 +68,7 @@ setup(
             "hypothesis>=6.100",
             "mypy>=1.11",
             "playwright>=1.45",  # drives the Chromium of the machine
+            "plotly>=6.0",  # says whether the page's figures are valid
             "pytest>=8.2",
             "pytest-timeout>=2.3",
             "pytest-xdist>=3.6",
@@ -83,6 +84,7 @@ setup(
             # Nodes, for `ros2 run msd_ident NAME` and the launch files.
             "rig = msd_sim.node:main",
             "identifier = msd_ident.ros.identifier:main",
+            "live = msd_ident.ros.live:main",
             "recorder = msd_ident.ros.recorder:main",
             "replayer = msd_ident.ros.replayer:main",
         ],

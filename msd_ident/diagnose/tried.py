@@ -85,7 +85,10 @@ def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, 
     if not possible:
         return "cannot act here: it needs a spring, or a force, and there is none."
     if not with_it:
-        return "not tried: nothing is left to explain."
+        if len(left) == 1:
+            return "not tried: nothing is left to explain."
+        best = min(left.values())
+        return f"given up at a first look: nowhere near the {best:.3g} noise floors of the best explanation."
     if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:
         said = f"alone it repairs nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
     else:

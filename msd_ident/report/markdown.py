@@ -57,7 +57,7 @@ def _diagnosis(found: Diagnosis) -> Iterator[str]:
     yield ""
     yield plain(found.summary)
     yield ""
-    scale = length_scale(found.base.see, found.records[0].position_unit)
+    scale = length_scale(max(found.noise_floor, 1e-3 * found.base.see), found.records[0].position_unit)
     rows = [
         ("SEE of the base model", f"{number(scale.factor * found.base.see, 3)} {scale.unit}"),
         ("SEE of the extended model", f"{number(scale.factor * found.extended.see, 3)} {scale.unit}"),
@@ -88,7 +88,7 @@ def _identification(found: Identification) -> Iterator[str]:
     yield from _parameters(identification_columns(found))
     scale = length_scale(found.original.see, found.records[0].position_unit)
     yield ""
-    yield f"Noise floor {number(scale.factor * found.noise_floor, 3)} {scale.unit}."
+    yield plain(f"Noise floor {number(scale.factor * found.noise_floor, 3)} {scale.unit}.")
     yield from _sentences("Notes", found.warnings)
     yield from _sentences("Open", found.open)
 

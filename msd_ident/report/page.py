@@ -75,7 +75,7 @@ def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail:
         Data(found.records, found.findings, provenance, found.extended.quantities.get("time_offset")),
     ]
     if found.next_experiment is not None:
-        sections.append(NextExperiment(found.next_experiment))
+        sections.append(NextExperiment(found.next_experiment, found.records[0].position_unit))
     return Article("msd diagnose", " + ".join(record.name for record in found.records), tuple(sections))
 
 

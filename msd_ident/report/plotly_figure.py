@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import html
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +12,6 @@ import numpy as np
 from msd_ident.report.plot import Panel, Plot, Series
 
 if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
     from msd_ident.record import FloatArray
 
 _GAP = 0.045
@@ -19,42 +19,38 @@ _GAP = 0.045
 
 def to_json(plot: Plot) -> str:
     """The figure as JSON that may stand inside a script element."""
-    text: str = figure(plot).to_json()
+    text = json.dumps(figure(plot), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def figure(plot: Plot) -> Figure:
-    """The figure, without a width: it takes that of its place."""
-    from plotly.graph_objects import Figure
-
-    found = Figure()
+def figure(plot: Plot) -> dict[str, Any]:
+    """The figure as plotly.js takes it, without a width: it has that of its place."""
     axes: dict[str, Any] = {}
-    tops = _domains(plot.panels)
-    for number, (panel, domain) in enumerate(zip(plot.panels, tops, strict=True), start=1):
+    traces: list[dict[str, Any]] = []
+    for number, (panel, domain) in enumerate(zip(plot.panels, _domains(plot.panels), strict=True), start=1):
         tail = "" if number == 1 else str(number)
         ticks = 7 if domain[1] - domain[0] > 0.25 else 3
         axes[f"yaxis{tail}"] = _axis(panel.ylabel, panel.log, ticks) | {"domain": domain, "anchor": "x"}
-        for series in panel.series:
-            for trace in _traces(series, f"y{tail}"):
-                found.add_trace(trace)
+        traces += [trace for series in panel.series for trace in _traces(series, f"y{tail}")]
     last = "" if len(plot.panels) == 1 else str(len(plot.panels))
     axes["xaxis"] = _axis(plot.xlabel, plot.log) | {"anchor": f"y{last}", "domain": [0.0, 1.0]}
     named = any(series.legend for panel in plot.panels for series in panel.series)
-    found.update_layout(
-        **axes,
-        template="none",
-        height=plot.height,
-        margin={"l": 62, "r": 12, "t": 34 if named else 10, "b": 46},
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="rgba(0,0,0,0)",
-        font={"family": "system-ui, sans-serif", "size": 12, "color": "var(--ink)"},
-        hovermode="closest",
-        hoverlabel={"bgcolor": "var(--card)", "bordercolor": "var(--line)", "font": {"color": "var(--ink)"}},
-        legend={"orientation": "h", "x": 0.0, "y": 1.0, "xanchor": "left", "yanchor": "bottom"},
-        dragmode="zoom",
-        modebar={"bgcolor": "rgba(0,0,0,0)", "color": "var(--quiet)", "activecolor": "var(--ink)"},
-    )
-    return found
+    return {"data": traces, "layout": axes | _layout(plot.height, 34 if named else 10)}
+
+
+def _layout(height: int, top: int) -> dict[str, Any]:
+    return {
+        "height": height,
+        "margin": {"l": 62, "r": 12, "t": top, "b": 46},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "var(--ink)"},
+        "hovermode": "closest",
+        "hoverlabel": {"bgcolor": "var(--card)", "bordercolor": "var(--line)", "font": {"color": "var(--ink)"}},
+        "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "xanchor": "left", "yanchor": "bottom"},
+        "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": "var(--quiet)", "activecolor": "var(--ink)"},
+        "dragmode": "zoom",
+    }
 
 
 def _domains(panels: tuple[Panel, ...]) -> list[list[float]]:
@@ -114,6 +110,6 @@ def _traces(series: Series, axis: str) -> list[dict[str, Any]]:
     return [trace | {"mode": "lines", "line": {"color": colour, "width": width, **shape, **dash}}]
 
 
-def _small(values: FloatArray) -> Any:
-    """Seven digits are enough for the eye, and take half the room."""
-    return np.ascontiguousarray(values, dtype=np.float32)
+def _small(values: FloatArray) -> dict[str, str]:
+    """Seven digits are enough for the eye: base64 of 32-bit numbers takes half the room of text."""
+    return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values, dtype="<f4").tobytes()).decode("ascii")}

@@ -31,6 +31,11 @@ def effect(name: str) -> str:
     return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words
 
 
+def effects(names: str) -> str:
+    """``Coulomb friction + quadratic drag`` for names joined by ``+``, as sets of causes are written."""
+    return " + ".join(effect(name.strip()) for name in names.split("+"))
+
+
 def meaning(name: str) -> str:
     """What the effect is: the first sentence of its own file, without its full stop."""
     sentence = (sys.modules[by_name(name).__module__].__doc__ or effect(name)).splitlines()[0].rstrip(".")

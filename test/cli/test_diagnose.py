@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -75,11 +76,26 @@ def test_nothing_is_overwritten(
     assert json.loads(target.read_text())["verdict"] == "adequate"
 
 
-def test_a_report_is_one_page_with_the_words_and_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = written(tmp_path / "clean.csv")
-    page = tmp_path / "report.html"
-    assert run(monkeypatch, path, "--report", page, "--quiet") == 0
+def test_page_summary_and_figures_of_one_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path / "clean.csv", rate=200)
+    page, notes, folder = tmp_path / "report.html", tmp_path / "notes.md", tmp_path / "figures"
+    everything = ("--report", page, "--markdown", notes, "--figures", folder)
+    assert run(monkeypatch, path, *everything, "--quiet") == 0
+    assert capsys.readouterr() == ("", "")
     text = page.read_text(encoding="utf-8")
     assert "Mass, damping and stiffness are enough" in text
-    assert "data:image/png;base64," in text
-    assert run(monkeypatch, path, "--report", page, "--quiet") == 2
+    assert hashlib.sha256(path.read_bytes()).hexdigest() in text and f"msd diagnose {path}" in text
+    assert notes.read_text(encoding="utf-8").startswith("# clean.csv: adequate")
+    names = sorted(picture.name for picture in (folder / "clean.csv").iterdir())
+    assert {"fit.png", "fit.svg", "missing_velocity.png", "bode.svg"} <= set(names)
+    assert run(monkeypatch, path, *everything, "--quiet") == 2
+    assert "--overwrite" in capsys.readouterr().err
+
+
+def test_a_page_into_nowhere_is_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, tmp_path / "none.csv", "--report", tmp_path / "nowhere" / "report.html") == 2
+    assert "does not exist; expected one to write report.html into" in capsys.readouterr().err

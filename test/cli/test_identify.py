@@ -43,7 +43,7 @@ def test_tables_pictures_and_json_of_one_file(step_csv: Path, tmp_path: Path) ->
     assert found["path"] == str(step_csv)
     assert found["refined"]["parameters"]["mass"]["value"] == pytest.approx(0.9407, rel=1e-3)
     pictures = sorted((tmp_path / "figures").rglob("*.png"))
-    assert [picture.name for picture in pictures] == ["figure_7_model.png", "figure_8_residual.png"]
+    assert [picture.name for picture in pictures] == ["bode.png", "figure_7_model.png", "figure_8_residual.png"]
     assert all(picture.stat().st_size > 10_000 for picture in pictures)
 
 

@@ -12,6 +12,7 @@ from msd_ident.bag import SourceOptions, read
 from msd_ident.identification import Identification
 from msd_ident.pipeline import identify
 from msd_ident.report import figures, tables
+from msd_ident.report.thinning import thinned
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"
 
@@ -45,11 +46,14 @@ def test_peaks_survive_thinning() -> None:
     time = np.linspace(0.0, 1.0, 50_000)
     signal = np.zeros(time.size)
     signal[31_234] = 5.0
-    thin_time, thin = figures.thinned(time, signal, 1000)
+    thin_time, thin = thinned(time, signal, 1000)
     assert thin.size <= 1000 and thin.max() == 5.0 and np.all(np.diff(thin_time) > 0)
 
 
 def test_figures_7_and_8_are_written_for_each_record(found: Identification, tmp_path: Path) -> None:
-    written = figures.save(found, tmp_path / "new", suffix="svg")
-    assert written == figures.paths(found, tmp_path / "new", suffix="svg") and len(written) == 2
-    assert all("<svg" in path.read_text(encoding="utf-8") for path in written)
+    written = figures.save(found, tmp_path / "new")
+    assert written == figures.paths(found, tmp_path / "new")
+    names = ["figure_7_model", "figure_8_residual", "bode"]
+    assert [path.name for path in written] == [f"{name}.{suffix}" for name in names for suffix in ("png", "svg")]
+    assert all("<svg" in path.read_text(encoding="utf-8") for path in written if path.suffix == ".svg")
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in written if path.suffix == ".png")

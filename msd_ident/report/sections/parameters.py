@@ -64,7 +64,7 @@ class Parameters(Section):
         """Rows of the table, and what is open."""
         names = dict.fromkeys(name for column in self._columns for name in column.quantities)
         rows = [(*words.parameter(name), self._cells(name), self._unit(name)) for name in names]
-        scale = length_scale(self._columns[0].see, self._records[0].position_unit)
+        scale = length_scale(min(column.see for column in self._columns), self._records[0].position_unit)
         errors = [marked.length(f"{column.key}.see_m", column.see, scale) for column in self._columns]
         return {"columns": self._columns, "rows": rows, "errors": errors, "open": self._open}
 

@@ -51,7 +51,7 @@ class DiagnosisVerdict(Section):
 
     def _cards(self) -> Iterator[Card]:
         found = self._found
-        scale = length_scale(found.base.see, found.records[0].position_unit)
+        scale = length_scale(max(found.noise_floor, 1e-3 * found.base.see), found.records[0].position_unit)
         floors = number(found.base_adequacy.ratio, 3)
         before = marked.length("base.see_m", found.base.see, scale)
         yield Card("error of the base model", before, f"SEE of m, b, k alone: {floors} noise floors", "base")
@@ -81,7 +81,7 @@ class IdentificationVerdict(Section):
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards, warnings and what is open."""
         found = self._found
-        scale = length_scale(found.original.see, found.records[0].position_unit)
+        scale = length_scale(max(found.noise_floor, 1e-3 * found.original.see), found.records[0].position_unit)
         cards = [
             Card(
                 "error of the original model",
