@@ -18,7 +18,7 @@ Everything that the diagnosis can name, one page each. The pages are made from t
 Laws stand as forces on the left-hand side of
 
 ```math
-m\\,\\ddot x + b\\,\\dot x + k\\,x + \\text{effects} = F
+m\\,x'' + b\\,x' + k\\,x + \\text{effects} = F
 ```
 
 unless they say otherwise. Any of them can stand together, except two of one family.

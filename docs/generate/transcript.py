@@ -24,8 +24,8 @@ from unittest import mock
 _BLOCK = re.compile(r"^```console\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _NUMBER = re.compile(r"(?<![\w.])[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 
-#: Part of a number by which machines and libraries may differ, and by which probabilities and intervals may.
-CLOSE, LOOSE = 0.02, 0.1
+#: Part of a decimal number, and units of its last digit, by which machines and libraries may differ.
+CLOSE, DIGITS = 0.02, 3
 
 
 @dataclass(frozen=True)
@@ -89,9 +89,14 @@ def _lines(text: str) -> Iterator[str]:
 
 
 def _near(one: str, other: str) -> bool:
+    if one == other:
+        return True
+    digits, _, exponent = one.lower().partition("e")
+    if "." not in digits and "." not in other:
+        return False  # counts are counts
+    last = 10.0 ** (int(exponent or 0) - len(digits.partition(".")[2]))
     a, b = (float(text.replace("−", "-")) for text in (one, other))
-    whole = "." not in one and "e" not in one
-    return abs(a - b) <= (LOOSE if whole or abs(a) < 1.0 else CLOSE) * max(abs(a), abs(b)) + (1.0 if whole else 0.0)
+    return abs(a - b) <= CLOSE * max(abs(a), abs(b)) + DIGITS * last
 
 
 @contextmanager

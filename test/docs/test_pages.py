@@ -1,0 +1,105 @@
+"""The pages: built without a warning, one for each effect and command, numbers and tables as the code has them."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import command_page
+import docs_values
+import effect_pages
+import pytest
+import ros_tables
+
+from msd_ident.cli import main
+from msd_ident.diagnose.evidence import DECISIVE
+from msd_ident.features.paper_tables import Table1, derive
+from msd_ident.model.effects import LIBRARY
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+PAGES = REPOSITORY / "docs"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The strict build, in which every warning (a dead link, an anchor that is gone) is an error."""
+    pytest.importorskip("material", reason="no mkdocs-material here; it comes with the extra `docs`")
+    pytest.importorskip("rclpy", reason="no ROS 2 here, whose nodes say what their parameters are")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    quiet = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, cwd=REPOSITORY, env=quiet, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.mark.xdist_group("site")
+def test_pages_need_no_network(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        loaded = re.findall(r'<(?:script|link|img|iframe)\b[^>]*?(?:src|href)="(https?://[^"]+)"', text)
+        assert not loaded, f"{page.name} loads {loaded}"
+
+
+@pytest.mark.xdist_group("site")
+def test_each_effect_has_its_page_with_law_and_parameters(site: Path) -> None:
+    for effect in LIBRARY:
+        text = html.unescape((site / "effects" / f"{effect.name}.html").read_text(encoding="utf-8"))
+        for said in (effect.law, *(p.name for p in effect.parameters), *(p.meaning for p in effect.parameters)):
+            assert said in text, f"{effect.name}: {said}"
+
+
+@pytest.mark.xdist_group("site")
+def test_equations_and_numbers_are_set(site: Path) -> None:
+    for name in ("diagnosis", "intervals", "solver", "identities"):
+        text = (site / f"{name}.html").read_text(encoding="utf-8")
+        assert "<math" in text and "[[" not in text and "\\frac" not in text and "<!-- parameters" not in text
+    assert f"Less than {DECISIVE} nats" in (site / "diagnosis.html").read_text(encoding="utf-8")
+
+
+def test_each_command_and_option_is_on_its_page() -> None:
+    page = command_page.page()
+    for name in main.COMMANDS:
+        assert f"\n## msd {name}\n" in page
+    assert "--position-scale NUMBER" in page and "--json FILE" in page and "| `PATH…` |" in page
+
+
+def test_effects_say_what_they_are() -> None:
+    page = effect_pages.page(next(effect for effect in LIBRARY if effect.name == "stribeck_friction"))
+    assert "Family *dry friction*" in page and "[coulomb_friction](coulomb_friction.md)" in page
+    assert "general path" in page and "msd simulate --effect stribeck_friction" in page
+    assert "| `stribeck_velocity` | vs | m/s |" in page
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(3.5, "3.5"), (1e-5, "10⁻⁵"), (2e-7, "2·10⁻⁷"), (200_000, "200 000"), ((16, 64), "16, 64")]
+)
+def test_numbers_are_written_for_people(value: object, text: str) -> None:
+    assert docs_values.written(value) == text
+
+
+def test_a_constant_that_is_gone_is_an_error() -> None:
+    with pytest.raises(AttributeError, match="NO_SUCH"):
+        docs_values.filled("at most [[diagnose.evidence.NO_SUCH]] nats")
+
+
+def test_messages_are_read_whole() -> None:
+    for path in (REPOSITORY / "msd_interfaces").rglob("*.*"):
+        if path.suffix in (".msg", ".srv", ".action"):
+            lines = path.read_text(encoding="utf-8").splitlines()
+            wanted = [line for line in lines if line and not line.startswith(("#", " ", "---"))]
+            found = list(ros_tables.fields("\n".join(line for line in lines if line != "---")))
+            assert len(found) == len(wanted), path.name
+
+
+def test_the_paper_page_has_the_numbers_of_today() -> None:
+    page, derived = (PAGES / "paper.md").read_text(encoding="utf-8"), derive(Table1())
+    rows = {line.split("  ")[0].strip(): line.split() for line in page.splitlines() if line.startswith(" ")}
+    wanted = {"mass m": derived.mass, "stiffness k": derived.stiffness, "damping ratio ζ": derived.damping_ratio}
+    for name, value in wanted.items():
+        computed = float(rows[name][len(name.split())])
+        assert computed == pytest.approx(value, rel=1e-4), name
