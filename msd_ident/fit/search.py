@@ -46,7 +46,7 @@ _DECIDED = 0.12
 #: Parameters that give the cart many places to rest in, so that a small error sends it to another one.
 _MULTISTABLE = ("cogging_amplitude", "second_mass")
 #: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
-_KINKED = ("coulomb_force", "static_force", "backlash_half_width")
+_KINKED = ("coulomb_force", "static_force", "backlash_half_width", "stop_position")
 _JUMPS = (0.55, 0.8, 1.25, 1.8)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -10,7 +11,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from msd_ident.model.effects import LIBRARY
+from msd_ident.fit import fit
+from msd_ident.model import Plant
+from msd_ident.model.effects import LIBRARY, by_name
 
 
 def _study(repository: Path, name: str) -> ModuleType:
@@ -35,3 +38,39 @@ def test_intervals_cover_the_truth(repository: Path) -> None:
     inside = np.mean(np.abs(deviations) < 1.96, axis=0)
     # 60 rigs with 95 % each: at least 52 with a probability of 99.9 %.
     assert np.all(inside >= 52 / 60), inside
+
+
+def test_a_start_up_to_four_times_wrong(repository: Path) -> None:
+    study = _study(repository, "study_recovery")
+    rng = np.random.default_rng([0, 6, 77])
+    plant, values, force = study.draw("end_stop", rng)
+    records = study.measure(plant, "end_stop", values, force, rng)
+    truth = Plant(**plant) + by_name("end_stop").from_values(values)
+    wrong = truth.with_values(truth.values * 4.0 ** rng.uniform(-1.0, 1.0, truth.values.size))
+    result = fit(wrong, records)
+    assert result.see < 1.15 * result.noise_floor
+
+
+def _trial(seed: int, deviation: float, see_over_floor: float = 1.0) -> dict[str, object]:
+    return {
+        "effect": "cogging", "seed": seed, "deviations": {"mass": deviation, "damping": 0.5}, "seconds": 0.1,
+        "see_over_floor": see_over_floor, "message": "", "recovered": abs(deviation) <= 3.0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("worst", "floors", "code"), [(1.0, 1.0, 0), (3.5, 1.0, 1), (1.0, 2.0, 1)])
+def test_the_page_of_both_studies(
+    worst: float, floors: float, code: int, repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recovery = [_trial(seed, 1.0) for seed in range(9)] + [_trial(9, worst, floors)]
+    coverage = [{"seed": seed, "deviations": [2.5 if seed == 0 else 1.0] * 4} for seed in range(20)]
+    (tmp_path / "r.json").write_text(json.dumps(recovery))
+    (tmp_path / "c.json").write_text(json.dumps(coverage))
+    page = tmp_path / "page.md"
+    files = ["--recovery", str(tmp_path / "r.json"), "--coverage", str(tmp_path / "c.json"), "--out", str(page)]
+    monkeypatch.setattr(sys, "argv", ["study_table.py", *files])
+    assert _study(repository, "study_table").main() == code
+    text = page.read_text()
+    assert f"| {10 - (worst > 3.0)} of 10 |" in text
+    assert ("- `cogging`: 9: mass 3.5" in text) == (worst > 3.0)
+    assert "| 0–19 | 20 | 95.0 | 95.0 | 95.0 | 95.0 |" in text
