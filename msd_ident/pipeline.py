@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident import quality
-from msd_ident.diagnose import Diagnosis, diagnose_records
+from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
 from msd_ident.diagnose.ringdown import ring_down
 from msd_ident.errors import DataError, UsageError
@@ -82,10 +82,11 @@ def identify(
     findings = tuple(finding for record in given for finding in quality.check(record))
     _refuse(findings)
     progress("features of the response", 0.15)
-    features = tuple(extract(record) for record in given)
+    cleaned = tuple(quality.clean(record).record for record in given)
+    features = tuple(extract(record) for record in cleaned)
     form = pooled(features)
     turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
-    used = tuple(_usable(record, found, turned) for record, found in zip(given, features, strict=True))
+    used = tuple(_usable(record, found, turned) for record, found in zip(cleaned, features, strict=True))
     sprung = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
     joint = _joint(used, sprung, form, options)
@@ -131,10 +132,11 @@ def diagnose(
     progress("looking at the data", 0.01, "")
     findings = tuple(finding for record in given for finding in quality.check(record))
     _refuse(findings)
-    features = tuple(extract(record) for record in given)
+    cleaned = tuple(quality.clean(record).record for record in given)
+    features = tuple(extract(record) for record in cleaned)
     form = pooled(features)
     turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
-    used = tuple(_usable(record, found, turned) for record, found in zip(given, features, strict=True))
+    used = tuple(_usable(record, found, turned) for record, found in zip(cleaned, features, strict=True))
     return diagnose_records(
         used,
         sprung=_sprung(used, options, form),
@@ -308,4 +310,5 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tupl
             f"The refined model leaves {joint.see / floor:.3g} times the noise floor: something is missing in it; "
             "run msd diagnose to name it."
         )
+        said += push.sentences(records, joint, floor)
     return tuple(said)

@@ -18,6 +18,8 @@ _STARTS = (0.3, 0.8, 1.5, 4.0)
 _SEARCH = 300
 #: Distance to critical damping below which the two roots are moved apart, so that their difference can divide.
 _CRITICAL = 1e-6
+#: Slopes beyond this are no response any more: the search ran away, as where half of the response is missing.
+_SOUND = 1e100
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,8 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
     if best is None:
         return None
     last = problem.solve(best.x)
-    return _shape(last, problem) if np.all(np.isfinite(last.x)) else None
+    sound = np.all(np.isfinite(last.x)) and float(np.max(np.abs(last.jac))) < _SOUND
+    return _shape(last, problem) if sound else None
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,8 @@ class _Problem:
         return np.concatenate((misfit, (before, point[4] * max(self.floor / self.size, 1e-9))))
 
     def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
-        return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
+        with np.errstate(over="ignore", invalid="ignore"):  # a search that runs away is told by its result
+            return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
 
 
 def _shape(found: scipy.optimize.OptimizeResult, problem: _Problem) -> Shape:

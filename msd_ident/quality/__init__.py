@@ -8,32 +8,35 @@ from __future__ import annotations
 
 from msd_ident.motion import observe
 from msd_ident.noise import encoder_step, noise_floor
+from msd_ident.quality.cleaning import Cleaned, clean
 from msd_ident.quality.clocks import clocks
-from msd_ident.quality.encoder import frozen_encoder, outliers, rate, resolution
+from msd_ident.quality.encoder import frozen_encoder, rate, removed, resolution
 from msd_ident.quality.excitation import excitation
 from msd_ident.quality.finding import Check, Finding
 from msd_ident.quality.sampling import missing_in, missing_samples, sampling
 from msd_ident.quality.units import time_unit, units
 from msd_ident.record import Record
 
-__all__ = ["Finding", "check", "encoder_step", "missing_in", "missing_samples", "noise_floor"]
+__all__ = ["Cleaned", "Finding", "check", "clean", "encoder_step", "missing_in", "missing_samples", "noise_floor"]
 
+#: Checks of a record from which the readings that no motion makes are gone.
 CHECKS: tuple[Check, ...] = (
     excitation,
-    sampling,
     frozen_encoder,
     resolution,
     rate,
     clocks,
     units,
     time_unit,
-    outliers,
 )
 
 
 def check(record: Record) -> tuple[Finding, ...]:
     """All findings of a record, the worst first."""
-    motion = observe(record, encoder_step(record), noise_floor(record))
-    findings = [finding for one in CHECKS for finding in one(record, motion)]
+    cleaned = clean(record)
+    kept = cleaned.record
+    motion = observe(kept, encoder_step(kept), noise_floor(kept))
+    findings = [*sampling(record), *removed(record, cleaned)]
+    findings += [finding for one in CHECKS for finding in one(kept, motion)]
     order = ("error", "warning", "info")
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.motion import Motion
+from msd_ident.quality.cleaning import Cleaned
 from msd_ident.quality.finding import Finding
 from msd_ident.record import Record
 
@@ -87,20 +88,23 @@ def _samples_an_oscillation(record: Record, motion: Motion) -> float:
     return 2 * motion.half_period / record.period if motion.half_period else np.inf
 
 
-def outliers(record: Record, motion: Motion) -> Iterator[Finding]:
-    """Single readings far off both of their neighbours, which agree with each other."""
-    change = np.diff(record.position)
-    before, after = change[:-1], -change[1:]
-    height = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)[2:-2]
-    size = np.abs(change)
-    usual = np.max([size[:-5], size[1:-4], size[4:-1], size[5:]], axis=0)
-    wild = np.flatnonzero(height > 10 * usual + max(50 * motion.floor, 0.1 * motion.span)) + 3
-    highest = float(np.max(height[wild - 3], initial=0.0))
-    if wild.size and wild.size < 0.02 * record.samples:
+def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
+    """Wild readings that were left out, and jumps of the zero that were taken back."""
+    unit, wild = record.position_unit, cleaned.wild
+    if wild.size:
+        what = "single readings jump" if wild.size > 1 else "single reading jumps"
+        first = f"the first at {record.time[wild[0]]:.3f} s" if wild.size > 1 else f"at {record.time[wild[0]]:.3f} s"
         yield Finding(
             "warning",
             "outliers",
-            f"{wild.size} single readings jump away from their neighbours, by up to {highest:.4g} "
-            f"{record.position_unit} (the first at {record.time[wild[0]]:.3f} s): "
-            "remove them, or use --loss soft_l1",
+            f"{wild.size} {what} away from their neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left out; "
+            "check the encoder's cable",
+        )
+    for jump in cleaned.jumps:
+        at = cleaned.record.time[jump.index]
+        yield Finding(
+            "warning",
+            "zero_shift",
+            f"the position jumps by {jump.size:.4g} {unit} within one sample at {at:.3f} s and goes on with the same "
+            "speed: the encoder's zero moved; what follows was shifted back, check cable and coupling",
         )

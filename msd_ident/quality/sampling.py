@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.motion import Motion
 from msd_ident.quality.finding import Finding
 from msd_ident.record import FloatArray, Record
 
@@ -17,7 +16,7 @@ _REGULAR = 0.25
 _JITTER_TOLD, _JITTER_BAD = 0.05, 0.2
 
 
-def sampling(record: Record, motion: Motion) -> Iterator[Finding]:
+def sampling(record: Record) -> Iterator[Finding]:
     intervals = np.diff(record.time)
     fast, slow = _rates(intervals)
     if fast and slow:
