@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.diagnose import Diagnosis
-from msd_ident.report import matplotlib_figure
+from msd_ident.report import matplotlib_figure, verdict_figure
 from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.page import of_diagnosis, of_identification
 from msd_ident.report.plot import Panel, Plot
@@ -31,7 +31,8 @@ def plots(found: Diagnosis | Identification) -> tuple[Plot, ...]:
 
 def paths(found: Diagnosis | Identification, directory: Path) -> list[Path]:
     """Where ``save`` writes."""
-    return matplotlib_figure.paths(plots(found), directory)
+    first = verdict_figure.paths(directory) if isinstance(found, Diagnosis) else []
+    return first + matplotlib_figure.paths(plots(found), directory)
 
 
 def save(found: Diagnosis | Identification, directory: Path) -> list[Path]:
@@ -40,7 +41,8 @@ def save(found: Diagnosis | Identification, directory: Path) -> list[Path]:
     Raises:
         SetupError: the disk does not take them.
     """
-    return matplotlib_figure.save(plots(found), directory)
+    first = verdict_figure.save(found, directory) if isinstance(found, Diagnosis) else []
+    return first + matplotlib_figure.save(plots(found), directory)
 
 
 def _named(found: list[Plot]) -> tuple[Plot, ...]:

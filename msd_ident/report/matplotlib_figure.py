@@ -33,14 +33,14 @@ def draw(plot: Plot) -> Figure:
 
     made = Figure(figsize=(_WIDTH, plot.height / 90.0), layout="constrained")
     grid = made.subplots(
-        len(plot.panels), 1, sharex=True, squeeze=False, height_ratios=[panel.share for panel in plot.panels]
+        len(plot.panels), 1, sharex=True, squeeze=False, height_ratios=[one.share for one in plot.panels]
     )
-    for axes, panel in zip(grid[:, 0], plot.panels, strict=True):
-        _panel(axes, panel)
+    for axes, one in zip(grid[:, 0], plot.panels, strict=True):
+        panel(axes, one)
     grid[-1, 0].set_xlabel(plot.xlabel)
     if plot.log:
         grid[-1, 0].set_xscale("log")
-    made.suptitle(_plain(plot.title), fontsize=11, x=0.02, ha="left")
+    made.suptitle(plain(plot.title), fontsize=11, x=0.02, ha="left")
     return made
 
 
@@ -50,15 +50,21 @@ def save(plots: Sequence[Plot], directory: Path) -> list[Path]:
     Raises:
         SetupError: the disk does not take them.
     """
-    targets = paths(plots, directory)
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        for plot in plots:
-            drawn = draw(plot)
-            for target in paths([plot], directory):
-                drawn.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
-    except OSError as error:
-        raise SetupError(f"cannot write to {directory}: {error.strerror}; expected a place that takes files") from None
+    return [path for plot in plots for path in write(draw(plot), paths([plot], directory))]
+
+
+def write(figure: Figure, targets: list[Path]) -> list[Path]:
+    """Save one figure under several names; the same figure gives the same file.
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
+    for target in targets:
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            figure.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
+        except OSError as error:
+            raise SetupError(f"cannot write {target}: {error.strerror}; expected a place that takes files") from None
     return targets
 
 
@@ -67,22 +73,31 @@ def paths(plots: Sequence[Plot], directory: Path) -> list[Path]:
     return [directory / f"{plot.slug}.{suffix}" for plot in plots for suffix in SUFFIXES]
 
 
-def _panel(axes: Axes, panel: Panel) -> None:
-    for series in panel.series:
+def panel(axes: Axes, shown: Panel, columns: int = 4) -> None:
+    """Draw one pair of axes, its legend above in so many columns."""
+    for series in shown.series:
         _series(axes, series)
-    axes.set_ylabel(panel.ylabel)
-    if panel.log:
+    axes.set_ylabel(shown.ylabel)
+    if shown.log:
         axes.set_yscale("log")
-    if panel.ticks:
-        axes.set_yticks([place for place, _ in panel.ticks], [_plain(word) for _, word in panel.ticks])
+    if shown.ticks:
+        axes.set_yticks([place for place, _ in shown.ticks], [plain(word) for _, word in shown.ticks])
     axes.grid(alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-    if any(series.legend for series in panel.series):
-        axes.legend(frameon=False, fontsize=8, ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1)
+    if any(series.legend for series in shown.series):
+        axes.legend(
+            frameon=False,
+            fontsize=8,
+            ncols=columns,
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.1,
+            markerscale=3.0,
+        )
 
 
 def _series(axes: Axes, series: Series) -> None:
-    colour, label = INK[series.role], _plain(series.name) if series.legend else None
+    colour, label = INK[series.role], plain(series.name) if series.legend else None
     if series.kind == "band":
         assert series.low is not None
         axes.fill_between(series.x, series.low, series.y, color=colour, alpha=0.25, linewidth=0, label=label)
@@ -92,7 +107,7 @@ def _series(axes: Axes, series: Series) -> None:
         axes.errorbar(series.x, series.y, series.error, fmt="o", markersize=3, color=colour, linewidth=0.8, label=label)
     elif series.kind == "points":
         many = series.x.size >= 200
-        size, alpha = (1.6, 0.45) if many else (3.5, 1.0)
+        size, alpha = (1.9, 0.5) if many else (3.5, 1.0)
         axes.plot(series.x, series.y, ".", markersize=2 * size, alpha=alpha, color=colour, mew=0, label=label)
     else:
         width = {"measured": 2.2, "law": 2.0}.get(series.role, 1.1)
@@ -107,6 +122,6 @@ def _series(axes: Axes, series: Series) -> None:
         )
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text from outside as it stands: a dollar sign would begin a formula."""
     return text.replace("$", r"\$")

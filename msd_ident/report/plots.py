@@ -11,7 +11,7 @@ import numpy as np
 from msd_ident.report import words
 from msd_ident.report.numbers import Scale, length_scale
 from msd_ident.report.plot import Panel, Plot, Role, Series
-from msd_ident.report.thinning import MAXIMUM_POINTS, spaced, thinned
+from msd_ident.report.thinning import MAXIMUM_POINTS, spread, thinned
 
 if TYPE_CHECKING:
     from msd_ident.diagnose import Diagnosis
@@ -155,7 +155,13 @@ def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail
     if beyond.explained:
         other = beyond.explained[index]
         series.append(line("the same, of the extended model", "extended", other.time, other.force, detail.curve))
-    return Plot("missing_time", "against time", "time [s]", (Panel(f"missing force [{unit}]", tuple(series)),), 300)
+    return Plot(
+        "missing_time",
+        "Missing force against time",
+        "time [s]",
+        (Panel(f"missing force [{unit}]", tuple(series)),),
+        300,
+    )
 
 
 def missing_clouds(
@@ -182,11 +188,11 @@ def _cloud(signal: str, label: str, factor: float, beyond: Beyond, index: int, u
         name = " + ".join(words.effect(cause) for cause in law.causes)
         series.append(Series(f"law: {name}", "law", factor * law.over, law.force))
     panel = Panel(f"missing force [{unit}]", tuple(series))
-    return Plot(f"missing_{signal}", f"against {signal}", label, (panel,), 340)
+    return Plot(f"missing_{signal}", f"Missing force against {signal}", label, (panel,), 340)
 
 
 def _points(name: str, role: Role, part: MissingForce, signal: str, factor: float, detail: Detail) -> Series:
-    keep = spaced(part.time.size, detail.cloud)
+    keep = spread(getattr(part, signal), detail.cloud)
     return Series(name, role, factor * getattr(part, signal)[keep], part.force[keep], "points")
 
 

@@ -24,6 +24,20 @@ def thinned(time: FloatArray, values: FloatArray, points: int = MAXIMUM_POINTS) 
     return time[index], values[index]
 
 
-def spaced(size: int, points: int) -> npt.NDArray[np.intp]:
-    """Indices of at most ``points`` of ``size`` samples, evenly spaced: for clouds, where extremes would mislead."""
-    return np.unique(np.linspace(0, size - 1, min(size, points)).astype(np.intp))
+def spread(signal: FloatArray, points: int, bins: int = 50) -> npt.NDArray[np.intp]:
+    """Indices of about ``points`` samples, as many from each part of the signal's range, evenly spaced in time.
+
+    A cart is at rest most of the time: drawn sample by sample, a cloud would show little else.
+    """
+    if signal.size <= points:
+        return np.arange(signal.size)
+    edges = np.linspace(float(signal.min()), float(signal.max()), bins + 1)[1:-1]
+    place = np.searchsorted(edges, signal)
+    kept = [_spaced(np.flatnonzero(place == one), points // bins) for one in range(bins)]
+    return np.sort(np.concatenate(kept))
+
+
+def _spaced(index: npt.NDArray[np.intp], points: int) -> npt.NDArray[np.intp]:
+    if index.size <= points:
+        return index
+    return index[np.unique(np.linspace(0, index.size - 1, points).astype(np.intp))]

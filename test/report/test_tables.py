@@ -12,7 +12,7 @@ from msd_ident.bag import SourceOptions, read
 from msd_ident.identification import Identification
 from msd_ident.pipeline import identify
 from msd_ident.report import figures, tables
-from msd_ident.report.thinning import thinned
+from msd_ident.report.thinning import spread, thinned
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"
 
@@ -48,6 +48,13 @@ def test_peaks_survive_thinning() -> None:
     signal[31_234] = 5.0
     thin_time, thin = thinned(time, signal, 1000)
     assert thin.size <= 1000 and thin.max() == 5.0 and np.all(np.diff(thin_time) > 0)
+
+
+def test_a_cloud_shows_the_motion_and_not_the_rest_alone() -> None:
+    velocity = np.concatenate((np.zeros(50_000), np.linspace(-1.0, 1.0, 500)))
+    keep = spread(velocity, 1000)
+    assert keep.size <= 1000 and np.all(np.diff(keep) > 0)
+    assert np.count_nonzero(velocity[keep]) > 0.9 * 480
 
 
 def test_figures_7_and_8_are_written_for_each_record(found: Identification, tmp_path: Path) -> None:
