@@ -33,9 +33,9 @@ lint: setup
 test: lint
 	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
 
+# Not --quiet: it would swallow the warnings that --strict makes errors.
 docs: setup
-	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet $(ARGS)
-	@echo site/index.html
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict $(ARGS)
 
 # The output that the pages show, from today's commands.
 docs-output: setup
