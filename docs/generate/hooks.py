@@ -42,6 +42,8 @@ def _section(entry: Any, there: Path) -> Any:
     if not isinstance(entry, dict):
         return entry
     ((title, pages),) = entry.items()
+    if isinstance(pages, str):
+        return entry
     kept = [page for page in pages if page not in OPTIONAL or (there / page).exists()]
     if title == "Effects":
         kept += [page for page in effect_pages.pages() if page not in kept]
