@@ -5,6 +5,7 @@
 # make bench    speed of solver and fit
 # make blind    the long study with hidden causes
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
+# make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
 # make clean    remove what these made
 
 SHELL := /bin/bash
@@ -15,7 +16,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output bench blind study clean
+.PHONY: help setup demo test lint docs docs-output bench blind study soak clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -52,6 +53,9 @@ study: setup
 	@for seed in 0 1000; do $(PY) bench/study_coverage.py --seed $$seed --json out/study/coverage_$$seed.json || true; done
 	@$(PY) bench/study_recovery.py $(ARGS) --verbose --json out/study/recovery.json || true
 	@$(PY) bench/study_table.py --recovery out/study/recovery.json --coverage out/study/coverage_*.json --out docs/accuracy.md
+
+soak: setup
+	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m bench.reliability.nodes --write $(ARGS)
 
 # The compiled solver lies in the user's cache, for all checkouts.
 clean:

@@ -12,6 +12,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Record, from_stamps
 from msd_ident.ros.ring import Ring, StampArray
@@ -25,8 +26,8 @@ _SET_BACK_NS = int(LATEST_SECONDS * 1e9)
 _PAUSE_NS = 10 * 10**9
 #: A force that acts so much later than the newest position is stamped by another clock [ns].
 _AHEAD_NS = 600 * 10**9
-#: Samples, in so many messages, that come late in their order: the clock was set back by less than a second.
-_BEHIND_SAMPLES, _BEHIND_MESSAGES = 50, 5
+#: Messages in a row that come late in their order, over this time [ns]: the clock was set back by less than a second.
+_BEHIND_MESSAGES, _BEHIND_NS = 10, 50_000_000
 #: Samples with one stamp that are kept, for the record's own note.
 _STANDING = 5
 #: Latest samples among which one that comes again is looked for.
@@ -87,7 +88,7 @@ class LiveBuffer:
         self._suspect: tuple[StampArray, FloatArray] | None = None
         self._other_forces: deque[tuple[int, float]] = deque(maxlen=_TAIL)
         self._standing = self._dropped = 0
-        self._behind = (0, 0, 0)  # samples, messages, last stamp
+        self._behind = (0, 0, 0)  # messages, first stamp, last stamp
 
     @property
     def counts(self) -> Counts:
@@ -158,6 +159,9 @@ class LiveBuffer:
             ns_x, x = self.position.samples()
             ns_f, f = self.force.samples()
             dropped = self._dropped
+            if self.position.size == self.position.capacity:  # what acted before the first sample has gone with it
+                first = np.flatnonzero(ns_f <= ns_x.min())[-1:]
+                ns_f, f = ns_f[first[0] if first.size else 0 :], f[first[0] if first.size else 0 :]
         notes: tuple[str, ...] = ()
         if self._free and ns_x.size:
             ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
@@ -229,12 +233,13 @@ class LiveBuffer:
 
     def _fall_behind(self, ns: StampArray, values: FloatArray) -> None:
         """Older than the newest by less than a second: again, late, or of a clock that was set back a little."""
-        again = np.isin(ns, self.position.samples(_TAIL)[0])
-        samples, messages, last = self._behind
-        if last and int(ns[0]) <= last:
-            samples = messages = 0
-        self._behind = (samples + int(ns.size), messages + 1, int(ns[-1]))
-        if self._behind[0] >= _BEHIND_SAMPLES and self._behind[1] >= _BEHIND_MESSAGES:
+        again = self._had(ns, values)
+        messages, first, last = self._behind
+        follows = messages and int(ns[0]) > last
+        if not again.all():
+            self._behind = (messages + 1, first, int(ns[-1])) if follows else (1, int(ns[0]), int(ns[-1]))
+        messages, first, last = self._behind
+        if messages >= _BEHIND_MESSAGES and last - first >= _BEHIND_NS:
             back = (self.position.newest_ns - int(ns[-1])) / 1e9
             self.begin_anew()
             self._watch.note("clock set back", f"the clock jumped back by {back:.3g} s: a new recording began")
@@ -249,6 +254,14 @@ class LiveBuffer:
         if fresh.any():
             self._watch.note("late", "samples come late, behind newer ones", int(fresh.sum()))
             self.position.extend(ns[fresh], values[fresh])
+
+    def _had(self, ns: StampArray, values: FloatArray) -> npt.NDArray[np.bool_]:
+        """Which of the samples are among the latest already, stamp and value."""
+        stamps, had = self.position.samples(_TAIL)
+        order = np.argsort(stamps, kind="stable")
+        place = np.minimum(np.searchsorted(stamps[order], ns), stamps.size - 1)
+        found = order[place]
+        return np.asarray((stamps[found] == ns) & (had[found] == values))
 
     def _other_force(self, ns: int, value: float, where: str, apart_ns: int) -> None:
         self._other_forces.append((ns, value))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import struct
+from array import array
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,8 @@ _STAMPED = 12
 _GIVEN_UP = 50
 #: Joints that a sentence names.
 _MOST_NAMED = 10
+#: More entries than any robot has joints.
+MOST_ENTRIES = 1000
 #: Longer than any batch [ns].
 _LONGEST_NS = 10**15
 
@@ -100,7 +103,7 @@ class Signal:
         self.frame = ""
         self.without = 0
         self.missing = 0
-        self.switches = 0
+        self.oversized = self.switches = 0
         self.entry = ""
         self._scale = scale
         self._expected: int | None = None
@@ -120,6 +123,9 @@ class Signal:
         Raises:
             DataError: the type has no such field.
         """
+        entries = getattr(message, self.field.steps[0], None)
+        if isinstance(entries, array) and len(entries) > MOST_ENTRIES:
+            self.oversized = len(entries)
         value = self.field.value(message)
         if value is None or (self._index is not None and not self._same_joint(message)):
             self.without += 1

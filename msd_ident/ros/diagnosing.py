@@ -7,7 +7,6 @@ import time
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from action_msgs.msg import GoalStatus
@@ -18,11 +17,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
-from msd_ident.errors import MsdError, SetupError, UsageError
+from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros import health, names
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.sources import Part, Sources
-from msd_ident.ros.worker import Worker
+from msd_ident.ros.worker import Worker, deliver
 from msd_ident.stopping import Stopped, check
 from msd_interfaces.action import Diagnose
 from msd_interfaces.msg import Diagnosis as DiagnosisMessage
@@ -54,7 +53,7 @@ class _Goal:
         """Answer, once; from any thread."""
         with self._lock:
             if not self.answer.done():
-                self.answer.set_result(result)
+                deliver(self.answer.set_result, result)
 
     def tell(self, stage: str, fraction: float, cause: str) -> None:
         """Feedback to the client, not too often.
@@ -103,6 +102,9 @@ class Diagnosing:
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             cancel_callback=self._on_cancel,
+            goal_service_qos_profile=names.service_qos(),
+            result_service_qos_profile=names.service_qos(),
+            cancel_service_qos_profile=names.service_qos(),
         )
 
     def close(self) -> None:
@@ -181,7 +183,7 @@ class Diagnosing:
         request: Diagnose.Goal = goal.handle.request
         if len(request.bag_paths) > MOST_PATHS:
             raise UsageError(f"{len(request.bag_paths)} paths; expected at most {MOST_PATHS}: ask in several goals")
-        page = self._sources.place.new(request.report_path, ".html") if request.report_path else None
+        target = self._sources.place.new(request.report_path, ".html") if request.report_path else None
         groups: list[list[str]] = [[]]
         if request.bag_paths:
             groups = [list(request.bag_paths)] if request.together else [[path] for path in request.bag_paths]
@@ -189,8 +191,10 @@ class Diagnosing:
         found: list[Diagnosis] = []
         for index, paths in enumerate(groups):
             self._one(goal, paths, (index / len(groups), 1.0 / len(groups)), result, found)
-        if page is not None and found:
-            _write(found, page)
+        if target is not None and found:
+            from msd_ident.report import page
+
+            page.save(found, target)
         said = [one.summary for one in result.diagnoses]
         result.message = said[0] if len(said) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
         return result
@@ -229,12 +233,3 @@ class Diagnosing:
 
 def _refused(reason: str) -> Diagnose.Result:
     return Diagnose.Result(success=False, message=reason)
-
-
-def _write(found: Sequence[Diagnosis], path: Path) -> None:
-    from msd_ident.report import page
-
-    try:
-        page.save(found, path)
-    except OSError as error:
-        raise SetupError(f"cannot write {path}: {error.strerror}; expected a place that takes files") from None

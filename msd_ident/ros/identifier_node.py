@@ -41,7 +41,7 @@ SETTINGS = (
     Setting("force_unit", "N", "N or N·m; any other (e.g. V) says that the gain is unknown"),
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
     Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
-    Setting("buffer_samples", 200_000, "position samples kept, oldest out", 1_000, 10_000_000),
+    Setting("buffer_samples", 200_000, "position samples kept, oldest out", 100, 10_000_000),
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports", fixed=False),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
@@ -105,19 +105,19 @@ class Identifier:
             watch=self.watch,
         )
         self.watcher = StepWatcher(s["step_threshold"])
-        self._worker = Worker("fit")
+        self.worker = Worker("fit")
         self._fitting_step = False
         self._last = Outcome(True, "no estimate yet")
         self._log = self.node.get_logger()
-        self._inputs = self._make_inputs()
-        self._sources = Sources(s, self.buffer, self._inputs)
+        self.inputs = self._make_inputs()
+        self._sources = Sources(s, self.buffer, self.inputs)
         self._make_outputs()
-        self._diagnosing = Diagnosing(self.node, self._worker, self._sources, s)
-        self._worker.submit(self._prepare)
+        self._diagnosing = Diagnosing(self.node, self.worker, self._sources, s)
+        self.worker.submit(self._prepare)
 
     def close(self) -> bool:
         """Drop fits that wait, stop the one in progress; whether it ended in time."""
-        ended = self._worker.close()
+        ended = self.worker.close()
         self._diagnosing.close()
         return ended
 
@@ -158,8 +158,9 @@ class Identifier:
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._estimate = node.create_publisher(Estimate, names.ESTIMATE, names.latest_qos())
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
-        node.create_service(Identify, names.IDENTIFY, self._on_identify, callback_group=group)
-        node.create_service(Trigger, names.TRIGGER, self._on_trigger, callback_group=group)
+        many = {"qos_profile": names.service_qos(), "callback_group": group}
+        node.create_service(Identify, names.IDENTIFY, self._on_identify, **many)
+        node.create_service(Trigger, names.TRIGGER, self._on_trigger, **many)
         # Steady timers go on when simulated time stands still.
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         node.create_timer(self.settings["diagnostics_period"], self._tell_health, clock=steady)
@@ -192,17 +193,17 @@ class Identifier:
     async def _answer(self, asked: Request) -> Outcome:
         """Outcome of a request; those that ask for the same while it waits share it."""
         try:
-            work = self._worker.submit(partial(self._fit, asked), self.node.executor, key=asked)
+            work = self.worker.submit(partial(self._fit, asked), self.node.executor, key=asked)
         except MsdError as error:
             return Outcome(False, str(error))
         return await work or Outcome(False, "stopped: the identifier ends")
 
     def _look(self) -> None:
-        for entry in (*self._inputs["force"], *self._inputs["position"]):
+        for entry in (*self.inputs["force"], *self.inputs["position"]):
             entry.look()
         if self.settings["auto_fit"] and not self._fitting_step and self._step_settled():
             self._fitting_step = True
-            self._worker.submit(self._fit_step)
+            self.worker.submit(self._fit_step)
 
     def _step_settled(self) -> bool:
         pending = self.watcher.pending
@@ -243,7 +244,7 @@ class Identifier:
         return Outcome(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
-        name, inputs = self.node.get_name(), self._inputs
+        name, inputs = self.node.get_name(), self.inputs
         data = health.data_status(f"{name}: data", self.buffer, inputs["force"], inputs["position"], self.watch)
         level = health.OK if self._last.success and not self._last.doubt else health.WARN
         estimate = health.status(f"{name}: estimate", level, self._last.doubt or self._last.message, {})

@@ -8,13 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 from rclpy.callback_groups import CallbackGroup
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from msd_ident.bag.fields import parse_field
 from msd_ident.bag.options import NO_FORCE
-from msd_ident.errors import DataError, MsdError
+from msd_ident.errors import DataError, MsdError, SetupError
 from msd_ident.record import LARGEST, FloatArray, Origin
 from msd_ident.ros import names
 from msd_ident.ros.buffer import LiveBuffer, StampArray
@@ -80,6 +81,7 @@ class Input:
         self.count = TopicCount()
         self._holes = Holes()
         self._last_ns = 0
+        self._tried = ""
         self._subscription: Subscription | None = None
         self._node, self._sink, self._depth, self._group = node, sink, depth, group
         known = "" if signal.field else names.TYPES.get(signal.topic, "")
@@ -100,24 +102,20 @@ class Input:
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         self.publishers = len(publishers)
         types = {publisher.topic_type for publisher in publishers}
-        if not publishers or (self.problem and types == {self._type}):
+        if not publishers or (self.problem and types == {self._tried}):
             return
         qos = names.matching_qos([publisher.qos_profile for publisher in publishers], self._depth)
-        new = self._type not in types
+        new = self._tried not in types
         if self._subscription is None or new or names.asks_for_more(self._subscription.qos_profile, qos):
             self._subscribe(publishers[0].topic_type, qos)
-
-    @property
-    def _type(self) -> str:
-        return self.signal.type_name if self.signal else ""
 
     def _subscribe(self, type_name: str, qos: QoSProfile) -> None:
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
-        self.problem = ""
+        self.problem, self._tried = "", type_name
         try:
-            if type_name != self._type:
+            if self.signal is None or type_name != self.signal.type_name:
                 self.signal = Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
             kind, topic = message_class(type_name), self.wanted.topic
             self._subscription = self._node.create_subscription(
@@ -125,6 +123,8 @@ class Input:
             )
         except MsdError as error:
             self._complain(error)
+        except _rclpy.RCLError as error:  # another type of this topic stands in this very process
+            self._complain(SetupError(f"{str(error).splitlines()[0]}; expected one type on this topic"))
 
     def _take(self, message: Any, info: Mapping[str, Any]) -> None:
         if self.problem or self.signal is None:
@@ -146,6 +146,9 @@ class Input:
             self._sink.begin_anew(self.wanted.what)
             sentence = f"joint {joint} is gone and {self.signal.entry} is in its place: a new recording began"
             self._note("joint renamed", sentence)
+        if self.signal.oversized:
+            self._note("oversized", f"a message of {self.signal.oversized} entries")
+            self.signal.oversized = 0
         if found is None:
             self._counted(number, None)
             self._note("no sample", self.signal.problem)

@@ -36,7 +36,7 @@ class TopicCount:
     restarts: int = 0
     holes: int = 0
     heard: float = 0.0
-    _first_heard: float = field(default=0.0, repr=False)
+    _times: deque[float] = field(default_factory=lambda: deque(maxlen=_STREAM), repr=False)
     _last: int | None = field(default=None, repr=False)
     _stamp: int | None = field(default=None, repr=False)
     _intervals: list[int] = field(default_factory=list, repr=False)
@@ -48,7 +48,7 @@ class TopicCount:
         """
         self.received += 1
         self.heard = time.monotonic()
-        self._first_heard = self._first_heard or self.heard
+        self._times.append(self.heard)
         if stamp_ns is not None:
             self._follow(stamp_ns)
         if sequence is None:
@@ -64,16 +64,16 @@ class TopicCount:
 
     @property
     def rate(self) -> float:
-        """Messages a second, on average over all time; 0.0 with fewer than two."""
-        span = self.heard - self._first_heard
-        return (self.received - 1) / span if span > 0.0 else 0.0
+        """Messages a second, over the latest ones; 0.0 when there are too few to tell."""
+        if len(self._times) < _STREAM:
+            return 0.0
+        return (_STREAM - 1) / max(self._times[-1] - self._times[0], 1e-9)
 
     @property
     def silence(self) -> float:
         """Time since the last message [s], where they came in a stream and do no more; else 0.0."""
         silent = time.monotonic() - self.heard
-        streamed = self.received >= _STREAM and self.rate > _STREAM_RATE
-        return silent if streamed and silent > max(SILENCE, 20.0 / self.rate) else 0.0
+        return silent if self.rate > _STREAM_RATE and silent > max(SILENCE, 20.0 / self.rate) else 0.0
 
     def _follow(self, stamp_ns: int) -> None:
         if self._stamp is not None and 0 < stamp_ns - self._stamp < _PAUSE_NS:

@@ -53,6 +53,11 @@ def latest_qos() -> QoSProfile:
     return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
+def service_qos() -> QoSProfile:
+    """Many may ask at once: a queue of ten, the usual one, loses the others without a word."""
+    return QoSProfile(depth=LEAST_DEPTH, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
+
+
 def matching_qos(offered: list[QoSProfile], depth: int) -> QoSProfile:
     """Profile of a subscription that gets everything from all these publishers: their strongest common promise."""
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)

@@ -72,8 +72,9 @@ class Recorder:
         self._types: dict[str, str] = {}
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
-        node.create_service(StartRecording, names.RECORDER_START, self._on_start)
-        node.create_service(Trigger, names.RECORDER_STOP, self._on_stop)
+        many = names.service_qos()
+        node.create_service(StartRecording, names.RECORDER_START, self._on_start, qos_profile=many)
+        node.create_service(Trigger, names.RECORDER_STOP, self._on_stop, qos_profile=many)
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
         if self.settings["autostart"]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -27,6 +28,12 @@ class _Job:
     executor: Executor | None
     key: Hashable = None
     stop: threading.Event = field(default_factory=threading.Event)
+
+
+def deliver(give: Callable[[object], None], what: object) -> None:
+    """Give a future its result. An executor that has been shut down cannot wake those who wait: there are none left."""
+    with suppress(AttributeError):
+        give(what)
 
 
 class Worker:
@@ -62,9 +69,11 @@ class Worker:
 
         def do() -> None:
             try:
-                future.set_result(job())
+                result = job()
             except Exception as error:
-                future.set_exception(error)
+                deliver(future.set_exception, error)
+            else:
+                deliver(future.set_result, result)
 
         made = _Job(do, future, executor, key, stop or threading.Event())
         with self._changed:

@@ -186,9 +186,12 @@ def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(ros: Graph,
 
     until(lambda: model().message == "not diagnosed yet", "the first status")
     assert model().level == DiagnosticStatus.OK
-    for given, level in (({}, DiagnosticStatus.OK), ({"effects": ["loose_cable"]}, DiagnosticStatus.WARN)):
+    for given, end, level in (
+        ({}, 0.0, DiagnosticStatus.OK),
+        ({"effects": ["loose_cable"]}, 1.5, DiagnosticStatus.WARN),
+    ):
         fill(node, measured(rate=100.0, **given))
-        _, result = ros.goal(Diagnose, ACTION, Diagnose.Goal(end=1.5))
+        _, result = ros.goal(Diagnose, ACTION, Diagnose.Goal(end=end))
         until(result.done, "the diagnosis", 60.0)
         found = result.result().result
         until(lambda said=found.message: model().message == said, "the sentence")
@@ -218,8 +221,8 @@ def test_a_goal_is_cancelled_within_a_second_in_the_middle_of_a_fit(ros: Graph, 
         assert result.result().status == CANCELED
         assert not result.result().result.success and result.result().result.message == "cancelled"
         free: list[bool] = []
-        node._worker.submit(lambda to=free: to.append(True))
-        until(lambda to=free: to, "the worker to be free again", 1.0)
+        node.worker.submit(lambda to=free: to.append(True))
+        until(lambda to=free: to, "the worker to be free again", 5.0)
 
 
 def test_paths_of_a_goal_stand_for_themselves_or_together(ros: Graph, tmp_path: Path) -> None:

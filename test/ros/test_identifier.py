@@ -173,7 +173,7 @@ def test_a_fit_never_blocks_the_subscription(ros: Graph) -> None:
     robot.match()
     robot.push(0.0, 1.0)
     fitting, go_on = threading.Event(), threading.Event()
-    node._worker.submit(lambda: (fitting.set(), go_on.wait(60.0)))
+    node.worker.submit(lambda: (fitting.set(), go_on.wait(60.0)))
     try:
         until(fitting.is_set, "the work to begin", 60.0)
         client = ros.node.create_client(Trigger, "identifier/trigger")
@@ -221,7 +221,7 @@ def test_a_directory_that_is_no_bag_is_answered_in_words(ros: Graph, tmp_path: P
         ({"force_scale": 0.0}, "force scale is 0.0; expected a finite number other than 0"),
         ({"settle_time": -1.0}, "settle_time is -1.0; expected 0.05 to 60"),
         ({"settle_time": float("nan")}, "settle_time is nan; expected 0.05 to 60"),
-        ({"buffer_samples": 3}, "buffer_samples is 3; expected 1000 to 1e"),
+        ({"buffer_samples": 3}, "buffer_samples is 3; expected 100 to 1e"),
         ({"queue_depth": 10}, "queue_depth is 10; expected 1000 to 1e"),
         ({"auto_fit": "perhaps"}, "auto_fit is 'perhaps'; expected true or false"),
         ({"force": "force:a b"}, "field 'a b' cannot be read; expected something like wrench.force.x"),
