@@ -3,6 +3,7 @@
 # make docs     the documentation, into site/
 # make setup    only set up
 # make bench    speed of solver and fit
+# make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
@@ -16,7 +17,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output bench blind study soak clean
+.PHONY: help setup demo test lint docs docs-output bench bench-live blind study soak clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -41,6 +42,9 @@ docs: setup
 # The output that the pages show, from today's commands.
 docs-output: setup
 	@$(PY) docs/generate/transcript.py docs/tutorial.md docs/paper.md
+
+bench-live: setup
+	@$(PY) -m bench.live $(ARGS)
 
 bench: setup
 	@$(PY) -m bench $(ARGS)

@@ -38,7 +38,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         shared("launch", "*.launch.py"),
-        shared("config", "*.yaml"),
+        shared("config", "*.yaml", "foxglove_layout.json", "plotjuggler_layout.xml"),
     ],
     zip_safe=False,
     python_requires=">=3.10",
@@ -86,6 +86,7 @@ setup(
             "identifier = msd_ident.ros.identifier:main",
             "live = msd_ident.ros.live:main",
             "recorder = msd_ident.ros.recorder:main",
+            "experimenter = msd_ident.ros.experimenter:main",
             "replayer = msd_ident.ros.replayer:main",
         ],
         # How `msd simulate` finds a rig without importing one: the first is used by default.

@@ -5,6 +5,7 @@
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
+from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -24,6 +25,10 @@ def generate_launch_description():
             DeclareLaunchArgument(
                 "use_sim_time", default_value="false", choices=["true", "false"], description="follow /clock"
             ),
+            DeclareLaunchArgument(
+                "live", default_value="false", choices=["true", "false"], description="serve the live view too"
+            ),
+            DeclareLaunchArgument("live_port", default_value="8210", description="port of the live view"),
             Node(
                 package="msd_ident",
                 executable="identifier",
@@ -31,6 +36,20 @@ def generate_launch_description():
                 namespace=LaunchConfiguration("namespace"),
                 parameters=[LaunchConfiguration("params"), on_clock],
                 output="screen",
+            ),
+            Node(
+                package="msd_ident",
+                executable="live",
+                name="live",
+                namespace=LaunchConfiguration("namespace"),
+                # Of the same file it takes the sources of force and position, and leaves the rest.
+                parameters=[
+                    LaunchConfiguration("params"),
+                    {"port": ParameterValue(LaunchConfiguration("live_port"), value_type=int)},
+                    on_clock,
+                ],
+                output="screen",
+                condition=IfCondition(LaunchConfiguration("live")),
             ),
         ]
     )

@@ -2,10 +2,12 @@
 
     ros2 launch msd_ident pipeline.launch.py
     ros2 launch msd_ident pipeline.launch.py rig_params:=/path/to/rig.yaml use_sim_time:=true
+    ros2 launch msd_ident pipeline.launch.py live:=true     # and a page at http://127.0.0.1:8210
 """
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.conditions import IfCondition
 from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -18,7 +20,7 @@ def config(name):
 
 
 def generate_launch_description():
-    """Arguments, then the three nodes."""
+    """Arguments, then the three nodes, and the live view when asked for."""
     namespace = LaunchConfiguration("namespace")
     simulated = LaunchConfiguration("use_sim_time")
     on_clock = {"use_sim_time": ParameterValue(simulated, value_type=bool)}
@@ -40,6 +42,10 @@ def generate_launch_description():
                 choices=["true", "false"],
                 description="true: the rig publishes /clock, faster than the wall, and the others follow it",
             ),
+            DeclareLaunchArgument(
+                "live", default_value="false", choices=["true", "false"], description="serve the live view too"
+            ),
+            DeclareLaunchArgument("live_port", default_value="8210", description="port of the live view"),
             Node(
                 package="msd_ident",
                 executable="rig",
@@ -65,6 +71,15 @@ def generate_launch_description():
                 namespace=namespace,
                 parameters=[LaunchConfiguration("identifier_params"), on_clock],
                 output="screen",
+            ),
+            Node(
+                package="msd_ident",
+                executable="live",
+                name="live",
+                namespace=namespace,
+                parameters=[{"port": ParameterValue(LaunchConfiguration("live_port"), value_type=int)}, on_clock],
+                output="screen",
+                condition=IfCondition(LaunchConfiguration("live")),
             ),
         ]
     )

@@ -84,7 +84,7 @@ install_packages() {
     fi
     drop_cut_off_packages
     "$VENV/bin/python" -m pip install -qq --disable-pip-version-check --no-input "${constraint[@]}" \
-        -r requirements/ros-jazzy.txt -e '.[docs,test]' >&2 ||
+        -r requirements/ros-jazzy.txt -e '.[docs,live,test]' >&2 ||
         fail "pip could not install the packages (its words are above); run again, or with LOCK= for the newest ones"
 }
 
@@ -110,7 +110,7 @@ link_share() {
     ln -sf "$ROOT/package.xml" "$share/"
     ln -sf "$ROOT"/launch/*.py "$share/launch/"
     ln -sf "$ROOT"/config/*.yaml "$share/config/"
-    ln -sf ../../bin/{msd,rig,identifier,recorder,replayer} "$nodes/"
+    ln -sf ../../bin/{msd,rig,identifier,recorder,replayer,experimenter,live} "$nodes/"
 }
 
 set_up() {

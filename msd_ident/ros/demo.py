@@ -82,13 +82,14 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
 def _start(processes: Processes, folder: Path, fast: bool) -> None:
     simulated: dict[str, object] = {"use_sim_time": True} if fast else {}
     mode: dict[str, object] = {"time_mode": "fast", "real_time_factor": FAST} if fast else {}
-    processes.start("rig", "msd_sim.node", _arguments(RIG | mode))
+    processes.start("rig", "msd_sim.node", arguments(RIG | mode))
     shared: dict[str, object] = {"bag_folder": str(folder), "diagnostics_period": 0.1} | simulated
-    processes.start("recorder", "msd_ident.ros.recorder", _arguments(shared))
-    processes.start("identifier", "msd_ident.ros.identifier", _arguments(shared))
+    processes.start("recorder", "msd_ident.ros.recorder", arguments(shared))
+    processes.start("identifier", "msd_ident.ros.identifier", arguments(shared))
 
 
-def _arguments(parameters: dict[str, object]) -> list[str]:
+def arguments(parameters: dict[str, object]) -> list[str]:
+    """Command line of a node with these parameters, in the demo's namespace."""
     given = [
         ["-p", f"{name}:={str(value).lower() if isinstance(value, bool) else value}"]
         for name, value in parameters.items()

@@ -52,6 +52,10 @@ class Processes:
             )
         self._programs.append(_Program(name, process, log))
 
+    def pid(self, name: str) -> int:
+        """Number of a program's process."""
+        return next(program.process.pid for program in self._programs if program.name == name)
+
     def check(self) -> None:
         """See that all are running.
 

@@ -1,0 +1,57 @@
+// Runs in the page once it is there. Asks for a frame when the last one was painted and the page is looked at, so a slow
+// browser gets fewer of them, a hidden one none, and nothing piles up.
+const period = 1000 / pulse.rate
+const patience = 4000
+let asked = performance.now()
+let answered = true
+
+const dark = window.matchMedia("(prefers-color-scheme: dark)")
+pulse.dark = dark.matches
+dark.addEventListener("change", () => { pulse.dark = dark.matches })
+
+const lay = (frame) => {
+  for (const [name, [t, y]] of Object.entries(frame.curves)) sources[name].data = {t, y}
+  const [start, end] = frame.time
+  const known = Number.isFinite(frame.noise)
+  sources.noise.data = known
+    ? {t: [start - 1e6, end + 1e6], low: [-frame.noise, -frame.noise], high: [frame.noise, frame.noise]}
+    : {t: [], low: [], high: []}
+  time.setv({start, end})
+  for (const [name, [low, high]] of Object.entries(frame.ranges)) ranges[name].setv({start: low, end: high})
+  for (const [name, text] of Object.entries(frame.texts)) {
+    const place = document.getElementById(name)
+    if (place !== null && place.textContent !== text) place.textContent = text
+  }
+}
+
+pulse.properties.frame.change.connect(() => {
+  answered = true
+  document.body.classList.remove("lost")
+  lay(Object.fromEntries(pulse.frame instanceof Map ? pulse.frame : Object.entries(pulse.frame)))
+  document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1)
+})
+
+pulse.properties.paused.change.connect(() => {
+  for (const tool of tools) tool.active = pulse.paused
+  document.body.classList.toggle("paused", pulse.paused)
+})
+
+const reload = () => {
+  fetch(location.pathname, {cache: "no-store"}).then(() => location.reload(), () => {})
+}
+
+const look = (now) => {
+  if (answered && !pulse.paused && now - asked >= period - 4) {
+    asked = now
+    answered = false
+    pulse.asked += 1
+  }
+  requestAnimationFrame(look)
+}
+requestAnimationFrame(look)
+
+setInterval(() => {
+  if (answered || performance.now() - asked < patience || document.hidden) return
+  document.body.classList.add("lost")
+  reload()
+}, 2000)
