@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,8 +16,8 @@ from msd_ident import quality
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
 from msd_ident.diagnose.ringdown import ring_down
-from msd_ident.errors import DataError, UsageError
-from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.errors import UsageError
+from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
 from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
@@ -26,7 +26,7 @@ from msd_ident.identification import Identification, ModelFit
 from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
-from msd_ident.quality import Finding
+from msd_ident.preparing import prepared
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray, Record
 
@@ -77,16 +77,9 @@ def identify(
         DataError: the data cannot carry any estimate (a constant signal, for one).
         UsageError: no records, or records in different units.
     """
-    given = _checked(records)
     progress("looking at the data", 0.05)
-    findings = tuple(finding for record in given for finding in quality.check(record))
-    _refuse(findings)
-    progress("features of the response", 0.15)
-    cleaned = tuple(quality.clean(record).record for record in given)
-    features = tuple(extract(record) for record in cleaned)
-    form = pooled(features)
-    turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
-    used = tuple(_usable(record, found, turned) for record, found in zip(cleaned, features, strict=True))
+    data = prepared(records)
+    used, features, form = data.used, data.features, data.form
     sprung = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
     joint = _joint(used, sprung, form, options)
@@ -96,11 +89,11 @@ def identify(
     progress("raising the friction", 0.8)
     raised = _raised(used, original) if form is not None and len(used) == 1 else None
     floor = noise_floor(used)
-    warnings = _warnings(given, findings, features, turned) + _doubts(joint, used, floor)
+    warnings = data.warnings + _doubts(joint, used, floor)
     progress("done", 1.0)
     return Identification(
         records=used,
-        findings=findings,
+        findings=data.findings,
         features=features,
         standard_form=form,
         two_peak_form=two_peaks,
@@ -108,7 +101,7 @@ def identify(
         paper_refined=raised,
         refined=_with_friction(joint, used, "all parameters together, by simulation error"),
         noise_floor=floor,
-        missing_samples=sum(quality.missing_samples(record) for record in given),
+        missing_samples=sum(quality.missing_samples(record) for record in data.given),
         warnings=warnings,
         open=joint.open_directions + _scale_sentence(used),
     )
@@ -128,46 +121,16 @@ def diagnose(
     Raises:
         DataError, UsageError: as ``identify``.
     """
-    given = _checked(records)
     progress("looking at the data", 0.01, "")
-    findings = tuple(finding for record in given for finding in quality.check(record))
-    _refuse(findings)
-    cleaned = tuple(quality.clean(record).record for record in given)
-    features = tuple(extract(record) for record in cleaned)
-    form = pooled(features)
-    turned = form is not None and form.static_gain is not None and form.static_gain.value < 0.0
-    used = tuple(_usable(record, found, turned) for record, found in zip(cleaned, features, strict=True))
+    data = prepared(records)
     return diagnose_records(
-        used,
-        sprung=_sprung(used, options, form),
-        findings=findings,
-        warnings=_warnings(given, findings, features, turned),
-        ring_down=ring_down(features),
+        data.used,
+        sprung=_sprung(data.used, options, data.form),
+        findings=data.findings,
+        warnings=data.warnings,
+        ring_down=ring_down(data.features),
         progress=progress,
     )
-
-
-def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
-    if not records:
-        raise UsageError("no records to identify; expected at least one")
-    units = sorted({(record.force_unit, record.position_unit) for record in records})
-    if len(units) > 1:
-        listed = " and ".join(f"{force}, {position}" for force, position in units)
-        raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
-    return tuple(records)
-
-
-def _refuse(findings: Sequence[Finding]) -> None:
-    for finding in findings:
-        if finding.severity == "error":
-            raise DataError(finding.sentence)
-
-
-def _usable(record: Record, found: Features, turned: bool) -> Record:
-    """The record that models are fitted to: from the release on, and the force turned where K is negative."""
-    if found.kind == "free_decay" and found.responses:
-        record = record.window(found.responses[0].onset, float(record.time[-1]))
-    return replace(record, force=-record.force) if turned else record
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:
@@ -279,20 +242,6 @@ def _with_friction(result: FitResult, records: tuple[Record, ...], method: str) 
         residual + record.position for residual, record in zip(result.residuals, records, strict=True)
     )
     return ModelFit(result.model, parameters, result.see, result.initial, predicted, method)
-
-
-def _warnings(
-    records: tuple[Record, ...], findings: Sequence[Finding], features: Sequence[Features], turned: bool
-) -> tuple[str, ...]:
-    """What a reader must know about the data before using the numbers."""
-    said = [note for record in records for note in record.notes]
-    said += [finding.sentence for finding in findings if finding.severity == "warning"]
-    said += [remark for found in features for remark in found.remarks]
-    if turned:
-        said.append(
-            "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
-        )
-    return tuple(dict.fromkeys(said))
 
 
 def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:

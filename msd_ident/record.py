@@ -338,6 +338,9 @@ def _ordered(
     if dropped:
         other = int(np.count_nonzero(data != data[first][np.searchsorted(unique, stamps)]))
         differ = f", {other} of them with another value" if other else ""
+        if other > stamps.size // 10 and unique.size > 1:
+            ticks = tick * float(np.median(np.diff(unique)))
+            differ += f": their clock ticks every {ticks:.3g} s, so force and position may be as far apart"
         notes.append(f"{what}: {dropped} samples with duplicate stamps were dropped{differ}.")
     return unique, data[first]
 

@@ -138,8 +138,21 @@ def _gain_sentence(problem: Problem) -> tuple[str, ...]:
     record = problem.records[0]
     if (record.force_unit, record.position_unit) in _ABSOLUTE:
         return ()
-    names = [problem.model.names[i] for i in problem.free if problem.model.names[i] in openness.FORCES]
-    return (
-        f"The force is in {record.force_unit} and its gain in newtons is unknown, so {', '.join(names)} are known only "
-        "up to that gain: measure the force of one input with a spring balance, or weigh the moving mass.",
-    )
+    names = ", ".join(problem.model.names[i] for i in problem.free if problem.model.names[i] in openness.FORCES)
+    said = []
+    if record.force_unit not in ("N", "N·m"):
+        said.append(
+            f"The force is in {record.force_unit} and its gain in newtons is unknown, so {names} are known only "
+            "up to that gain: measure the force of one input with a spring balance, or weigh the moving mass."
+        )
+    if record.position_unit not in ("m", "rad"):
+        said.append(
+            f"The position is in {record.position_unit} and its scale in metres is unknown, so {names} are known only "
+            "up to that scale: measure a known travel, and give --position-scale and --position-unit m."
+        )
+    if not said:
+        said.append(
+            f"The force is in {record.force_unit} and the position in {record.position_unit}, so {names} are known "
+            "only up to the lever arm between them: give --force-scale or --position-scale."
+        )
+    return tuple(said)

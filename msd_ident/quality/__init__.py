@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from msd_ident.motion import observe
 from msd_ident.noise import encoder_step, noise_floor
+from msd_ident.quality.begin import begins_pushed, rests_under_force, since_before
 from msd_ident.quality.cleaning import Cleaned, clean
 from msd_ident.quality.clocks import clocks
 from msd_ident.quality.encoder import frozen_encoder, rate, removed, resolution
@@ -17,7 +18,19 @@ from msd_ident.quality.sampling import missing_in, missing_samples, sampling
 from msd_ident.quality.units import time_unit, units
 from msd_ident.record import Record
 
-__all__ = ["Cleaned", "Finding", "check", "clean", "encoder_step", "missing_in", "missing_samples", "noise_floor"]
+__all__ = [
+    "Cleaned",
+    "Finding",
+    "begins_pushed",
+    "check",
+    "clean",
+    "encoder_step",
+    "missing_in",
+    "missing_samples",
+    "noise_floor",
+    "rests_under_force",
+    "since_before",
+]
 
 #: Checks of a record from which the readings that no motion makes are gone.
 CHECKS: tuple[Check, ...] = (

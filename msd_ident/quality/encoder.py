@@ -92,13 +92,14 @@ def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
     """Wild readings that were left out, and jumps of the zero that were taken back."""
     unit, wild = record.position_unit, cleaned.wild
     if wild.size:
-        what = "single readings jump" if wild.size > 1 else "single reading jumps"
-        first = f"the first at {record.time[wild[0]]:.3f} s" if wild.size > 1 else f"at {record.time[wild[0]]:.3f} s"
+        many = wild.size > 1
+        what, whose = ("single readings jump", "their") if many else ("single reading jumps", "its")
+        first = f"the first at {record.time[wild[0]]:.3f} s" if many else f"at {record.time[wild[0]]:.3f} s"
         yield Finding(
             "warning",
             "outliers",
-            f"{wild.size} {what} away from their neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left out; "
-            "check the encoder's cable",
+            f"{wild.size} {what} away from {whose} neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left "
+            "out; check the encoder's cable",
         )
     for jump in cleaned.jumps:
         at = cleaned.record.time[jump.index]

@@ -1,0 +1,125 @@
+"""From records as they came to records that models are fitted to: findings, features, and how the force is read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident import quality
+from msd_ident.errors import DataError, UsageError
+from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.quality import Finding
+from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Records as models are fitted to them, and what was found out on the way.
+
+    Attributes:
+        given: as they came.
+        used: without readings that no motion makes, from the release on, the force turned where K is negative.
+        findings: of the data.
+        features: of each record.
+        form: of all records together; ``None`` where no response gives one.
+        warnings: what a reader must know about the data before using the numbers.
+    """
+
+    given: tuple[Record, ...]
+    used: tuple[Record, ...]
+    findings: tuple[Finding, ...]
+    features: tuple[Features, ...]
+    form: StandardForm | None
+    warnings: tuple[str, ...]
+
+
+def prepared(records: Sequence[Record]) -> Prepared:
+    """Look at the records of one experiment, and make them ready for a fit.
+
+    Raises:
+        DataError: the data cannot carry any estimate (a constant signal, for one).
+        UsageError: no records, or records in different units.
+    """
+    given = _checked(records)
+    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse(findings)
+    understood = tuple(_understood(quality.clean(record).record) for record in given)
+    features = tuple(one.features for one in understood)
+    form = pooled(features)
+    turned = _is_turned(form)
+    used = tuple(_usable(one.record, one.features, turned) for one in understood)
+    warnings = _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
+    return Prepared(given, used, findings, features, form, warnings)
+
+
+@dataclass(frozen=True)
+class _Understood:
+    """A record, its features, and how the force of its first line was taken where that was in doubt."""
+
+    record: Record
+    features: Features
+    remark: str = ""
+
+
+def _understood(record: Record) -> _Understood:
+    """A force in the first line that had acted before it is no step."""
+    if not quality.begins_pushed(record):
+        return _Understood(record, extract(record))
+    acts = f"The force of {record.force[0]:.4g} {record.force_unit} in the first line"
+    before = quality.since_before(record)
+    if quality.rests_under_force(record):
+        said = f"{acts} is taken to have acted before the record began: the cart rests under it."
+        return _Understood(before, extract(before), said)
+    found = extract(record)
+    if _is_turned(found.standard_form) and not np.ptp(before.force):
+        said = (
+            f"{acts} never changes and the cart moves against it: taken as a release while that force acted, a free "
+            "decay; if the force stepped there and the encoder counts downwards, use a negative --position-scale."
+        )
+        return _Understood(before, extract(before), said)
+    return _Understood(record, found)
+
+
+def _is_turned(form: StandardForm | None) -> bool:
+    """Whether a positive force moves the encoder downwards."""
+    return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
+
+
+def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
+    if not records:
+        raise UsageError("no records to identify; expected at least one")
+    units = sorted({(record.force_unit, record.position_unit) for record in records})
+    if len(units) > 1:
+        listed = " and ".join(f"{force}, {position}" for force, position in units)
+        raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
+    return tuple(records)
+
+
+def _refuse(findings: Sequence[Finding]) -> None:
+    for finding in findings:
+        if finding.severity == "error":
+            raise DataError(finding.sentence)
+
+
+def _usable(record: Record, found: Features, turned: bool) -> Record:
+    """The record that models are fitted to: from the release on, and the force turned where K is negative."""
+    if found.kind == "free_decay" and found.responses:
+        record = record.window(found.responses[0].onset, float(record.time[-1]))
+        record = quality.since_before(record) if quality.begins_pushed(record) else record
+    return replace(record, force=-record.force) if turned else record
+
+
+def _warnings(
+    records: tuple[Record, ...], findings: Sequence[Finding], features: Sequence[Features], turned: bool
+) -> tuple[str, ...]:
+    """What a reader must know about the data before using the numbers."""
+    said = [note for record in records for note in record.notes]
+    said += [finding.sentence for finding in findings if finding.severity == "warning"]
+    said += [remark for found in features for remark in found.remarks]
+    if turned:
+        said.append(
+            "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
+        )
+    return tuple(dict.fromkeys(said))

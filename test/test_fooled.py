@@ -1,0 +1,131 @@
+"""Bad data: the numbers are right, or said to be in doubt. ``make fuzz`` tries many more seeds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.reliability import datafaults, estimates
+from bench.reliability.datafaults import Fault, clean
+from msd_ident import pipeline, quality
+from msd_ident.record import Record, from_samples
+from msd_sim.api import simulate
+
+#: Faults that cost nothing: the estimate is right, always.
+HARMLESS = ("dropped", "outliers", "outliers_of_any_size", "jitter", "zero_shift", "small_zero_shift", "first_half")
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("fault", datafaults.FAULTS, ids=lambda fault: fault.spoil.__name__)
+def test_bad_data_never_gives_a_confident_wrong_number(fault: Fault, seed: int) -> None:
+    found = estimates.judge(fault, seed)
+    assert found.outcome != "fooled", (found.worst, found.said)
+    if fault.spoil.__name__ in HARMLESS:
+        assert found.outcome == "right", (found.worst, found.said)
+
+
+def findings(fault: datafaults.Spoil, seed: int) -> tuple[Record, dict[str, str]]:
+    spoiled = fault(clean(), np.random.default_rng(seed))
+    return spoiled, {one.code: one.sentence for one in quality.check(spoiled)}
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_wild_readings_are_left_out_and_counted(seed: int) -> None:
+    spoiled, found = findings(datafaults.outliers, seed)
+    assert set(found) == {"outliers"}, "not stuck, no clocks apart"
+    wild = np.flatnonzero(np.abs(spoiled.position - clean().position) > 1e-3)
+    left = quality.clean(spoiled)
+    assert set(wild) <= set(left.wild.tolist())
+    assert left.wild.size < 1.2 * wild.size + 3
+    begins = f"{left.wild.size} single readings jump away from their neighbours, by up to 0.189"
+    assert found["outliers"].startswith(begins)
+
+
+def test_a_single_wild_reading_is_one_warning() -> None:
+    position = clean().position.copy()
+    position[2000] += 0.5
+    (found,) = quality.check(replace(clean(), position=position))
+    assert found.sentence.startswith("1 single reading jumps away from its neighbours, by up to 0.5")
+    assert "(at 2.000 s): left out" in found.sentence
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_zero_that_moves_is_found_with_its_place_and_size(seed: int) -> None:
+    spoiled, found = findings(datafaults.zero_shift, seed)
+    truth = spoiled.position - clean().position
+    (jump,) = quality.clean(spoiled).jumps
+    assert truth[jump.index - 1] == 0.0 and jump.size == pytest.approx(truth[jump.index], abs=1e-5)
+    assert f"at {clean().time[jump.index]:.3f} s and goes on with the same speed" in found["zero_shift"]
+
+
+@pytest.mark.parametrize("rate", [1000.0, 250.0, 60.0])
+@pytest.mark.parametrize("rig", ["ecp", "sticky", "backlash", "end_stop", "odd"])
+def test_nothing_is_cleaned_where_nothing_is_wrong(rig: str, rate: float) -> None:
+    for name in ("paper", "release", "sweep", "random_steps"):
+        found = simulate({"rig": rig, "experiment": name, "rate": rate})
+        record = Record(found.time, found.position, found.force_time, found.force, found.hold)
+        cleaned = quality.clean(record)
+        assert cleaned.record is record, (name, cleaned.wild, cleaned.jumps)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_push_is_named_with_its_instant(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    at = rng.uniform(0.1, 0.9) * clean().time[-1]
+    impulse = rng.choice([-1.0, 1.0]) * rng.uniform(2.0, 20.0) * 0.02
+    found = pipeline.identify([datafaults.bump(clean(), np.random.default_rng(seed))])
+    (said,) = [sentence for sentence in found.warnings if sentence.startswith("Something pushed the cart at ")]
+    words = said.split()
+    assert float(words[5]) == pytest.approx(at + 0.01, abs=0.01)
+    assert float(words[9]) == pytest.approx(impulse, rel=0.1)
+
+
+def test_stamps_of_a_coarse_clock_are_told() -> None:
+    found = pipeline.identify([datafaults.rounded_stamps(clean(), np.random.default_rng(0))])
+    assert any("their clock ticks every 0.01 s, so force and position may be as far apart" in s for s in found.warnings)
+
+
+# A force that acts in the first line of a table.
+
+
+def held(force: float, begin: float, rate: float = 250.0) -> Record:
+    """The demo's rig under a force from long before the record, released after 2 s; from ``begin`` [s] on."""
+    found = simulate({"rig": "ecp", "force_time": [0.0, 2.0], "force": [force, 0.0], "duration": 4.0, "rate": rate})
+    chosen = found.time >= begin
+    return from_samples(
+        found.time[chosen] - begin, np.where(found.time < 2.0, force, 0.0)[chosen], found.position[chosen]
+    )
+
+
+def test_a_cart_that_rests_under_the_first_force_was_pushed_before() -> None:
+    found = pipeline.identify([held(10.0, 1.5)])
+    assert any("is taken to have acted before the record began" in said for said in found.warnings)
+    assert found.refined.see < 2.0 * found.noise_floor
+    assert found.refined.parameters["stiffness"].value == pytest.approx(694.1, rel=0.02)
+    assert len(found.features[0].responses) == 1
+    whole = pipeline.identify([held(10.0, 0.0)])
+    assert not any("acted before" in said for said in whole.warnings), "here it stepped in the first line"
+
+
+@pytest.mark.parametrize("force", [5.0, -3.0])
+def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
+    displaced = float(np.sign(force)) * 0.03
+    found = simulate(
+        {"rig": "ecp", "force_time": [-1.0], "force": [force], "duration": 3.0, "rate": 250.0,
+         "initial_position": displaced}
+    )  # fmt: skip
+    result = pipeline.identify([from_samples(found.time, np.full(found.time.size, force), found.position)])
+    assert any("taken as a release while that force acted, a free decay" in said for said in result.warnings)
+    assert any("known only as ratios" in said for said in result.open)
+    assert result.features[0].kind == "free_decay"
+    ratio = result.refined.parameters["stiffness"].value / result.refined.parameters["mass"].value
+    assert ratio == pytest.approx(694.1 / 0.9407, rel=2e-3)
+
+
+def test_the_signal_whose_unit_is_unknown_is_named() -> None:
+    record = replace(clean(), position=226600.0 * clean().position, position_unit="count")
+    (said,) = pipeline.identify([record]).open
+    assert said.startswith("The position is in count and its scale in metres is unknown, so mass, damping, stiffness")
+    assert "give --position-scale" in said and "gain" not in said
