@@ -1,4 +1,4 @@
-"""``python -m bench.reliability.nodes``: a soak with random faults from a seed; the outcome goes into docs/reliability.md."""
+"""``python -m bench.reliability.nodes``: a soak with random faults from a seed; a table for docs/reliability.md."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def table(found: Found, seed: int) -> str:
     lines = [
         "## Nodes under faults",
         "",
-        f"`make soak`, seed {seed}: {sum(found.done.values())} faults in {found.seconds / 60.0:.0f} minutes, done to one",
-        f"identifier and one recorder that never got new ones; {wrong}. After each of them the data is well again on",
-        "`/diagnostics`, and mass and stiffness, identified from the live buffer, are within 1 % of the rig's.",
+        f"`make soak`, seed {seed}: {sum(found.done.values())} faults in {found.seconds / 60.0:.0f} minutes, done to",
+        f"one identifier and one recorder that never got new ones; {wrong}. After each of them the data is well again",
+        "on `/diagnostics`, and mass and stiffness, identified from the live buffer, are within 1 % of the rig's.",
         f"Memory of the process: {early:.0f} MB after every fault was done once, {late:.0f} MB at the end.",
         "",
         "| fault | said on `/diagnostics` | tried | outcome |",
