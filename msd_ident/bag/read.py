@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from msd_ident.bag.bag import is_bag
@@ -15,12 +16,15 @@ from msd_ident.record import Record
 _DEFAULTS = SourceOptions()
 
 
-def read(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> Record:
+def read(
+    path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS, told: Callable[[int], None] | None = None
+) -> Record:
     """Record from a rosbag2 folder, an ``.mcap`` or ``.db3`` file, or a CSV file.
 
     Args:
         path: what to read.
         options: which signals are force and position, scales, units, window.
+        told: told, now and then, how many messages of a bag were read; what it raises ends the reading.
 
     Returns:
         The record; its notes say what was lost or repaired on the way.
@@ -29,7 +33,7 @@ def read(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> Re
         DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
     """
     try:
-        record = read_bag(path, options) if is_bag(path) else read_csv(path, options)
+        record = read_bag(path, options, told) if is_bag(path) else read_csv(path, options)
         if options.start is not None or options.end is not None:
             record = record.window(*options.window)
     except DataError as error:

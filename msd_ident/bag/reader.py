@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from array import array
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,6 +28,13 @@ FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"
 _SAME_CLOCK_NS = 60 * 10**9
 
 
+#: Samples of one signal beyond which a bag would not fit into the memory of a small machine.
+MOST_SAMPLES = 10_000_000
+
+#: Told the messages read so far; what it raises ends the reading.
+Told = Callable[[int], None]
+
+
 class _Signal:
     """Samples of one signal, collected message by message."""
 
@@ -34,9 +42,10 @@ class _Signal:
         self.source = source
         self._what = what
         self._decoder = Decoder(source.topic)
-        self._stamps: list[int] = []
-        self._log_times: list[int] = []
-        self._values: list[FloatArray | float] = []
+        self._stamps, self._log_times = array("q"), array("q")
+        self._singles = array("d")
+        self._parts: list[FloatArray] = []
+        self._samples = 0
         self._batches: list[tuple[int, int]] = []  # sequence number and size, in stored order
         self._periods: list[int] = []
         self._messages = self._unreadable = self._unstamped = self._without = 0
@@ -53,8 +62,10 @@ class _Signal:
         if message is None:
             self._unreadable += 1
             return
+        value: float | None = 0.0
         if self.source.is_batch:
-            value: FloatArray | float | None = np.array(message.positions, dtype=np.float64)
+            self._parts.append(np.array(message.positions, dtype=np.float64))
+            self._samples += len(message.positions)
             self._batches.append((int(message.sequence), len(message.positions)))
             self._periods.append(int(message.period_ns))
         else:
@@ -66,7 +77,13 @@ class _Signal:
         stamp = getattr(getattr(message, "header", None), "stamp", None)
         self._stamps.append(0 if stamp is None else stamp.sec * 10**9 + stamp.nanosec)
         self._log_times.append(raw.log_time_ns)
-        self._values.append(value)
+        if not self.source.is_batch:
+            self._singles.append(value)
+            self._samples += 1
+        if self._samples > MOST_SAMPLES:
+            raise DataError(
+                f"{self.source.topic.name} holds more than {MOST_SAMPLES} samples; expected fewer: cut the bag"
+            )
 
     def samples(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
         """Stamps [ns] and values in the order of the bag.
@@ -81,8 +98,8 @@ class _Signal:
             sizes = [size for _, size in self._batches]
             parts = zip(stamps.tolist(), self._periods, sizes, strict=True)
             stamps = np.concatenate([batch_stamps(first, period, size) for first, period, size in parts])
-            return stamps, np.concatenate([np.atleast_1d(value) for value in self._values])
-        return stamps, np.array(self._values, dtype=np.float64)
+            return stamps, np.concatenate(self._parts)
+        return stamps, np.array(self._singles, dtype=np.float64)
 
     def _completed(self, stamps: npt.NDArray[np.int64], log_times: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         """Log times where there is no stamp. A 0 beside stamps of another clock is the begin of simulated time."""
@@ -135,18 +152,18 @@ class _Signal:
         )
 
 
-def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
+def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | None = None) -> Record:
     """Record from a bag; see ``msd_ident.bag.read``."""
     bag = open_bag(path)
     try:
-        position, force = sources(bag, options)
+        position, force = sources(bag, options, told=told)
     except DataError as error:
         # What is missing may have been in the part that is lost.
         raise DataError(" ".join((f"{error};" if bag.notes else str(error), *bag.notes)).rstrip(".")) from None
     signals = [_Signal("position", position)]
     if force is not None:
         signals.append(_Signal("force", force))
-    _collect(bag, signals)
+    _collect(bag, signals, told)
     ns_x, x = signals[0].samples()
     ns_f, f = signals[1].samples() if force is not None else (ns_x.min(keepdims=True), np.zeros(1))
     notes = [note for signal in signals for note in signal.notes]
@@ -164,7 +181,9 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     )
 
 
-def sources(bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None) -> tuple[Source, Source | None]:
+def sources(
+    bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None, told: Told | None = None
+) -> tuple[Source, Source | None]:
     """Position and force (``None`` for a free decay) that the options mean; ``counts`` of messages by topic if known.
 
     Raises:
@@ -172,7 +191,8 @@ def sources(bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None =
     """
     named = options.position and (options.force or options.no_force)
     if counts is None:
-        counts = {} if named else Counter(message.topic for message in bag.messages(by_log_time=False))
+        messages = () if named else _told(bag.messages(by_log_time=False), told)
+        counts = Counter(message.topic for message in messages)
     name = str(bag.path)
     position = choose_position(bag.topics, options.position, counts, name)
     if options.no_force:
@@ -180,13 +200,23 @@ def sources(bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None =
     return position, choose_force(bag.topics, options.force, counts, position.topic.name, name)
 
 
-def _collect(bag: Bag, signals: Iterable[_Signal]) -> None:
+def _told(messages: Iterable[RawMessage], told: Told | None) -> Iterable[RawMessage]:
+    """The messages, each told before it is given."""
+    if told is None:
+        yield from messages
+        return
+    for number, message in enumerate(messages):
+        told(number)
+        yield message
+
+
+def _collect(bag: Bag, signals: Iterable[_Signal], told: Told | None) -> None:
     """One pass in stored order, which shows a clock that jumps back; by log time a loop would look interleaved."""
     by_topic: dict[str, list[_Signal]] = {}
     for signal in signals:
         by_topic.setdefault(signal.source.topic.name, []).append(signal)
-    for message in bag.messages(by_topic.keys(), by_log_time=False):
-        for signal in by_topic[message.topic]:
+    for message in _told(bag.messages(by_log_time=False), told):
+        for signal in by_topic.get(message.topic, ()):
             signal.add(message)
 
 

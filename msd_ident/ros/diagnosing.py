@@ -64,7 +64,7 @@ class _Goal:
         check()
         last, *words = self._told
         now = time.monotonic()
-        if words == [stage, cause] or (words[:1] == [stage] and now - last < FEEDBACK_PERIOD):
+        if words == [stage, cause] or (words[0] == stage and now - last < FEEDBACK_PERIOD):
             return
         self._told = (now, stage, cause)
         with self._lock:
@@ -214,11 +214,14 @@ class Diagnosing:
         def tell(stage: str, fraction: float, cause: str) -> None:
             goal.tell(stage, share[0] + share[1] * fraction, cause)
 
+        def read(messages: int) -> None:
+            tell("reading", 0.0, f"{messages} messages" if messages else "")
+
         name = " + ".join(paths) or "live"
         try:
             tell("reading", 0.0, "")
             part = Part(goal.handle.request.start, goal.handle.request.end)
-            records = [self._sources.record(path, part) for path in paths or [""]]
+            records = [self._sources.record(path, part, read) for path in paths or [""]]
             one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
         except MsdError as error:
             result.success = False

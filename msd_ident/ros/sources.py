@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from msd_ident.bag import SourceOptions
@@ -12,6 +12,7 @@ from msd_ident.ros.buffer import LiveBuffer
 from msd_ident.ros.inputs import Input
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.places import Place
+from msd_ident.stopping import check
 
 
 @dataclass(frozen=True)
@@ -47,18 +48,26 @@ class Sources:
         frames = [entry.signal.frame for entry in self._inputs["position"] if entry.signal]
         return next(filter(None, frames), "")
 
-    def record(self, path: str, part: Part) -> Record:
+    def record(self, path: str, part: Part, told: Callable[[int], None] = lambda messages: None) -> Record:
         """A bag or file that a request names, or the live buffer when it names none.
+
+        ``told`` hears how many messages of a bag were read.
 
         Raises:
             DataError: it cannot be a record.
             UsageError: the path leads elsewhere, or the window is empty.
+            Stopped: nobody waits for it any more.
         """
         from msd_ident import bag
 
         if not path:
             return self._live(part)
-        return bag.read(self.place.existing(path), options(self._settings, part))
+
+        def tell(messages: int) -> None:
+            check()
+            told(messages)
+
+        return bag.read(self.place.existing(path), options(self._settings, part), tell)
 
     def _live(self, part: Part) -> Record:
         """The buffer as a record, its window cut as the bag reader does it."""
