@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 from docs_tables import code, number, plain, table
 
 from msd_ident.fit.openness import _ADVICE as ADVICE
@@ -28,7 +30,7 @@ unless they say otherwise. Any of them can stand together, except two of one fam
 
 def index() -> str:
     """The overview."""
-    rows = [(f"[{e.name}]({e.name}.md)", code(e.law), PLACES[e.acts_on], summary(e)) for e in LIBRARY]
+    rows = [(f"[{e.name}]({e.name}.md)", code(e.law), PLACES[e.acts_on], module_summary(e)) for e in LIBRARY]
     return _HEAD + table(("name", "law", "acts", "what it is"), rows) + "\n" + _identities()
 
 
@@ -39,15 +41,8 @@ def _identities() -> str:
     )
 
 
-def summary(effect: type[Effect]) -> str:
-    """First line of the class's docstring, without its stop."""
-    return plain(effect.__doc__).split("\n\n")[0].rstrip(".")
-
-
 def module_summary(effect: type[Effect]) -> str:
-    """What the module says it is about."""
-    import sys
-
+    """What the module says it is about, a sentence."""
     return plain(sys.modules[effect.__module__].__doc__)
 
 
