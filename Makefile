@@ -5,6 +5,7 @@
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
+# make blind-design  designed experiments on rigs with a hidden cause (long)
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
 # make clean    remove what these made
@@ -17,7 +18,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output bench bench-live blind study soak clean
+.PHONY: help setup demo test lint docs docs-output bench bench-live blind blind-design study soak clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -48,6 +49,9 @@ bench-live: setup
 
 bench: setup
 	@$(PY) -m bench $(ARGS)
+
+blind-design: setup
+	@$(PY) -m bench.blind_design $(ARGS)
 
 blind: setup
 	@$(PY) -m bench.blind --docs docs $(ARGS)

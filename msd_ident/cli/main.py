@@ -10,7 +10,12 @@ import typer
 from msd_ident.errors import MsdError, UsageError
 
 #: Subcommands, each a module of this package with a function of the same name.
-COMMANDS = ("identify", "diagnose", "design", "record", "replay", "live", "repair", "simulate", "demo", "paper", "info")
+COMMANDS = (
+    *("identify", "diagnose", "design", "run", "investigate", "record", "replay", "live", "repair", "simulate", "demo"),
+    *("paper", "info"),
+)
+#: Modules that are not called like their subcommand, and the function in them.
+MODULES = {"run": "run_profile"}
 
 app = typer.Typer(
     name="msd",
@@ -26,12 +31,12 @@ def _register() -> None:
         return
     for name in COMMANDS:
         try:
-            module = importlib.import_module(f"msd_ident.cli.{name}")
+            module = importlib.import_module(f"msd_ident.cli.{MODULES.get(name, name)}")
         except ModuleNotFoundError as missing:
-            if missing.name != f"msd_ident.cli.{name}":
+            if missing.name != f"msd_ident.cli.{MODULES.get(name, name)}":
                 raise
             continue
-        app.command(name=name)(getattr(module, name))
+        app.command(name=name)(getattr(module, MODULES.get(name, name)))
 
 
 def fail(error: MsdError) -> int:

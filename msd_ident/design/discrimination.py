@@ -139,9 +139,12 @@ def part(
             lefts[b] = kept[a, b] * np.maximum(np.einsum("si,ij,sj->s", drawn, left, drawn), 0.0)
         chi[a] = lefts.mean(axis=1)
         others = [b for b in range(count) if b != a]
+        if not others:
+            decided[a] = 1.0
+            continue
         ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
         margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
-        decided[a] = float(np.mean(special.ndtr(margins.min(axis=0)))) if others else 1.0
+        decided[a] = float(np.mean(special.ndtr(margins.min(axis=0))))
     return Parting(chi, decided, float(truths @ decided / max(math.fsum(truths), 1e-300)))
 
 

@@ -159,7 +159,7 @@ def _std(predictor: Predictor, information: FloatArray, targets: Sequence[str]) 
         moved = predictor.point.copy()
         moved[i] += step
         slopes[:, i] = (np.array(_values(predictor, moved, targets)) - base) / step
-    return np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", slopes, covariance, slopes), 1e-300))
+    return np.asarray(np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", slopes, covariance, slopes), 1e-300)))
 
 
 def _spread(question: Question, option: Option, targets: Sequence[str]) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,8 @@ from msd_ident.record import FloatArray
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
 HOPELESS = 0.5
 _AT_ONCE, _CLOSER = 8, 5
+#: Processor time after which no more profiles are screened, and after which none is looked at more closely [s].
+_SCREENING, _LOOKING = 5.0, 2.0
 
 Refits = list[list[Refitted | None]]
 
@@ -34,9 +37,12 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
 
     ``None`` when no profile has room within the limits.
     """
+    began = time.process_time()
     seen: list[Option] = []
     closer: list[tuple[Option, Refits]] = []
     for begin in range(0, len(profiles), _AT_ONCE):
+        if seen and time.process_time() - began > _SCREENING:
+            break
         batch = options(question, profiles[begin : begin + _AT_ONCE])
         seen += batch
         good = [one for one in batch if one.probability >= ENOUGH]
@@ -50,6 +56,8 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     seen = [judge_again(question, one, np.ones_like(one.parting.chi)) for one in seen]
     closer = [(judge_again(question, one, one.shares), refits) for one, refits in closer]
     for pick in _promising(seen):
+        if closer and time.process_time() - began > _SCREENING + _LOOKING:
+            break
         closer.append(_closely(question, pick))
         if closer[-1][0].probability >= ENOUGH:
             break

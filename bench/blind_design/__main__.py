@@ -1,0 +1,144 @@
+"""``python -m bench.blind_design``: rigs that one step leaves open, designed experiments, the truth.
+
+python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from bench.blind_design.cases import Case, Outcome, run
+from msd_sim import lottery
+
+#: Effects of which a linear spring and a free zero leave no trace: an identity, not a matter of experiments.
+_IDENTITY = "force_offset"
+_BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
+
+
+def cases(seed: int) -> Iterator[Case]:
+    """All effects in turn, alone and beside friction, without end."""
+    turn = 0
+    while True:
+        for index, name in enumerate(lottery.NAMES):
+            yield Case(seed + turn * len(lottery.NAMES) + index, name, turn % 2 == 0)
+        turn += 1
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the study; exit code 0 whatever it finds."""
+    parser = argparse.ArgumentParser(prog="python -m bench.blind_design", description="Designed experiments, blind.")
+    parser.add_argument("--runs", type=int, default=200, help="rigs that one step leaves open")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--minutes", type=float, default=math.inf, help="end after this time, whatever was reached")
+    parser.add_argument("--json", type=Path, help="file for all outcomes, one JSON object a line")
+    given = parser.parse_args(arguments)
+    outcomes, drawn, failed = _all(given.runs, given.seed, given.jobs, given.minutes)
+    if given.json:
+        given.json.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in outcomes))
+    print("\n".join(told(outcomes, drawn, failed, given.seed)))
+    return 0
+
+
+def _all(runs: int, seed: int, jobs: int, minutes: float) -> tuple[list[Outcome], int, int]:
+    outcomes: list[Outcome] = []
+    drawn, failed, began = 0, 0, time.monotonic()
+    source = cases(seed)
+    with ProcessPoolExecutor(jobs) as pool:
+        while len(outcomes) < runs and (time.monotonic() - began) / 60.0 < minutes:
+            batch = [next(source) for _ in range(2 * jobs)]
+            drawn += len(batch)
+            for case, outcome in zip(batch, pool.map(partial(_safe, compare=True), batch), strict=True):
+                if isinstance(outcome, str):
+                    failed += 1
+                    print(f"{case}: failed\n{outcome}", file=sys.stderr, flush=True)
+                elif outcome is not None:
+                    outcomes.append(outcome)
+                    _show(len(outcomes), outcome)
+    return outcomes[:runs], drawn, failed
+
+
+def _safe(case: Case, compare: bool) -> Outcome | None | str:
+    try:
+        return run(case, compare)
+    except Exception:  # a study goes on, and counts what failed
+        return traceback.format_exc(limit=-3)
+
+
+def _show(number: int, o: Outcome) -> None:
+    print(
+        f"{number} {'ok' if o.right else '--'} seed {o.case.seed} {'+'.join(o.truth) or 'nothing'}: {o.first[0]} "
+        f"{'+'.join(o.first[1])} -> {o.verdict} {'+'.join(o.found)} in {o.runs} runs, stated {o.expected:.2f} "
+        f"decided {o.decided} true {o.true_after_one} random {o.random_decided}/{o.random_true} "
+        f"limit {o.worst:.2f} design {o.design_seconds:.1f} s",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def told(outcomes: Sequence[Outcome], drawn: int, failed: int, seed: int) -> list[str]:
+    """The study's table."""
+    fair = [o for o in outcomes if _IDENTITY not in o.truth]
+    compared = [o for o in fair if o.random_decided is not None]
+    lines = [
+        f"Blind design: {len(outcomes)} rigs that one step leaves open, of {drawn} drawn from seed {seed}; "
+        f"{failed} failed",
+        "",
+        "| figure | got | of | must | aim |",
+        "|---|---|---|---|---|",
+        _row("truth stands alone at the end", [o.right for o in fair], ">= 95 %", "99 %"),
+        _row("the same, force offsets included", [o.right for o in outcomes], "", ""),
+        _row("a limit exceeded", [o.worst > 1.0 + 1e-9 for o in outcomes], "0", "0"),
+        _row("decided after one designed experiment", [o.decided for o in compared], "", ""),
+        _row("decided after random steps 3 times as long", [bool(o.random_decided) for o in compared], "<=", ""),
+        _row("truth after one designed experiment", [o.true_after_one for o in compared], "", ""),
+        _row("truth after random steps 3 times as long", [bool(o.random_true) for o in compared], "<=", ""),
+    ]
+    if outcomes:
+        slow = [o.design_seconds for o in outcomes]
+        lines.append(f"| processor seconds a design, median | {np.median(slow):.2f} | {len(slow)} | <= 5 | 1 |")
+        lines.append(f"| processor seconds a design, longest | {max(slow):.2f} | {len(slow)} | | |")
+        lines.append(f"| greatest part of a limit used | {max(o.worst for o in outcomes):.3f} | | <= 1 | |")
+    return lines + _calibration(fair)
+
+
+def _row(what: str, hits: Sequence[bool], must: str, aim: str) -> str:
+    share = 100.0 * sum(hits) / len(hits) if hits else math.nan
+    return f"| {what} | {share:.1f} % | {len(hits)} | {must} | {aim} |"
+
+
+def _calibration(outcomes: Sequence[Outcome]) -> list[str]:
+    """Stated probabilities against what happened: of ties, a decision; of checks, that the truth came out."""
+    known = [o for o in outcomes if math.isfinite(o.expected)]
+    ties = [(o.expected, o.decided) for o in known if o.purpose.startswith("to tell")]
+    checks = [(o.expected, o.true_after_one) for o in known if not o.purpose.startswith("to tell")]
+    lines = ["", "| stated probability | designs | mean stated | came true |", "|---|---|---|---|"]
+    for what, pairs in (("of a decision between ties", ties), ("of showing what hides", checks)):
+        for low, high in zip(_BINS[:-1], _BINS[1:], strict=True):
+            lines += _reliability(
+                f"{what}, {low:.2f} to {min(high, 1.0):.2f}", [p for p in pairs if low <= p[0] < high]
+            )
+        lines += _reliability(f"{what}, all", pairs)
+    return lines
+
+
+def _reliability(what: str, pairs: Sequence[tuple[float, bool]]) -> list[str]:
+    if not pairs:
+        return []
+    stated, came = (float(np.mean(column)) for column in zip(*pairs, strict=True))
+    return [f"| {what} | {len(pairs)} | {stated:.3f} | {came:.3f} |"]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,141 @@
+"""``msd investigate``: experiments, one after the other, until one explanation stands."""
+
+from __future__ import annotations
+
+import json as text
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from msd_ident.cli import sources
+from msd_ident.errors import UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.design import Profile
+    from msd_ident.investigation import Investigation, Rig, Step
+
+EffectOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option("--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="something wrong with the simulated rig"),
+]
+
+
+def investigate(
+    limits: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) of the rig"),
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="new folder for bags, journal, report")] = Path(
+        "investigation"
+    ),
+    rig: Annotated[
+        str, typer.Option("--rig", metavar="NAME|FILE", help="a simulated rig; without it, the rig of the graph")
+    ] = "",
+    effect: EffectOption = None,
+    seed: Annotated[int, typer.Option(help="of the simulated encoder's noise")] = 0,
+    first: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(
+            "--first", metavar="PROFILE", help="first experiment; else a step as large as a gentle one allows"
+        ),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=0, max=20, help="experiments after the first one, at most")] = 2,
+    seconds: Annotated[float, typer.Option(min=1.0, help="of all experiments together, at most")] = 120.0,
+    yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run")] = False,
+    namespace: Annotated[str, typer.Option(help="namespace of the graph's rig")] = "msd",
+    silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
+    json: sources.JsonOption = "",
+    quiet: sources.QuietOption = False,
+) -> int:
+    """Investigate a rig: run, diagnose, design the next experiment, run it, until one explanation stands."""
+    from msd_ident import investigation
+    from msd_ident.cli import run
+    from msd_ident.design import read_limits, read_profile
+
+    output = run.Output(json, quiet, False)
+    output.check()
+    if limits is None:
+        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
+    allowed = read_limits(limits)
+    begin = read_profile(first) if first else None
+    if begin is not None:
+        allowed.check(begin)
+    if out.exists():
+        raise UsageError(f"{out} exists; expected a new folder: give another --out")
+    run.make_folder(out)
+    ask = investigation.always if yes else asking()
+    tell = _telling(out, output.tables)
+    budget = investigation.Budget(runs, seconds)
+    with _rig(rig, effect or [], seed, out, namespace, silence) as found_rig:
+        found = investigation.Loop(found_rig, allowed, budget, ask=ask, tell=tell).run(begin)
+    _write(found, out, output)
+    return 0
+
+
+@contextmanager
+def _rig(name: str, effects: list[str], seed: int, out: Path, namespace: str, silence: float) -> Iterator[Rig]:
+    if name:
+        from msd_ident.cli.simulate import _named_numbers, _rig
+        from msd_ident.cli.simulated_rig import SimulatedRig
+
+        spec: dict[str, Any] = {"rig": name, "effects": dict(_named_numbers("--effect", one) for one in effects)}
+        yield SimulatedRig(_rig(), spec, out, seed)
+        return
+    if effects:
+        raise UsageError("--effect without --rig; expected a simulated rig for it: the graph's rig has its own")
+    from msd_ident.cli.needs_ros import require_ros
+    from msd_ident.cli.run_profile import stopped_by_signals
+
+    require_ros("msd investigate")
+    from msd_ident.ros.session import GraphRig, conductor
+
+    with conductor(namespace, silence) as made, stopped_by_signals() as stop:
+        yield GraphRig(made, out, stop, lambda part, force, at: None)
+
+
+def asking() -> Callable[[str, Profile], bool]:
+    """Ask on the terminal before each run."""
+
+    def ask(purpose: str, profile: Profile) -> bool:
+        low, high = profile.extremes
+        return typer.confirm(
+            f"Run {profile.name!r} ({purpose}): {profile.duration:.1f} s, {low:.3g} to {high:.3g} {profile.unit}?"
+        )
+
+    return ask
+
+
+def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
+    """Tell each step on the terminal; its profile goes into the folder."""
+    from msd_ident.design import write_profile
+
+    count = 0
+
+    def tell(step: Step) -> None:
+        nonlocal count
+        count += 1
+        write_profile(step.profile, out / f"profile_{count}.yaml", (step.purpose,))
+        if tables:
+            print(f"{count}. {step.purpose}: {step.profile.name}, {step.profile.duration:.1f} s -> {step.ran.path}")
+            print(f"   {step.ran.stopped or step.diagnosis.summary}")
+
+    return tell
+
+
+def _write(found: Investigation, out: Path, output: object) -> None:
+    from msd_ident.cli import run
+    from msd_ident.report import story
+
+    assert isinstance(output, run.Output)
+    journal = run.jsonable(found.to_json_dict())
+    (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    story.save(found, out / "report.html")
+    run.write([{"path": str(out), **found.to_json_dict()}], output)
+    if output.tables:
+        print(found.sentence)
+        for sentence in found.measurements:
+            print(f"measure: {sentence}")
+        print(f"journal: {out / 'journal.json'}, report: {out / 'report.html'}")

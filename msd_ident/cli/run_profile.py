@@ -1,0 +1,81 @@
+"""``msd run``: play a profile on the rig of the graph, watched and recorded."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Annotated, Any, Optional
+
+import typer
+
+from msd_ident.cli import sources
+from msd_ident.errors import UsageError
+
+LimitsOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) that the rig takes"),
+]
+NamespaceOption = Annotated[str, typer.Option(help="namespace of the rig's topics")]
+
+
+def run_profile(
+    profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv, as msd design writes it")],
+    limits: LimitsOption = None,
+    out: Annotated[Optional[Path], typer.Option("--out", metavar="FOLDER", help="bag to record")] = None,  # noqa: UP045
+    namespace: NamespaceOption = "msd",
+    silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
+    reset: Annotated[bool, typer.Option("--reset", help="call rig/reset first, where there is one")] = False,
+    json: sources.JsonOption = "",
+    quiet: sources.QuietOption = False,
+) -> int:
+    """Play a profile on the rig; stops with force 0 when a limit is left, the encoder falls silent, or on Ctrl-C."""
+    from msd_ident.cli import run
+    from msd_ident.cli.needs_ros import require_ros
+    from msd_ident.design import read_limits, read_profile
+
+    output = run.Output(json, quiet, False)
+    output.check()
+    wanted = read_profile(profile)
+    if limits is None:
+        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
+    allowed = read_limits(limits)
+    allowed.check(wanted)
+    bag = out or Path(f"{profile.stem}_bag")
+    run.check_target(bag, False)
+    require_ros("msd run")
+    from msd_ident.ros.session import conductor
+
+    with conductor(namespace, silence) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
+        done = played_by.play(
+            wanted, allowed, bag, stop, lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part), reset
+        )
+    line = {
+        "schema": "msd.run/1", "path": str(done.bag), "stopped": done.stopped, "commands": done.commands,
+        "worst_delay_s": done.worst, "mean_delay_s": done.mean,
+    }  # fmt: skip
+    run.write([line], output)
+    if output.tables:
+        print(done.sentence)
+    if done.stopped and done.stopped != "cancelled":
+        raise UsageError(f"{done.stopped}; the force is 0 and {done.bag} holds what was recorded until then")
+    return 0
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[threading.Event]:
+    """An event that Ctrl-C, SIGTERM and SIGHUP set, so that the force goes to 0 before anything ends."""
+    stop = threading.Event()
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        stop.set()
+
+    kept: dict[int, Any] = {n: signal.signal(n, ask) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield stop
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)

@@ -1,0 +1,140 @@
+"""The experimenter node: plays profiles on the rig by the action ``experiment/run``."""
+
+from __future__ import annotations
+
+import datetime
+import threading
+from typing import Any
+
+import yaml
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from msd_ident.design.limits import Limits, from_tree
+from msd_ident.design.profile import Profile
+from msd_ident.design.profile_file import from_yaml
+from msd_ident.errors import MsdError, UsageError
+from msd_ident.ros import names
+from msd_ident.ros.conducting import Conductor, Played
+from msd_ident.ros.parameters import Setting, Settings
+from msd_ident.ros.places import DEFAULT_FOLDER, Place
+from msd_ident.ros.worker import Worker
+from msd_interfaces.action import RunExperiment
+
+RUN = "experiment/run"
+SETTINGS = (
+    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
+    Setting("silence", 0.5, "longest time without a reading before an experiment is stopped [s]", 0.02, 60.0),
+)
+
+
+class Experimenter:
+    """Owns the node and the action; one experiment at a time.
+
+    Args:
+        overrides: parameters that go before those of the command line.
+        node_options: further arguments of ``rclpy.node.Node``.
+    """
+
+    failure = ""
+
+    def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
+        self.node = Node("experimenter", parameter_overrides=overrides, **node_options)
+        self.settings = Settings(self.node, SETTINGS)
+        self.conductor = Conductor(self.node, self.settings["silence"])
+        self._worker = Worker("experimenter")
+        self._busy = threading.Event()
+        self._stop = threading.Event()
+        self._server = ActionServer(
+            self.node,
+            RunExperiment,
+            RUN,
+            self._execute,
+            callback_group=ReentrantCallbackGroup(),
+            goal_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+            goal_service_qos_profile=names.service_qos(),
+            result_service_qos_profile=names.service_qos(),
+            cancel_service_qos_profile=names.service_qos(),
+        )
+
+    def on_signal(self, number: int) -> None:
+        """No signal has a meaning of its own."""
+
+    def close(self) -> bool:
+        """Stop what is played, force 0."""
+        self._stop.set()
+        ended = self._worker.close(5.0)
+        self._server.destroy()
+        return ended
+
+    def _on_goal(self, goal: RunExperiment.Goal) -> GoalResponse:
+        """One at a time: a second goal is refused while the cart moves."""
+        if self._busy.is_set():
+            self.node.get_logger().warning("an experiment is being played; expected its end before the next one")
+            return GoalResponse.REJECT
+        self._busy.set()
+        return GoalResponse.ACCEPT
+
+    def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        self._stop.set()
+        return CancelResponse.ACCEPT
+
+    async def _execute(self, handle: ServerGoalHandle) -> RunExperiment.Result:
+        self._stop.clear()
+        result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
+        self._busy.clear()
+        if handle.status == GoalStatus.STATUS_CANCELING:
+            handle.canceled()
+        elif result.success:
+            handle.succeed()
+        else:
+            handle.abort()
+        return result
+
+    def _work(self, handle: ServerGoalHandle) -> RunExperiment.Result:
+        """In the worker's thread; what goes wrong is told in words."""
+        goal: RunExperiment.Goal = handle.request
+
+        def tell(fraction: float, force: float, position: float) -> None:
+            handle.publish_feedback(RunExperiment.Feedback(fraction=fraction, force=force, position=position))
+
+        try:
+            profile, limits = parsed(goal.profile, goal.limits)
+            folder = goal.folder or f"experiment_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
+            bag = Place(self.settings["bag_folder"]).new(folder)
+            return answer(self.conductor.play(profile, limits, bag, self._stop, tell, goal.reset))
+        except MsdError as error:
+            return RunExperiment.Result(success=False, message=str(error))
+
+
+def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
+    """Profile and limits from the goal's texts.
+
+    Raises:
+        UsageError: either makes no sense.
+    """
+    try:
+        tree = yaml.safe_load(limits)
+    except yaml.YAMLError as error:
+        raise UsageError(
+            f"limits are no YAML ({' '.join(str(error).split())}); expected force, travel, duration"
+        ) from None
+    return from_yaml(profile), from_tree(tree)
+
+
+def answer(played: Played) -> RunExperiment.Result:
+    """The action's result."""
+    return RunExperiment.Result(
+        success=not played.stopped,
+        message=played.sentence,
+        bag_path=str(played.bag),
+        stopped=played.stopped,
+        commands=played.commands,
+        worst_delay=played.worst,
+        mean_delay=played.mean,
+    )

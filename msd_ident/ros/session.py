@@ -1,0 +1,71 @@
+"""A conductor in this process, and a rig of the graph as an investigation sees it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from msd_ident.bag import SourceOptions, read
+from msd_ident.design import Limits, Profile
+from msd_ident.errors import UsageError
+from msd_ident.investigation import Ran
+from msd_ident.ros.conducting import Advance, Conductor
+from msd_ident.ros.run import Spinner
+
+
+@contextmanager
+def conductor(namespace: str, silence: float) -> Iterator[Conductor]:
+    """A node in this process that plays profiles; the rig is left without force, whatever happens."""
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node("conductor", namespace=namespace, context=context)
+        made = Conductor(node, silence)
+        spinner = Spinner(node)
+        try:
+            yield made
+        finally:
+            made.close()
+            spinner.stop()
+            node.destroy_node()
+    finally:
+        context.try_shutdown()
+
+
+@dataclass
+class GraphRig:
+    """The rig of a graph.
+
+    Attributes:
+        conductor: plays on it.
+        folder: for the bags.
+        stop: ends an experiment in progress.
+        advance: told what goes on.
+        runs: experiments so far.
+    """
+
+    conductor: Conductor
+    folder: Path
+    stop: threading.Event
+    advance: Advance
+    runs: int = 0
+
+    def play(self, profile: Profile, limits: Limits) -> Ran:
+        """Play one profile; what is recorded in a bag.
+
+        Raises:
+            UsageError: it was cancelled.
+        """
+        self.runs += 1
+        bag = self.folder / f"run_{self.runs}"
+        done = self.conductor.play(profile, limits, bag, self.stop, self.advance, reset=True)
+        if self.stop.is_set():
+            raise UsageError(f"interrupted; the force is 0 and {bag} holds what was recorded until then")
+        return Ran(read(bag, SourceOptions()), str(bag), done.stopped, done.worst)
