@@ -16,7 +16,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity", "stopping"),
+    ("errors", "quantity", "stopping", "provenance"),
     ("record",),
     ("motion", "noise"),
     ("quality",),
@@ -49,7 +49,8 @@ ROS = (
 AT_HOME = {
     **dict.fromkeys(ROS, ("msd_ident.ros", "msd_sim.node")),
     **dict.fromkeys(("rosbags", "mcap"), ("msd_ident.bag",)),
-    **dict.fromkeys(("matplotlib", "plotly", "jinja2", "markupsafe"), ("msd_ident.report",)),
+    **dict.fromkeys(("matplotlib", "plotly"), ("msd_ident.report",)),
+    **dict.fromkeys(("jinja2", "markupsafe"), ("msd_ident.report", "msd_ident.live")),
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
