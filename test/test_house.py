@@ -16,8 +16,8 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity", "stopping", "provenance"),
-    ("record",),
+    ("errors", "quantity", "stopping"),
+    ("record", "provenance"),
     ("motion", "noise"),
     ("quality",),
     ("datasheet",),
