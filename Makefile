@@ -2,6 +2,7 @@
 # make test     set up what is missing, run the tests
 # make docs     the documentation, into site/
 # make setup    only set up
+# make picture  draw the verdict in the README again
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
@@ -18,7 +19,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output bench bench-live blind blind-design study soak clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -46,6 +47,10 @@ docs-output: setup
 
 bench-live: setup
 	@$(PY) -m bench.live $(ARGS)
+
+picture: setup
+	@.venv/bin/msd diagnose bags/drag_steps --figures out/picture --overwrite
+	@cp out/picture/drag_steps/verdict.png docs/images/verdict.png
 
 bench: setup
 	@$(PY) -m bench $(ARGS)
