@@ -15,11 +15,14 @@ import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 
+import numpy as np  # noqa: E402
 from bagmaker import JOINTS, START_NS, joints, stamps  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
 
 from msd_ident.bag import BagWriter, open_bag  # noqa: E402
+from msd_interfaces.action import Diagnose  # noqa: E402
 
 
 @pytest.fixture
@@ -68,6 +71,27 @@ def test_the_identifier_ends_on_two_interrupts(ros: Graph) -> None:
         ended(process)
 
 
+def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: Graph, tmp_path: Path) -> None:
+    time = np.arange(60_000) / 300.0
+    swing = np.sin(8.0 * time + np.sin(time)) * np.exp(-(time % 3.0))
+    table = np.column_stack((time, 10.0 * ((time // 1.5) % 2), 0.01 * swing))
+    header = "time_s,force_n,position_m"
+    np.savetxt(tmp_path / "long.csv", table, "%.9g", delimiter=",", header=header, comments="")
+    stages: list[str] = []
+    with running(ros, "identifier", bag_folder=tmp_path) as process:
+        asked = Diagnose.Goal(bag_paths=["long.csv"])
+        ros.goal(Diagnose, "identifier/diagnose", asked, lambda feedback: stages.append(feedback.stage))
+        until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
+        client = ros.node.create_client(Trigger, "identifier/trigger")
+        assert client.wait_for_service(20.0)
+        for _ in range(50):
+            client.call_async(Trigger.Request())
+        interrupt_twice(process)
+        for _ in range(50):
+            client.call_async(Trigger.Request())
+        ended(process)
+
+
 def test_the_recorder_closes_its_bag(ros: Graph, tmp_path: Path) -> None:
     encoder = ros.node.create_publisher(JointState, "encoder", 2000)
     with running(ros, "recorder", bag_folder=tmp_path, folder="bag", autostart="true") as process:
@@ -111,6 +135,18 @@ def test_what_makes_no_sense_ends_with_one_line_and_code_2(
     assert done.returncode == 2
     ours = [line for line in done.stderr.splitlines() if "[rcl]" not in line]
     assert len(ours) == 1 and ours[0].startswith(words), done.stderr
+
+
+def test_a_node_without_its_keys_does_not_start(
+    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "enclaves").mkdir()
+    for name, value in (("ENABLE", "true"), ("STRATEGY", "Enforce"), ("KEYSTORE", str(tmp_path))):
+        monkeypatch.setenv(f"ROS_SECURITY_{name}", value)
+    command = [sys.executable, "-m", "msd_ident.ros.identifier", "--ros-args", "--enclave", "/msd/identifier"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert done.stderr.splitlines()[-1].startswith("msd: ROS cannot start: ") and "SECURITY ERROR" in done.stderr
 
 
 def test_an_empty_bag_ends_with_one_line_and_code_2(ros_domain: int, tmp_path: Path) -> None:

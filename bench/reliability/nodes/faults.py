@@ -223,7 +223,7 @@ def two_publishers(world: World, rng: random.Random) -> None:
     """A second node publishes the encoder too."""
     other = world.publish_encoder()
     try:
-        world.wait_said("2 publishers; expected one")
+        world.until(lambda: any("2 publishers; expected one" in said for said in _fed(world)), "the two publishers")
     finally:
         world.tester.destroy_publisher(other)
 
