@@ -9,6 +9,7 @@
 # make blind-design  designed experiments on rigs with a hidden cause (long)
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
+# make fuzz     kills, cuts, damage and bad data, many of each; writes docs/reliability.md (long)
 # make audit    known weaknesses of the locked dependencies (asks the package registry about each)
 # make clean    remove what these made
 
@@ -20,7 +21,7 @@ JOBS ?= 2
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak audit clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak fuzz clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -70,6 +71,9 @@ study: setup
 
 soak: setup
 	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m bench.reliability.nodes --write $(ARGS)
+
+fuzz: setup
+	@$(PY) -m bench.reliability $(ARGS)
 
 audit:
 	@python3 -m venv build/audit && build/audit/bin/pip -q install pip-audit

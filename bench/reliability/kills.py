@@ -74,6 +74,7 @@ def check(folder: Path, ended_ns: int, where: str) -> Found:
 
 def kill_writers(root: Path, seeds: Sequence[int], longest: float, limits: Limits) -> list[Found]:
     """Recordings killed after up to ``longest`` seconds from their first message, several at a time."""
+    root.mkdir(exist_ok=True)
     fork = multiprocessing.get_context("fork")
     running = []
     for seed in seeds:

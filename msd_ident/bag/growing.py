@@ -138,10 +138,14 @@ def replace_text(path: Path, text: str) -> None:
 
 
 def is_being_written(path: Path) -> bool:
-    """Whether a process holds the copies of this file open."""
+    """Whether a process holds this file, or the first of its copies, open for writing."""
+    return any(_is_locked(name) for name in (path.with_name(f".{path.name}.a{PART}"), path))
+
+
+def _is_locked(name: Path) -> bool:
     try:
-        handle = os.open(path.with_name(f".{path.name}.a{PART}"), os.O_RDWR)
-    except FileNotFoundError:
+        handle = os.open(name, os.O_RDWR)
+    except OSError:  # not there, or not ours to write
         return False
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

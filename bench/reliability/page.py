@@ -1,0 +1,60 @@
+"""docs/reliability.md: what was done to bags and data, how often, and what came of it; one block a part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reliability.md"
+
+#: Parts in the order of the page, and what stands above them.
+HEADS = {
+    "killed": "## Bags that are being written\n",
+    "nodes": "",
+    "power": "",
+    "full": "",
+    "cut": "## Bags that are cut off or damaged\n",
+    "damaged": "",
+    "data": (
+        "## Estimates from bad data\n\nThe demo's rig with the paper's parameters, 1 kHz. *Right*: m and k within 1 %, "
+        "µ within 5 % of the clean result.\n*In doubt*: a wrong number is left open, or a warning says that the "
+        "model does not explain the data.\n*Fooled* would be a wrong number without either.\n"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A fault, how often it was tried, and what came of it."""
+
+    fault: str
+    tried: int
+    outcome: str
+
+    @property
+    def line(self) -> str:
+        """As it stands in the table."""
+        return f"| {self.fault} | {self.tried} | {self.outcome} |"
+
+
+def put(part: str, rows: Sequence[Row], how: str, page: Path = PAGE) -> None:
+    """Put the rows of a part where its last ones stood, or in their place among the others."""
+    text = page.read_text(encoding="utf-8") if page.exists() else "# Reliability\n"
+    for name in HEADS:
+        if _begin(name) not in text:
+            text = f"{text.rstrip()}\n\n{_begin(name)}\n{_end(name)}\n"
+    head, _, rest = text.partition(_begin(part))
+    tail = rest.partition(_end(part))[2]
+    table = "\n".join(("| fault | tried | outcome |", "|---|---|---|", *(row.line for row in rows)))
+    said = f"`make fuzz ARGS={part}`, {how}:"
+    above = f"{HEADS[part]}\n" if HEADS[part] else ""
+    page.write_text(f"{head}{_begin(part)}\n\n{above}{said}\n\n{table}\n\n{_end(part)}{tail}", encoding="utf-8")
+
+
+def _begin(part: str) -> str:
+    return f"<!-- {part}: made by `make fuzz` -->"
+
+
+def _end(part: str) -> str:
+    return f"<!-- end of {part} -->"
