@@ -54,7 +54,8 @@ def _show(shown: Shown, folder: Path, console: Console) -> None:
     console.print(f"Service and bag agree to the last digit, live buffer and bag to {shown.live_difference:.1e}.")
     console.print(shown.recorded, soft_wrap=True, highlight=False)
     for path in figures.save(found, folder):
-        console.print(f"figure: {path}", soft_wrap=True, highlight=False)
+        if path.suffix == ".png":  # the SVG lies beside it
+            console.print(f"figure: {path}", soft_wrap=True, highlight=False)
     console.print(f"bag:    {shown.bag}", soft_wrap=True, highlight=False)
 
 

@@ -98,12 +98,15 @@ def progress(quiet: bool) -> Iterator[Progress]:
     """A progress bar on stderr that takes (stage, fraction); nothing where stderr is no terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.table import Column
 
     console = Console(stderr=True)
     if quiet or not console.is_terminal:
         yield lambda stage, fraction: None
         return
-    columns = (TextColumn("{task.description:<34}"), BarColumn(bar_width=28), TimeElapsedColumn())
+    wide = Column(width=38, no_wrap=True, overflow="ellipsis")
+    stage = TextColumn("{task.description}", table_column=wide)
+    columns = (stage, BarColumn(bar_width=28), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda stage, fraction: bar.update(task, description=stage, completed=fraction)

@@ -85,7 +85,7 @@ def test_two_demos_at_once_find_the_rig_and_leave_nothing(tmp_path: Path) -> Non
             assert words in output
         assert "Service and bag agree to the last digit" in output and "none lost" in output
         figures = re.findall(r"^figure: (.+)$", output, re.M)
-        assert len(figures) == 2 and all(Path(figure).stat().st_size > 10_000 for figure in figures)
+        assert len(figures) == 3 and all(Path(figure).stat().st_size > 10_000 for figure in figures)
     bags = [Path(re.findall(r"^bag: +(.+)$", output, re.M)[0]) for _, output, _ in ended]
     assert bags[0] != bags[1]
     assert set(open_bag(bags[0]).topics) == {"/msd/force", "/msd/encoder_batch", "/msd/identifier/estimate"}
