@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+import signature
 from docs_tables import code, number, plain, table
 
 from msd_ident.fit.openness import _ADVICE as ADVICE
@@ -25,6 +26,12 @@ m\\,x'' + b\\,x' + k\\,x + \\text{effects} = F
 
 unless they say otherwise. Any of them can stand together, except two of one family.
 
+"""
+
+
+_PICTURE = """A plant of 1 kg, 3 N·s/m and 400 N/m, pushed with 10 N and with −5 N and let go after each: thin
+without the effect, thick with it. The missing force is F − m·x″ − b·x′ − k·x of the plant without it, which is what the
+[report](../tutorial.md#diagnose) shows of your rig.
 """
 
 
@@ -60,6 +67,9 @@ def page(effect: type[Effect]) -> str:
         plain(effect.__doc__) + "\n",
         "## Parameters\n",
         _parameters(effect),
+        "## What it looks like\n",
+        _PICTURE,
+        signature.drawn(effect),
         "## In the model\n",
         _facts(effect),
         "## Starting values\n",

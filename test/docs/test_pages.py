@@ -10,13 +10,15 @@ from pathlib import Path
 import command_page
 import docs_values
 import effect_pages
+import numpy as np
 import pytest
 import ros_tables
+import signature
 
 from msd_ident.cli import main
 from msd_ident.diagnose.evidence import DECISIVE
 from msd_ident.features.paper_tables import Table1, derive
-from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects import LIBRARY, Effect
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGES = REPOSITORY / "docs"
@@ -74,6 +76,19 @@ def test_effects_say_what_they_are() -> None:
     assert "Family *dry friction*" in page and "[coulomb_friction](coulomb_friction.md)" in page
     assert "general path" in page and "msd simulate --effect stribeck_friction" in page
     assert "| `stribeck_velocity` | vs | m/s |" in page
+
+
+@pytest.mark.parametrize("effect", LIBRARY, ids=lambda effect: effect.name)
+def test_pictures_show_the_effect(effect: type[Effect]) -> None:
+    """What is drawn as missing is the effect's force: nothing without it, and as its law says where that is simple."""
+    nothing = signature.lacking(signature.PLANT)[2]
+    x, v, force = signature.lacking(signature.PLANT + signature.example(effect))
+    seen = np.isfinite(force)
+    assert np.nanmax(np.abs(nothing)) < 0.05 * np.nanmax(np.abs(force))
+    law = {"quadratic_drag": v * np.abs(v), "cubic_spring": x**3, "asymmetric_spring": x**2}.get(effect.name)
+    if law is not None:
+        strength = signature.example(effect).values[0]
+        assert force[seen] == pytest.approx(strength * law[seen], abs=0.02 * np.nanmax(np.abs(force)))
 
 
 @pytest.mark.parametrize(
