@@ -28,8 +28,8 @@ from msd_ident.ros.live_demo import demo_graph
 CHROMIUM = "/usr/bin/chromium"
 #: A step or its end comes this often [s].
 STEP_PERIOD = 5.0
-#: The beginning that does not count: libraries are loaded, rings are filled for the first time [s].
-WARM_UP = 90.0
+#: The beginning that does not count: libraries are loaded, the minute that is kept is filled for the first time [s].
+WARM_UP = 180.0
 TICK, PAGE = os.sysconf("SC_CLK_TCK"), os.sysconf("SC_PAGE_SIZE")
 
 

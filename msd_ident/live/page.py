@@ -25,8 +25,8 @@ from msd_ident.report.numbers import Scale, length_scale
 #: Lengths of the window to choose from [s], and the one chosen first.
 WINDOWS = (5, 10, 30, 60)
 FIRST_WINDOW = 1
-#: Frames between two looks at the texts beside the curves: a number that changes 30 times a second cannot be read.
-CALM = 5
+#: Looks at the texts beside the curves a second: a number that changes 30 times a second cannot be read.
+CALM_RATE = 5.0
 #: Pixels of a paused page's window: finer, for zooming into it.
 FINE = 4000
 
@@ -137,7 +137,7 @@ class Page:
 
     def _answer(self) -> None:
         frame = self._of.scope.frame(self._seconds, self._plots.columns)
-        if self._frames % CALM == 0:
+        if self._frames % max(round(self._of.rate / CALM_RATE), 1) == 0:
             self._show_known()
             self._show_step(frame)
             self._texts = self._numbers(frame)

@@ -104,6 +104,11 @@ class Scope:
         return shadow.beside if shadow else None
 
     @property
+    def knows_force(self) -> bool:
+        """Whether any force was heard."""
+        return len(self._forces) > 0
+
+    @property
     def bytes(self) -> int:
         """Memory of the samples."""
         return self._rows.bytes + self._forces.bytes

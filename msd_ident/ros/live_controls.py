@@ -18,6 +18,8 @@ from msd_ident.ros import names
 from msd_interfaces.action import Diagnose
 from msd_interfaces.srv import Identify, StartRecording
 
+#: How far ahead a force is stamped.
+LEAD = Duration(nanoseconds=50_000_000)
 #: Name of the rig's service, as in the table of the graph.
 RESET = "rig/reset"
 #: How the recorder's status ends, and how its sentence begins while it records.
@@ -71,7 +73,7 @@ class LiveControls:
         if not abs(force) <= self._limit:
             self._board.say(False, f"a force of {force:g} is refused; expected at most ± {self._limit:g} (step_limit)")
             return
-        self._later(lambda: self._publish(force))
+        self._later(lambda: self._push(force))
         self._board.say(True, f"force {force:g} {self._board.known.force_unit}")
 
     def record(self, on: bool) -> None:
@@ -104,9 +106,16 @@ class LiveControls:
         if (executor := self._node.executor) is not None:
             executor.create_task(work)
 
-    def _publish(self, force: float) -> None:
+    def _push(self, force: float) -> None:
+        """The force, a little ahead, so that it is there when it begins to act; a rest before the very first one."""
+        if not self._scope.knows_force:
+            self._publish(0.0)  # who waits for steps sees none in the first force that it hears
+        self._publish(force, LEAD)
+
+    def _publish(self, force: float, lead: Duration | None = None) -> None:
+        now = self._node.get_clock().now()
         message = WrenchStamped()
-        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.stamp = (now + lead if lead else now).to_msg()
         message.wrench.force.x = self._commanded = force
         if self._force is not None:
             self._force.publish(message)
