@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from msd_ident import quality
+from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
 from msd_ident.diagnose.ringdown import ring_down
@@ -123,7 +124,7 @@ def diagnose(
     """
     progress("looking at the data", 0.01, "")
     data = prepared(records)
-    return diagnose_records(
+    base = diagnose_records(
         data.used,
         sprung=_sprung(data.used, options, data.form),
         findings=data.findings,
@@ -131,6 +132,12 @@ def diagnose(
         ring_down=ring_down(data.features),
         progress=progress,
     )
+    progress("next experiment", 0.99, "")
+    found = proposing(base)
+    if found.verdict != "unexplained":
+        return found
+    pushed = push.sentences(found.records, found.extended, found.noise_floor)
+    return replace(found, warnings=(*found.warnings, *pushed))
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:

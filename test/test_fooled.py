@@ -129,3 +129,9 @@ def test_the_signal_whose_unit_is_unknown_is_named() -> None:
     (said,) = pipeline.identify([record]).open
     assert said.startswith("The position is in count and its scale in metres is unknown, so mass, damping, stiffness")
     assert "give --position-scale" in said and "gain" not in said
+
+
+def test_a_push_is_no_cause_of_the_library() -> None:
+    found = pipeline.diagnose([datafaults.bump(clean(), np.random.default_rng(3))])
+    assert found.verdict == "unexplained"
+    assert any(said.startswith("Something pushed the cart at 1.1") for said in found.warnings)
