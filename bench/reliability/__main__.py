@@ -20,8 +20,8 @@ from msd_ident.ros.recording import Limits
 def killed(root: Path, seed: int) -> Iterator[Row]:
     """Recorders killed at random instants."""
     found = []
-    for batch in range(5):
-        seeds = range(seed + 10 * batch, seed + 10 * batch + 10)
+    for batch in range(10):
+        seeds = range(seed + 5 * batch, seed + 5 * batch + 5)
         found += kills.kill_writers(root / str(batch), seeds, 4.0, Limits())
     yield Row("recording killed with `kill -9`, 0 to 4 s after its begin", len(found), _readers(found))
     yield Row("folder copied while it is written", len(found), "every copy opened in msd, rosbags and mcap")

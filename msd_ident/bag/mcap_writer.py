@@ -75,6 +75,11 @@ class McapWriter:
         """Bytes of the file so far, its index left out and what waits for its chunk counted as it is."""
         return self._file.size + len(self._chunk)
 
+    @property
+    def chunks(self) -> int:
+        """Number of chunks so far."""
+        return self._statistics.chunk_count
+
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Id of a new schema."""
         self._statistics.schema_count += 1

@@ -32,8 +32,10 @@ Compression = Literal["zstd", "lz4", "none"]
 _COMPRESSION = {"zstd": "zstd", "lz4": "lz4", "none": ""}
 #: A file ends here and the next begins unless another limit is given: so much again is needed while it is written.
 SPLIT_BYTES = 256 * 2**20
-#: Part of ``sync_seconds`` after which a flush begins, so that it has ended when they are over.
-_EARLY = 0.8
+#: A file of so many chunks ends too: its index is written with each of them.
+MOST_CHUNKS = 4000
+#: Part of ``sync_seconds`` after which a flush begins, so that a busy machine has ended it when they are over.
+_EARLY = 0.5
 
 
 @dataclass
@@ -219,6 +221,8 @@ class BagWriter:
         if not self._file.messages:
             return False
         if self._split_ns and log_time_ns - self._file.first_ns >= self._split_ns:
+            return True
+        if self._writer.chunks >= MOST_CHUNKS:
             return True
         if self._writer.size < self._split_bytes:
             return False

@@ -57,6 +57,15 @@ def test_a_file_ends_at_a_size(tmp_path: Path) -> None:
     assert all(40_000 <= path.stat().st_size < 50_000 for path in files[:-1])
 
 
+def test_a_file_ends_after_many_chunks(tmp_path: Path) -> None:
+    with mock.patch("msd_ident.bag.writer.MOST_CHUNKS", 20), BagWriter(tmp_path / "bag", sync_seconds=0.0) as writer:
+        writer.add_topic("/msd/encoder", JOINTS)
+        for topic, _, raw, log_time in encoder_messages(stamps(50)):
+            writer.write(topic, raw, log_time)
+    assert len(list((tmp_path / "bag").glob("*.mcap"))) == 3
+    assert sum(1 for _ in open_bag(tmp_path / "bag").messages()) == 50
+
+
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
     """Also not what comes into the folder while the bag is written."""
     folder = tmp_path / "bag"
