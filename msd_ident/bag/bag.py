@@ -165,7 +165,7 @@ def _ended(unfinished: str, lost: str) -> Iterator[str]:
             "finishes the bag."
         )
     if lost:
-        yield f"the disk did not take the end of the recording: {lost[:40]} are lost."
+        yield f"the recording was cut off: {lost[:80]}."
 
 
 def _open_storage(path: Path) -> StorageFile:

@@ -51,8 +51,8 @@ class Repair:
         lost = f"{about}{self.lost} lost ({self.seconds:.3g} s)" if self.lost or self.seconds else "none lost"
         text = f"{self.path}: {self.messages} messages, {lost}"
         if self.open_seconds:
-            text += f", and what came in the last {self.open_seconds:g} s before the recording broke off"
-            text += f" (about {self._unknown} messages at its rate)"
+            text += f" of what was on the disk; up to {self.open_seconds:g} s before the recording broke off never got"
+            text += f" there (at its rate {self._unknown} messages)"
         return text + ("" if self.changed else "; nothing to repair")
 
     @property
@@ -105,8 +105,9 @@ def repair_folder(folder: Path) -> Repair:
     losses = [one.loss for one in mended]
     lost = sum(loss.messages for loss in losses)
     if changed:
-        if lost:
-            entry.custom[LOST] = f"{lost} messages"
+        said = [f"{lost} messages are lost"] if lost else []
+        said += [f"up to {open_seconds:g} s before its end may be missing"] if open_seconds else []
+        entry.custom |= {LOST: ", ".join(said)} if said else {}
         entry.write(folder)
         _tidy(found.paths)
     notes = [*found.notes, *(note for one in mended for note in one.notes)]

@@ -272,7 +272,7 @@ class BagWriter:
         if self._file.name not in [file.name for file in self._shown.files]:
             self._writer.path.unlink(missing_ok=True)
         self._shown.custom.pop(UNFINISHED, None)
-        self._shown.custom[LOST] = f"{lost} messages"
+        self._shown.custom[LOST] = f"{lost} messages are lost"
         with suppress(OSError):
             self._shown.write(self.folder)
         self._entry = self._shown

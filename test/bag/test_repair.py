@@ -49,11 +49,12 @@ def test_a_killed_recording_is_finished(tmp_path: Path) -> None:
     done = repair(folder)
     assert (done.changed, done.messages, done.lost, done.open_seconds) == (True, 400, 0, 1.0)
     assert done.sentence.endswith(
-        "400 messages, none lost, and what came in the last 1 s before the recording broke off (about 1003 messages "
-        "at its rate)"
+        "400 messages, none lost of what was on the disk; up to 1 s before the recording broke off never got there "
+        "(at its rate 1003 messages)"
     )
     assert sorted(path.name for path in folder.iterdir()) == ["bag_live_0.mcap", "metadata.yaml"]
-    assert open_bag(folder).notes == ()
+    cut_off = "the recording was cut off: up to 1 s before its end may be missing."
+    assert open_bag(folder).notes == (cut_off,)
     with Reader(folder) as reader:
         assert reader.message_count == 400
     assert not repair(folder).changed
@@ -84,9 +85,7 @@ def test_a_file_that_is_cut_off_gets_its_index_and_the_loss_is_said(tmp_path: Pa
     assert texts(folder) == found
     with Reader(folder) as reader:
         assert reader.message_count == len(found)
-    assert open_bag(folder).notes == (
-        f"the disk did not take the end of the recording: {done.lost} messages are lost.",
-    )
+    assert open_bag(folder).notes == (f"the recording was cut off: {done.lost} messages are lost.",)
 
 
 def test_without_metadata_the_loss_is_told_from_the_sizes(tmp_path: Path) -> None:
@@ -131,7 +130,7 @@ def test_a_recording_goes_on_in_a_further_file(tmp_path: Path) -> None:
         assert reader.message_count == 450
         assert sum(1 for _ in reader.messages()) == 450
     assert sorted(path.name for path in folder.glob("*.mcap")) == ["bag_1.mcap", "bag_live_0.mcap"]
-    assert open_bag(folder).notes == ()
+    assert open_bag(folder).notes == ("the recording was cut off: up to 1 s before its end may be missing.",)
     assert len(texts(folder)) == 450
 
 
@@ -149,7 +148,7 @@ def test_the_command_says_what_it_did(tmp_path: Path) -> None:
     folder = killed(tmp_path / "bag")
     done = run("repair", folder, tmp_path / "nothing")
     assert done.code == 2
-    assert "400 messages, none lost, and what came in the last 1 s" in done.out
+    assert "400 messages, none lost of what was on the disk; up to 1 s before" in done.out
     assert done.err.count("\n") == 1 and "nothing does not exist" in done.err
     again = run("repair", folder, "--json", "-")
     assert again.code == 0
