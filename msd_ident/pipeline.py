@@ -132,7 +132,7 @@ def diagnose(
         ring_down=ring_down(data.features),
         progress=progress,
     )
-    progress("next experiment", 0.99, "")
+    progress("next experiment", 1.0, "")
     found = proposing(base)
     if found.verdict != "unexplained":
         return found

@@ -1,6 +1,6 @@
 """``python -m bench.blind_design``: rigs that one step leaves open, designed experiments, the truth.
 
-python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE]
+python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE] [--effects NAME,…] [--alone]
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _IDENTITY = "force_offset"
 _BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 
 
-def cases(seed: int) -> Iterator[Case]:
-    """All effects in turn, alone and beside friction, without end."""
+def cases(seed: int, names: Sequence[str]) -> Iterator[Case]:
+    """These effects in turn, alone and beside friction, without end."""
     turn = 0
     while True:
-        for index, name in enumerate(lottery.NAMES):
-            yield Case(seed + turn * len(lottery.NAMES) + index, name, turn % 2 == 0)
+        for index, name in enumerate(names):
+            yield Case(seed + turn * len(names) + index, name, turn % 2 == 0)
         turn += 1
 
 
@@ -43,30 +43,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--minutes", type=float, default=math.inf, help="end after this time, whatever was reached")
     parser.add_argument("--json", type=Path, help="file for all outcomes, one JSON object a line")
+    parser.add_argument("--effects", default=",".join(lottery.NAMES), help="hidden effects to draw from")
+    parser.add_argument("--alone", action="store_true", help="without random steps to compare with")
     given = parser.parse_args(arguments)
-    outcomes, drawn, failed = _all(given.runs, given.seed, given.jobs, given.minutes)
+    outcomes, drawn, failed = _all(given)
     if given.json:
         given.json.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in outcomes))
     print("\n".join(told(outcomes, drawn, failed, given.seed)))
     return 0
 
 
-def _all(runs: int, seed: int, jobs: int, minutes: float) -> tuple[list[Outcome], int, int]:
+def _all(given: argparse.Namespace) -> tuple[list[Outcome], int, int]:
     outcomes: list[Outcome] = []
     drawn, failed, began = 0, 0, time.monotonic()
-    source = cases(seed)
-    with ProcessPoolExecutor(jobs) as pool:
-        while len(outcomes) < runs and (time.monotonic() - began) / 60.0 < minutes:
-            batch = [next(source) for _ in range(2 * jobs)]
+    source = cases(given.seed, given.effects.split(","))
+    with ProcessPoolExecutor(given.jobs) as pool:
+        while len(outcomes) < given.runs and (time.monotonic() - began) / 60.0 < given.minutes:
+            batch = [next(source) for _ in range(2 * given.jobs)]
             drawn += len(batch)
-            for case, outcome in zip(batch, pool.map(partial(_safe, compare=True), batch), strict=True):
+            for case, outcome in zip(batch, pool.map(partial(_safe, compare=not given.alone), batch), strict=True):
                 if isinstance(outcome, str):
                     failed += 1
                     print(f"{case}: failed\n{outcome}", file=sys.stderr, flush=True)
                 elif outcome is not None:
                     outcomes.append(outcome)
                     _show(len(outcomes), outcome)
-    return outcomes[:runs], drawn, failed
+    return outcomes[: given.runs], drawn, failed
 
 
 def _safe(case: Case, compare: bool) -> Outcome | None | str:

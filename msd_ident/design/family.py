@@ -48,7 +48,10 @@ Shape = tuple[str, tuple[Segment, ...]]
 
 def _shapes(pace: Pace, rest: float) -> Iterator[Shape]:
     room = pace.longest - rest
+    if room <= 0.0:
+        return
     yield from _steps(pace.period)
+    yield from _repeated(pace.period, room)
     yield from _staircases(pace.period, room)
     yield from _releases(pace.period)
     yield from _ramps(pace.period, room)
@@ -74,6 +77,21 @@ def _steps(period: float) -> Iterator[Shape]:
             levels((1.0, 0.0, -1.0, 0.0, 0.3, 0.0, -0.3, 0.0), hold),
         )
     yield "small steps both ways, 3 periods", levels((0.1, 0.0, -0.1, 0.0), 3.0 * period)
+
+
+def _repeated(period: float, room: float) -> Iterator[Shape]:
+    """Steps again and again over the whole time: the ring-downs of a step that would have come to rest."""
+    for turns in (3.0, 6.0):
+        hold = turns * period
+        count = int(room / hold / 4.0)
+        for what, size in (("", 1.0), ("small ", 0.15)):
+            if count >= 2:
+                train = levels((size, 0.0, -size, 0.0) * count, hold)
+                yield f"repeated {what}steps both ways, {turns:g} periods", train
+    count = int(room / (6.0 * period) / 8.0)
+    if count >= 1:
+        train = levels((1.0, 0.0, -1.0, 0.0, 0.3, 0.0, -0.3, 0.0) * count, room / (8.0 * count))
+        yield f"repeated steps of two sizes both ways, {room:.2g} s", train
 
 
 def _staircases(period: float, room: float) -> Iterator[Shape]:
@@ -156,6 +174,7 @@ _WHY = {
     "step": "a step shows the static gain and how fast it rings down",
     "steps both": "both directions show what is not the same either way",
     "steps of two": "two sizes in both directions show what changes with amplitude and direction",
+    "repeated": "ring-downs one after the other show what takes the energy of each swing",
     "small steps": "small steps show what holds the cart when hardly anything pushes it",
     "staircase": "many levels at rest show how force and position go together",
     "release": "free motion knows nothing of the input, and its decay over amplitude tells friction from drag",

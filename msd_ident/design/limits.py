@@ -148,7 +148,7 @@ def _pair(name: str, value: Any) -> tuple[float, float]:
             raise UsageError(f"limits: {name} has {len(value)} numbers; expected one, or two with 0 between them")
         return _number(name, value[0]), _number(name, value[1])
     size = _number(name, value)
-    return -size, size
+    return 0.0 - size, size  # no minus zero
 
 
 def _number(name: str, value: Any) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -106,6 +106,23 @@ def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     hiding = len(chosen) - 1
     question = Question.of(chosen, [0.5, *[0.5 / hiding] * hiding], seen, limits)
     return _proposed(question, diagnosis, names(chosen), "shows")
+
+
+def proposing(diagnosis: Diagnosis) -> Diagnosis:
+    """The diagnosis with the next experiment in it, where its verdict is ambiguous.
+
+    The limits are those that its records suggest: the force and the travel that they had.
+    """
+    if diagnosis.verdict != "ambiguous":
+        return diagnosis
+    try:
+        limits = default_limits(diagnosis)
+        found = design(diagnosis, limits)
+    except UsageError:
+        return diagnosis  # nothing pushes or moves, or there is no room
+    if found is None:
+        return diagnosis
+    return replace(diagnosis, next_experiment=with_limits(found.to_json_dict(), limits))
 
 
 def default_limits(diagnosis: Diagnosis) -> Limits:

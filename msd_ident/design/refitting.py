@@ -29,7 +29,9 @@ class Refitted:
         return np.asarray(self.true - self.rival)
 
 
-def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing) -> Refitted:
+def refitted(
+    rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing, steps: int = _STEPS
+) -> Refitted:
     """Levenberg–Marquardt on the rival's parameters, start position and zero; the measured data holds it back."""
     weight = weights(true, on, seen)
     before = prior(rival, seen.noise)
@@ -37,7 +39,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
     lower, upper = _bounds(rival)
     point, readings, jacobian = origin.copy(), own.position, own.jacobian
     cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
-    for _ in range(_STEPS):
+    for _ in range(steps):
         normal = (jacobian * weight) @ jacobian.T + before
         slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))

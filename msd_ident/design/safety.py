@@ -28,9 +28,10 @@ def fitted_in(
     profile: Profile, predictors: Sequence[Predictor], limits: Limits, period: float, seen: Sensing
 ) -> Profile | None:
     """A profile of unit force made as strong as the limits allow under every rival; ``None`` when it has no room."""
-    factor = limits.force_room(*profile.extremes)
-    if not np.isfinite(factor):
+    room = limits.force_room(*profile.extremes)
+    if not np.isfinite(room):
         return profile  # no force at all
+    factor = min(room, limits.reach)  # what is small on purpose stays small
     for _ in range(_TURNS):
         if factor < _LEAST * limits.reach:
             return None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from msd_ident import stopping
 from msd_ident.design import refitting
 from msd_ident.design.designing import ENOUGH, Option, Question, choose, judge_again, options
 from msd_ident.design.profile import Profile
@@ -41,6 +42,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     seen: list[Option] = []
     closer: list[tuple[Option, Refits]] = []
     for begin in range(0, len(profiles), _AT_ONCE):
+        stopping.check()
         if seen and time.process_time() - began > _SCREENING:
             break
         batch = options(question, profiles[begin : begin + _AT_ONCE])
@@ -56,6 +58,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     seen = [judge_again(question, one, np.ones_like(one.parting.chi)) for one in seen]
     closer = [(judge_again(question, one, one.shares), refits) for one, refits in closer]
     for pick in _promising(seen):
+        stopping.check()
         if closer and time.process_time() - began > _SCREENING + _LOOKING:
             break
         closer.append(_closely(question, pick))

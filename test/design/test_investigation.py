@@ -1,0 +1,120 @@
+"""The loop: it ends with the truth, keeps to limits and budget, and asks before it moves anything."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from designrigs import ECP, LIMITS, STEP, Rig
+
+from msd_ident.cli.main import main
+from msd_ident.design import Limits, Profile
+from msd_ident.errors import DataError, UsageError
+from msd_ident.investigation import Budget, Loop, check_one_rig
+
+
+def test_the_truth_stands_after_one_more_experiment() -> None:
+    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.006})
+    found = Loop(rig, LIMITS, Budget(2, 60.0)).run(STEP)
+    assert found.stands and found.diagnosis.verdict == "explained"
+    assert [cause.name for cause in found.diagnosis.causes] == ["force_gain_nonlinearity"]
+    assert [step.diagnosis.verdict for step in found.steps] == ["adequate", "explained"]
+    assert found.steps[1].purpose.startswith("to see what could hide: ")
+
+
+def test_the_first_push_of_an_unknown_rig_is_gentle() -> None:
+    pushes: list[float] = []
+
+    class Watched(Rig):
+        def play(self, profile: Profile, limits: Limits) -> object:  # type: ignore[override]
+            pushes.append(max(map(abs, profile.extremes)))
+            return super().play(profile, limits)
+
+    found = Loop(Watched(), LIMITS, Budget(0, 60.0)).run()  # type: ignore[arg-type]
+    assert pushes[0] == pytest.approx(0.05 * 10.0)
+    record = found.steps[0].ran.record
+    moved = abs(record.position - record.position[0]).max()
+    assert 0.3 * 0.03 < moved < 0.03
+
+
+def test_nothing_runs_unasked_or_beyond_the_limits() -> None:
+    rig = Rig()
+    with pytest.raises(UsageError, match="the limits allow -10 to 10"):
+        Loop(rig, LIMITS).run(STEP.scaled(2.0))
+    with pytest.raises(UsageError, match="declined; expected a yes"):
+        Loop(rig, LIMITS, ask=lambda purpose, profile: False).run(STEP)
+    assert rig.runs == 0
+
+
+def test_the_budget_is_kept() -> None:
+    found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
+    assert len(found.steps) == 1 and not found.stands
+    assert found.sentence.startswith("the next experiment would take longer than the budget allows")
+
+
+def test_records_of_two_rigs_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = Rig().play(STEP, LIMITS).record
+    monkeypatch.setitem(ECP, "stiffness", 1500.0)
+    other = Rig().play(STEP, LIMITS).record
+    with pytest.raises(DataError, match="expected records of one rig: leave the other one out"):
+        check_one_rig([one, other])
+
+
+def run(*words: object) -> int:
+    import sys
+
+    kept, sys.argv = sys.argv, ["msd", *map(str, words)]
+    try:
+        return main()
+    finally:
+        sys.argv = kept
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("design", "a.csv"), "msd: no limits; expected --limits FILE"),
+        (("design", "a.csv", "--limits", "none.yaml"), "msd: cannot read none.yaml: No such file or directory"),
+        (("run", "p.yaml"), "msd: cannot read p.yaml: No such file or directory; expected a profile file"),
+        (("run", "p.txt"), "msd: p.txt is no profile; expected a file that ends in .yaml or .csv"),
+        (("investigate", "--rig", "ecp"), "msd: no limits; expected --limits FILE"),
+        (("investigate", "--limits", "l.yaml", "--effect", "backlash"), "msd: --effect without --rig"),
+        (("investigate", "--limits", "l.yaml", "--rig", "nowhere", "--yes"), "msd: no rig"),
+        (("run", "big.yaml", "--limits", "l.yaml"), "msd: profile 'big' pushes from 0 to 99 N, the limits allow -10"),
+    ],
+)
+def test_bad_input(
+    words: tuple[str, ...],
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    Path("big.yaml").write_text("name: big\nsegments: [{kind: step, duration: 1, force: 99}]\n")
+    assert run(*words) == 2
+    said = capsys.readouterr().err.strip()
+    assert said.startswith(line) and "\n" not in said
+
+
+def test_investigate_and_design_by_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    assert run("investigate", "--limits", "l.yaml", "--rig", "ecp", "--runs", 1, "--yes", "--out", "story") == 0
+    journal = json.loads(Path("story/journal.json").read_text())
+    assert journal["stands"] and 1 <= len(journal["steps"]) <= 2
+    assert [c["name"] for c in journal["diagnosis"]["causes"]] == ["coulomb_friction"]
+    assert all(Path(step["bag"]).is_dir() for step in journal["steps"])
+    assert "<h1>Investigation</h1>" in Path("story/report.html").read_text()
+    capsys.readouterr()
+    bag = journal["steps"][0]["bag"]
+    assert run("design", bag, "--limits", "l.yaml", "--json", "-") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["verdict"] == "explained" and told["next_experiment"] is None
+    words = ("design", bag, "--limits", "l.yaml", "--check", "--out", "n.yaml", "--figure", "n.png", "--quiet")
+    assert run(*words) == 0
+    assert Path("n.yaml").read_text().startswith("# Play ") and Path("n.png").stat().st_size > 10_000

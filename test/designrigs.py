@@ -1,0 +1,43 @@
+"""Rigs that play profiles, for the tests of designs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from msd_ident import pipeline
+from msd_ident.design import Limits, Profile, Segment
+from msd_ident.diagnose import Diagnosis
+from msd_ident.investigation import Ran
+from msd_ident.record import Record
+from msd_sim import api
+
+ECP = {"mass": 0.94, "damping": 3.9, "stiffness": 694.0, "friction_coefficient": 0.0, "rate": 500.0}
+NOISE = {"counts_per_metre": 226600.0, "noise": 1e-5}
+LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
+STEP = Profile((Segment("hold", 0.3), Segment("step", 2.0, force=8.0)), "one step")
+
+
+class Rig:
+    """A simulated rig with effects."""
+
+    def __init__(self, **effects: dict[str, float]) -> None:
+        self.effects, self.runs = effects, 0
+
+    def play(self, profile: Profile, limits: Limits) -> Ran:
+        """Play a profile from rest."""
+        limits.check(profile)
+        self.runs += 1
+        at, force = profile.commands
+        made = api.simulate(
+            {**ECP, "encoder": NOISE, "effects": self.effects, "force_time": at, "force": force,
+             "duration": profile.duration, "seed": self.runs}
+        )  # fmt: skip
+        name = f"run {self.runs}"
+        return Ran(Record(time=made.time, position=made.position, force_time=at, force=force, name=name))
+
+
+@cache
+def stepped(effect: str, parameter: str, size: float) -> Diagnosis:
+    """What one step of such a rig tells."""
+    rig = Rig(**{effect: {parameter: size}}) if effect else Rig()
+    return pipeline.diagnose([rig.play(STEP, LIMITS).record])

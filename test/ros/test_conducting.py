@@ -1,0 +1,152 @@
+"""Experiments on the graph: played to their end, and stopped with force 0 by travel, silence and the user."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
+
+from geometry_msgs.msg import WrenchStamped  # noqa: E402
+from graph import Graph, graph, until  # noqa: E402
+from rclpy.action import ActionClient  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
+
+from msd_ident.bag import SourceOptions, read  # noqa: E402
+from msd_ident.design import Limits, Profile, Segment  # noqa: E402
+from msd_ident.design.profile_file import to_yaml  # noqa: E402
+from msd_ident.errors import SetupError, UsageError  # noqa: E402
+from msd_ident.ros import conducting, names  # noqa: E402
+from msd_ident.ros.conducting import Conductor, Played  # noqa: E402
+from msd_ident.ros.experimenter_node import RUN, Experimenter  # noqa: E402
+from msd_interfaces.action import RunExperiment  # noqa: E402
+
+LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
+STEP = Profile((Segment("hold", 0.2), Segment("step", 0.6, force=5.0), Segment("release", 0.3)), "step")
+LONG = Profile((Segment("step", 15.0, force=5.0),), "long")
+
+
+class Forces:
+    """What the rig was told last."""
+
+    def __init__(self, ros: Graph) -> None:
+        self.all: list[float] = []
+        ros.node.create_subscription(WrenchStamped, names.FORCE, self._take, names.force_qos())
+
+    def _take(self, message: WrenchStamped) -> None:
+        self.all.append(message.wrench.force.x)
+
+
+@pytest.fixture
+def ros(ros_domain: int) -> Iterator[Graph]:
+    with graph(ros_domain) as made:
+        yield made
+
+
+def rig(ros: Graph, **parameters: object) -> object:
+    from msd_sim.node.rig_node import RigNode
+
+    given = {"rate": 500.0, **parameters}
+    node = RigNode(
+        context=ros.context, parameter_overrides=[Parameter(name, value=value) for name, value in given.items()]
+    )
+    ros.spin(node)
+    return node
+
+
+def play(ros: Graph, profile: Profile, bag: Path, limits: Limits = LIMITS, **more: object) -> Played:
+    made = Conductor(ros.node, silence=float(more.pop("silence", 5.0)))  # type: ignore[arg-type]
+    stop = more.pop("stop", threading.Event())
+    advance = more.pop("advance", lambda part, force, at: None)
+    return made.play(profile, limits, bag, stop, advance)  # type: ignore[arg-type]
+
+
+def test_a_profile_is_played_and_recorded(ros: Graph, tmp_path: Path) -> None:
+    rig(ros)
+    done = play(ros, STEP, tmp_path / "bag")
+    assert done.stopped == "" and done.commands == 4
+    record = read(tmp_path / "bag", SourceOptions())
+    pushes = record.force_time[record.force == 5.0]
+    let_go = record.force_time[(record.force == 0.0) & (record.force_time > pushes[0])][0]
+    assert let_go - pushes[0] == pytest.approx(0.6, abs=0.1 + done.worst)
+    pushed = record.position[(record.time > pushes[0]) & (record.time < let_go)]
+    assert pushed.max() - record.position[0] == pytest.approx(5.0 / 694.1 * 1.78, rel=0.1)
+
+
+def test_leaving_the_travel_stops_with_force_0(ros: Graph, tmp_path: Path) -> None:
+    rig(ros)
+    told = Forces(ros)
+    done = play(ros, LONG, tmp_path / "bag", Limits((-10.0, 10.0), (-0.005, 0.005), 20.0))
+    assert done.stopped.startswith("the cart left its travel: 0.005")
+    until(lambda: told.all and told.all[-1] == 0.0, "force 0")
+    record = read(tmp_path / "bag", SourceOptions())
+    assert record.duration < 5.0
+    assert record.force[-1] == 0.0
+
+
+def test_a_speed_limit_stops(ros: Graph, tmp_path: Path) -> None:
+    rig(ros)
+    done = play(ros, LONG, tmp_path / "bag", Limits((-10.0, 10.0), (-0.03, 0.03), 20.0, speed=0.05))
+    assert done.stopped.startswith("the cart is too fast")
+
+
+def test_a_silent_encoder_stops_with_force_0(ros: Graph, tmp_path: Path) -> None:
+    node = rig(ros)
+    told = Forces(ros)
+
+    def advance(part: float, force: float, at: float) -> None:
+        node.destroy_publisher(node._samples)  # type: ignore[attr-defined]
+        node._publish_samples = lambda *_: None  # type: ignore[attr-defined]
+
+    done = play(ros, LONG, tmp_path / "bag", advance=advance, silence=0.4)
+    assert done.stopped == "the encoder fell silent: no reading for 0.4 s"
+    until(lambda: told.all and told.all[-1] == 0.0, "force 0")
+
+
+def test_nothing_moves_beyond_the_limits_or_without_a_rig(
+    ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = Forces(ros)
+    with pytest.raises(UsageError, match="the limits allow -10 to 10; expected a profile within them"):
+        play(ros, STEP.scaled(3.0), tmp_path / "bag")
+    monkeypatch.setattr(conducting, "ANSWER", 0.3)
+    with pytest.raises(SetupError, match="no rig answers"):
+        play(ros, STEP, tmp_path / "bag")
+    assert not any(told.all)
+    assert not (tmp_path / "bag").exists()
+
+
+def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path) -> None:
+    rig(ros)
+    ros.add(Experimenter([Parameter("bag_folder", value=str(tmp_path))], context=ros.context))
+    told = Forces(ros)
+    client = ActionClient(ros.node, RunExperiment, RUN)
+    assert client.wait_for_server(20.0)
+    limits = "force: 10\ntravel: 0.03\nduration: 20\n"
+
+    def ask(profile: Profile, folder: str) -> object:
+        goal = RunExperiment.Goal(profile=to_yaml(profile), limits=limits, folder=folder)
+        future = client.send_goal_async(goal)
+        until(future.done, "the goal's answer")
+        return future.result()
+
+    refused = ask(STEP.scaled(3.0), "beyond")
+    result = refused.get_result_async()  # type: ignore[attr-defined]
+    until(result.done, "the refusal")
+    assert not result.result().result.success
+    assert "expected a profile within them" in result.result().result.message
+    handle = ask(LONG, "long")
+    result = handle.get_result_async()  # type: ignore[attr-defined]
+    until(lambda: 5.0 in told.all, "the push")
+    second = ask(STEP, "other")
+    assert not second.accepted  # type: ignore[attr-defined]
+    handle.cancel_goal_async()  # type: ignore[attr-defined]
+    until(result.done, "the result")
+    answer = result.result().result
+    assert answer.stopped == "cancelled" and not answer.success
+    assert told.all[-1] == 0.0
+    assert read(answer.bag_path, SourceOptions()).duration < 10.0
+    client.destroy()
