@@ -3,7 +3,8 @@
     .venv/bin/python docs/generate/transcript.py docs/tutorial.md      # write the output of today's commands
 
 A block ``console`` begins with ``$ command``; what follows is its output. The commands of a page run one after the
-other in one empty folder, in this process, on a terminal 80 columns wide.
+other in one empty folder, in this process, on a terminal 80 columns wide. A comment
+``picture: FILE <- MADE <- command`` says which picture a further command makes in that folder.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -22,6 +24,7 @@ from pathlib import Path
 from unittest import mock
 
 _BLOCK = re.compile(r"^```console\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+_PICTURE = re.compile(r"^<!-- picture: (?P<file>\S+) <- (?P<made>\S+) <- (?P<command>.+) -->$", re.MULTILINE)
 _NUMBER = re.compile(r"(?<![\w.])[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 
 #: Part of a decimal number, and units of its last digit, by which machines and libraries may differ.
@@ -110,10 +113,13 @@ def inside(folder: str | Path) -> Iterator[None]:
         os.chdir(before)
 
 
-def rewritten(page: str) -> str:
-    """The page with the output that its commands print now."""
+def rewritten(page: str, home: Path) -> str:
+    """The page with the output that its commands print now; its pictures are put below ``home``."""
     with tempfile.TemporaryDirectory() as folder, inside(folder):
         outputs = iter([run(step.command) for step in steps(page)])
+        for picture in _PICTURE.finditer(page):
+            run(picture["command"])
+            shutil.copyfile(picture["made"], home / picture["file"])
 
     def renewed(block: re.Match[str]) -> str:
         lines = block["body"].splitlines()
@@ -125,5 +131,5 @@ def rewritten(page: str) -> str:
 
 
 if __name__ == "__main__":
-    for path in map(Path, sys.argv[1:]):
-        path.write_text(rewritten(path.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in (Path(name).resolve() for name in sys.argv[1:]):
+        path.write_text(rewritten(path.read_text(encoding="utf-8"), path.parent), encoding="utf-8")
