@@ -53,6 +53,7 @@ class Visit:
         self.errors: list[str] = []
         self.context = browser.new_context(**options)
         self.page: Page = self.context.new_page()
+        self.page.set_default_timeout(60_000)
         self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.requests: list[str] = []
@@ -62,8 +63,9 @@ class Visit:
 
     def scroll(self) -> None:
         """Past every plot, so that all are drawn, and back to the top."""
-        for figure in self.page.locator("figure.plot").all():
-            figure.scroll_into_view_if_needed()
+        for figure in self.page.query_selector_all("figure.plot"):
+            figure.evaluate("one => one.scrollIntoView()")
+            self.page.wait_for_function("one => one.querySelector('.main-svg')", arg=figure)
         self.page.wait_for_function(DRAWN)
         self.page.evaluate("window.scrollTo(0, 0)")
 
