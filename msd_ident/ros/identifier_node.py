@@ -240,7 +240,7 @@ class Identifier:
         made_ns = self.node.get_clock().now().nanoseconds
         estimate = to_estimate(found, request.bag_path or "live", made_ns, sources.frame)
         notes = {note for used in found.records for note in used.notes}
-        doubt = next((warning for warning in found.warnings if warning not in notes), "")
+        doubt = "; ".join([warning for warning in found.warnings if warning not in notes][: health.MOST_TOLD])
         return Outcome(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:

@@ -83,7 +83,7 @@ def wild_stamps(world: World, rng: random.Random) -> None:
             message.header.stamp = time_message(rng.choice((4_102_444_800, 86_400)) * 10**9)
         return [message]
 
-    world.feed(200, wild)
+    world.feed(150, wild)
 
 
 def out_of_order(world: World, rng: random.Random) -> None:
@@ -183,13 +183,13 @@ def wrong_units(world: World, rng: random.Random) -> None:
         message.position = [1000.0 * message.position[0]]
         return [message]
 
-    world.feed(400, millimetres)
+    world.feed(310, millimetres)
     requests.identify(world)
 
 
 def samples_dropped(world: World, rng: random.Random) -> None:
     """A fifth of the samples never comes."""
-    world.feed(400, lambda message, index: [message] if rng.random() > 0.2 else [])
+    world.feed(300, lambda message, index: [message] if rng.random() > 0.2 else [])
     requests.identify(world)
 
 

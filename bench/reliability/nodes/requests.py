@@ -8,7 +8,6 @@ import random
 import time
 from pathlib import Path
 
-from geometry_msgs.msg import WrenchStamped
 from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
@@ -16,7 +15,6 @@ from std_srvs.srv import Trigger
 
 from bench.reliability.nodes.world import PERIOD_NS, World
 from msd_ident.ros import names
-from msd_ident.ros.conversions import time_message
 from msd_interfaces.action import Diagnose
 from msd_interfaces.srv import Identify, StartRecording
 
@@ -45,10 +43,7 @@ def identify(world: World) -> None:
 
 def push(world: World, ahead_ns: int, newtons: float) -> None:
     """A force with a stamp so far ahead of the newest position."""
-    message = WrenchStamped()
-    message.header.stamp = time_message(world.identifier.buffer.position.newest_ns + ahead_ns)
-    message.wrench.force.x = newtons
-    world.force.publish(message)
+    world.push(world.identifier.buffer.position.newest_ns + ahead_ns, newtons)
 
 
 def stream_force(world: World, messages: int) -> None:

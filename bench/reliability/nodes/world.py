@@ -31,7 +31,7 @@ RATE, PERIOD_NS, KEPT = 100, 10_000_000, 300
 #: The paper's rig, and a force that goes up and down [N], after so many samples.
 TRUTH = {"mass": 0.9407, "damping": 3.927, "stiffness": 694.1, "friction_coefficient": 0.0133}
 ENCODER = {"counts_per_metre": 226600.0}
-FORCE, HELD = 10.425, 130
+FORCE, HELD = 10.425, 150
 #: What a refined parameter may be off, as a part of the truth.
 EXACT = 0.01
 #: Samples sent before it is waited until they are heard.
@@ -67,7 +67,7 @@ class World:
         self.health: dict[str, DiagnosticStatus] = {}
         self.said: list[str] = []
         self.offset_ns = 1_700_000_000 * 10**9
-        self.sent = 0
+        self.sent = self.pushed = 0
         self.tester.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._hear, 100)
         self._spinners = [Spinner(node) for node in (self.tester, self.identifier.node, self.recorder.node)]
         rig = config.parse(TRUTH | {"encoder": ENCODER, "rate": float(RATE)})
@@ -103,6 +103,15 @@ class World:
                 for message in change(self._sample(), index):
                     self.send(message)
             self.until(lambda: self.heard() >= self.sent, "the samples to be heard")
+            self.until(lambda: self._forces_heard() >= self.pushed, "the forces to be heard")
+
+    def push(self, stamp_ns: int, newtons: float) -> None:
+        """Publish on the force's topic."""
+        message = WrenchStamped()
+        message.header.stamp = time_message(stamp_ns)
+        message.wrench.force.x = newtons
+        self.force.publish(message)
+        self.pushed += 1
 
     def send(self, message: JointState) -> None:
         """Publish on the encoder's topic."""
@@ -117,6 +126,9 @@ class World:
     def heard(self) -> int:
         """Messages that the identifier took from the encoder's topic."""
         return self.identifier.inputs["position"][0].count.received
+
+    def _forces_heard(self) -> int:
+        return self.identifier.inputs["force"][0].count.received
 
     def call(self, kind: Any, name: str, request: Any, count: int = 1, seconds: float = 60.0) -> list[Any]:
         """Answers of a service, called so many times at once."""
@@ -190,10 +202,7 @@ class World:
         if self._tick % HELD == 0:
             newtons = FORCE if (self._tick // HELD) % 2 else 0.0
             self._rig.push(at / 1e9, newtons)
-            message = WrenchStamped()
-            message.header.stamp = time_message(at + self.offset_ns)
-            message.wrench.force.x = newtons
-            self.force.publish(message)
+            self.push(at + self.offset_ns, newtons)
         position = self._reader.read(self._rig.sample([at / 1e9]).position)
         self._tick += 1
         made = JointState(name=["cart"], position=position.tolist())
