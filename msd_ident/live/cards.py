@@ -61,9 +61,7 @@ def estimate(found: Estimated | None) -> str:
     gain = f", {found.reduction_percent:.0f} % below the linear model" if found.reduction_percent > 0 else ""
     missing = f", {found.missing} missing" if found.missing else ""
     source = f"{found.samples} samples of {escape(found.source)}{missing}{gain}"
-    return (
-        f'<h2>Estimate</h2><table>{rows}{see}{noise}</table><p class="quiet">{source}</p>{_remarks(found.remarks)}'
-    )
+    return f'<h2>Estimate</h2><table>{rows}{see}{noise}</table><p class="quiet">{source}</p>{_remarks(found.remarks)}'
 
 
 def verdict(found: Diagnosed | None) -> str:
@@ -138,5 +136,3 @@ def _job(name: str, job: Job) -> str:
         f'<p class="quiet">{escape(words(name))}: {escape(job.stage)}{percent}</p>'
         f'<div class="bar{running}"><span{width}></span></div>'
     )
-
-

@@ -4,6 +4,7 @@ const period = 1000 / pulse.rate
 const patience = 4000
 let asked = performance.now()
 let answered = true
+let due = false
 
 const dark = window.matchMedia("(prefers-color-scheme: dark)")
 pulse.dark = dark.matches
@@ -24,31 +25,40 @@ const lay = (frame) => {
   }
 }
 
+const ask = () => {
+  due = false
+  if (!answered || pulse.paused) return
+  asked = performance.now()
+  answered = false
+  pulse.asked += 1
+}
+
+// A hidden page is given no animation frame, so it asks again when it is looked at.
+const next = () => {
+  if (due || !answered || pulse.paused) return
+  due = true
+  setTimeout(() => requestAnimationFrame(ask), Math.max(period - (performance.now() - asked) - 8, 0))
+}
+
 pulse.properties.frame.change.connect(() => {
   answered = true
   document.body.classList.remove("lost")
   lay(Object.fromEntries(pulse.frame instanceof Map ? pulse.frame : Object.entries(pulse.frame)))
   document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1)
+  next()
 })
 
 pulse.properties.paused.change.connect(() => {
   for (const tool of tools) tool.active = pulse.paused
   document.body.classList.toggle("paused", pulse.paused)
+  next()
 })
 
 const reload = () => {
   fetch(location.pathname, {cache: "no-store"}).then(() => location.reload(), () => {})
 }
 
-const look = (now) => {
-  if (answered && !pulse.paused && now - asked >= period - 4) {
-    asked = now
-    answered = false
-    pulse.asked += 1
-  }
-  requestAnimationFrame(look)
-}
-requestAnimationFrame(look)
+next()
 
 setInterval(() => {
   if (answered || performance.now() - asked < patience || document.hidden) return

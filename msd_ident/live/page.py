@@ -163,16 +163,18 @@ class Page:
 
     def _scales(self) -> dict[str, Scale]:
         known = self._of.board.known
-        noise = max(self._noise_and_see(), default=math.nan)
+        noise = max(self._sizes(), default=math.nan)
         return {
             "force": Scale(1.0, known.force_unit),
             "position": length_scale(1.0, known.position_unit),
             "residual": length_scale(10.0 * noise if math.isfinite(noise) else 1.0, known.position_unit),
         }
 
-    def _noise_and_see(self) -> list[float]:
-        found = self._of.board.known.estimated
-        return [value for value in (found.noise, found.see) if math.isfinite(value)] if found else []
+    def _sizes(self) -> list[float]:
+        """Sizes that the residual may well have."""
+        found, beside = self._of.board.known.estimated, self._of.scope.beside
+        sizes = ([found.see] if found else []) + ([beside.noise] if beside else [])
+        return [size for size in sizes if math.isfinite(size)]
 
     def _numbers(self, frame: Frame) -> dict[str, str]:
         """Texts beside the curves, by the place where they stand."""
@@ -226,7 +228,10 @@ def _set(model: Any, name: str, value: object) -> None:
 
 
 def _fixed(value: float, unit: str, places: int) -> str:
-    return f"{value:.{places}f} {unit}".replace("-", "−") if math.isfinite(value) else "–"
+    if not math.isfinite(value):
+        return "–"
+    rounded = round(value, places) + 0.0  # no minus before a zero
+    return f"{rounded:.{places}f} {unit}".replace("-", "−")
 
 
 def _div(name: str) -> Div:

@@ -44,9 +44,7 @@ def thinned(
     return time[kept], values[kept]
 
 
-def held(
-    time: FloatArray, values: FloatArray, start: float, end: float, columns: int
-) -> tuple[FloatArray, FloatArray]:
+def held(time: FloatArray, values: FloatArray, start: float, end: float, columns: int) -> tuple[FloatArray, FloatArray]:
     """The same for a signal that keeps its value until the next sample, as corners of its steps.
 
     Before its first sample it is unknown.

@@ -34,10 +34,12 @@ class LiveControls:
         scope: whose model begins anew with the rig.
         board: is told.
         step_limit: greatest force that is commanded, in its unit; 0: none may be.
+        take: takes the samples that have arrived.
     """
 
-    def __init__(self, node: Node, scope: Scope, board: Board, step_limit: float) -> None:
+    def __init__(self, node: Node, scope: Scope, board: Board, step_limit: float, take: Callable[[], None]) -> None:
         self._node, self._scope, self._board, self._limit = node, scope, board, step_limit
+        self._take = take
         self._commanded = 0.0
         self._goal: Any = None
         self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos()) if step_limit > 0 else None
@@ -89,7 +91,7 @@ class LiveControls:
 
     def reset(self) -> None:
         """Put the rig back."""
-        self._ask("reset", Trigger.Request(), "resetting", lambda _: self._scope.restart())
+        self._ask("reset", Trigger.Request(), "resetting", self._on_reset)
 
     def diagnose(self) -> None:
         """Diagnose the identifier's live buffer; the verdict comes on its topic."""
@@ -132,6 +134,10 @@ class LiveControls:
             self._board.end(name, good, f"{name}: {answer.message if answer is not None else error}")
 
         self._later(lambda: self._clients[name].call_async(request).add_done_callback(done))
+
+    def _on_reset(self, answer: Trigger.Response) -> None:
+        self._take()  # what was sampled before is no start for the model
+        self._scope.restart()
 
     def _on_recording(self, answer: StartRecording.Response) -> None:
         self._board.tell(recording=time.time(), bag=answer.path)

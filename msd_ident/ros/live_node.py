@@ -73,7 +73,7 @@ class LiveView:
             )
         )
         self._data = LiveData(self.node, s, self.scope)
-        self._controls = LiveControls(self.node, self.scope, self.board, limit)
+        self._controls = LiveControls(self.node, self.scope, self.board, limit, self._data.take)
         self._estimate: Estimate | None = None
         self._diagnosis: Diagnosis | None = None
         self._listen()
