@@ -20,6 +20,7 @@ from rclpy.action import get_action_names_and_types  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
 from msd_ident.ros import names  # noqa: E402
+from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
 from msd_ident.ros.identifier_node import Identifier  # noqa: E402
 from msd_ident.ros.recorder_node import Recorder  # noqa: E402
 from msd_sim import names as rig_names  # noqa: E402
@@ -50,6 +51,7 @@ def nodes(ros: Graph, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Grap
     folder = str(tmp_path_factory.mktemp("bags"))
     ros.add(Identifier([Parameter("bag_folder", value=folder)], context=ros.context))
     ros.add(Recorder([Parameter("bag_folder", value=folder)], context=ros.context))
+    ros.add(Experimenter([Parameter("bag_folder", value=folder)], context=ros.context))
     rigs = []
     for mode, rate in (("real_time", 100.0), ("fast", 500.0)):  # the second one is fast enough for batches
         given = [Parameter("time_mode", value=mode), Parameter("rate", value=rate)]
@@ -80,14 +82,11 @@ def test_topics_are_those_of_the_graph(nodes: Graph) -> None:
 def test_what_publishers_offer_is_what_the_page_says(nodes: Graph) -> None:
     for name, (_, _, reliability, durability, _) in rows("Topics").items():
         ends = nodes.node.get_publishers_info_by_topic(f"/{name.lstrip('/')}")
-        if name == names.FORCE:  # nobody here pushes: what the rig asks for
-            ends = nodes.node.get_subscriptions_info_by_topic(f"/{name}")
         assert ends, f"nobody offers {name}"
         for end in ends:
             profile = end.qos_profile
             assert profile.reliability.name.lower() == reliability, name
-            if name != names.FORCE or end.node_name == "rig":
-                assert profile.durability.name.lower().replace("_", " ") == durability, name
+            assert profile.durability.name.lower().replace("_", " ") == durability, name
 
 
 def test_services_and_actions_are_those_of_the_graph(nodes: Graph) -> None:
