@@ -35,6 +35,10 @@ MODELS = ("auto", "spring", "no_spring")
 LOSSES = ("linear", "soft_l1")
 #: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
 SUSPICIOUS = 2.0
+#: Where it stays off by this part of the motion, though no further than noise, the numbers may be off by a per cent.
+STRUCTURE = 1e-3
+#: Parts of an oscillation that a residual is averaged over, and what is more than noise leaves of such means.
+_PARTS, _BEYOND = 20, 1.5
 #: More than any cart that a rig's motor pushes [kg].
 HEAVIEST = 500.0
 
@@ -267,4 +271,28 @@ def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tupl
             "run msd diagnose to name it."
         )
         said += push.sentences(records, joint, floor)
+    elif (missed := _missed(joint, records)) > STRUCTURE:
+        said.append(
+            f"The refined model misses the readings by {100.0 * missed:.2g} % of the motion, for longer than noise "
+            "does: something is missing in it; run msd diagnose to name it."
+        )
     return tuple(said)
+
+
+def _missed(joint: FitResult, records: tuple[Record, ...]) -> float:
+    """Residual that stays over a twentieth of an oscillation, beyond what noise leaves of its mean, over the motion."""
+    mass, stiffness = joint.model["mass"], joint.model["stiffness"]
+    if not (mass > 0.0 and stiffness > 0.0):
+        return 0.0
+    worst = 0.0
+    for residual, record in zip(joint.residuals, records, strict=True):
+        size = max(int(2.0 * math.pi * math.sqrt(mass / stiffness) / (_PARTS * record.period)), 1)
+        count = residual.size // size
+        if count < _PARTS:
+            continue
+        mean = residual[: count * size].reshape(count, size).mean(axis=1)
+        noise, rounding = quality.noise_floor(record) / math.sqrt(size), quality.encoder_step(record) / math.sqrt(12.0)
+        found = math.sqrt(float(np.mean(mean**2)))
+        if found > _BEYOND * max(noise, rounding):
+            worst = max(worst, math.sqrt(found**2 - noise**2) / float(np.ptp(record.position)))
+    return worst
