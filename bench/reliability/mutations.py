@@ -25,7 +25,7 @@ from msd_ident.errors import MsdError
 from msd_sim import config
 from msd_sim.errors import RigError
 
-#: What reading a damaged file may take.
+#: What reading a damaged file may take: processor time, and memory.
 SECONDS, BYTES = 10, 2**30
 
 Damage = Callable[[bytearray, random.Random], None]
@@ -227,7 +227,7 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of many damaged files of one kind: counts by outcome, the longest reading [s], the faults in words."""
+    """What came of many damaged files of one kind: counts by outcome, the longest reading [s of processor time], the faults in words."""
 
     counts: Counter[str]
     longest: float
@@ -253,7 +253,7 @@ def attack(kind: Kind, folder: Path, count: int, seed: int) -> Outcome:
                 faults.append(f"{kind.name}, number {number} of seed {seed}: {outcome}")
         process.join()
         if begin < count and process.exitcode:
-            how = "took more than 10 s" if process.exitcode == -signal.SIGALRM else f"died of {-process.exitcode}"
+            how = "took more than 10 s" if process.exitcode == -signal.SIGPROF else f"died of {-process.exitcode}"
             faults.append(f"{kind.name}, number {begin} of seed {seed}: {how}")
             counts["fault"] += 1
             begin += 1
@@ -273,7 +273,7 @@ def _work(kind: Kind, sound: Path, original: bytes, numbers: Sequence[int], seed
     """Read damaged files until one kills this process."""
     used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
     resource.setrlimit(resource.RLIMIT_AS, (used + BYTES, used + BYTES))
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
     for number in numbers:
         chosen = random.Random(f"{seed} {number}")
         data = bytearray(original)
@@ -282,14 +282,14 @@ def _work(kind: Kind, sound: Path, original: bytes, numbers: Sequence[int], seed
             data = data or bytearray(b"\0")
         path = sound if sound.name == "metadata.yaml" else sound.with_name(f"damaged{sound.suffix}")
         path.write_bytes(data)
-        signal.alarm(SECONDS)
-        began = time.perf_counter()
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
+        began = time.process_time()
         try:
             outcome = kind.try_it(path)
         except Exception:
             outcome = "fault: " + traceback.format_exc(limit=-4)
-        signal.alarm(0)
-        pipe.send((number, outcome, time.perf_counter() - began))
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        pipe.send((number, outcome, time.process_time() - began))
         for rest in path.parent.glob("*.damaged*"):
             rest.unlink()
     pipe.close()
