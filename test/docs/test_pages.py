@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import os
 import re
+from functools import cache
 from pathlib import Path
 
 import command_page
@@ -78,13 +79,18 @@ def test_effects_say_what_they_are() -> None:
     assert "| `stribeck_velocity` | vs | m/s |" in page
 
 
+@cache
+def plain() -> np.ndarray:
+    """What is drawn as missing where nothing is: the error of the drawing's differences."""
+    return signature.lacking(signature.PLANT)[2]
+
+
 @pytest.mark.parametrize("effect", LIBRARY, ids=lambda effect: effect.name)
 def test_pictures_show_the_effect(effect: type[Effect]) -> None:
     """What is drawn as missing is the effect's force: nothing without it, and as its law says where that is simple."""
-    nothing = signature.lacking(signature.PLANT)[2]
     x, v, force = signature.lacking(signature.PLANT + signature.example(effect))
     seen = np.isfinite(force)
-    assert np.nanmax(np.abs(nothing)) < 0.05 * np.nanmax(np.abs(force))
+    assert np.nanmax(np.abs(plain())) < 0.05 * np.nanmax(np.abs(force))
     law = {"quadratic_drag": v * np.abs(v), "cubic_spring": x**3, "asymmetric_spring": x**2}.get(effect.name)
     if law is not None:
         strength = signature.example(effect).values[0]
