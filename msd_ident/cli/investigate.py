@@ -47,6 +47,9 @@ def investigate(
     yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run")] = False,
     namespace: Annotated[str, typer.Option(help="namespace of the graph's rig")] = "msd",
     silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
+    lead: Annotated[
+        float, typer.Option(min=0.0, help="how long before its instant a force is sent [s]; 0: a rig that acts at once")
+    ] = 0.05,
     json: sources.JsonOption = "",
     quiet: sources.QuietOption = False,
 ) -> int:
@@ -69,14 +72,14 @@ def investigate(
     ask = investigation.always if yes else asking()
     tell = _telling(out, output.tables)
     budget = investigation.Budget(runs, seconds)
-    with _rig(rig, effect or [], seed, out, namespace, silence) as found_rig:
+    with _rig(rig, effect or [], seed, out, (namespace, silence, lead)) as found_rig:
         found = investigation.Loop(found_rig, allowed, budget, ask=ask, tell=tell).run(begin)
     _write(found, out, output)
     return 0
 
 
 @contextmanager
-def _rig(name: str, effects: list[str], seed: int, out: Path, namespace: str, silence: float) -> Iterator[Rig]:
+def _rig(name: str, effects: list[str], seed: int, out: Path, graph: tuple[str, float, float]) -> Iterator[Rig]:
     if name:
         from msd_ident.cli.simulate import _named_numbers, _rig
         from msd_ident.cli.simulated_rig import SimulatedRig
@@ -92,7 +95,7 @@ def _rig(name: str, effects: list[str], seed: int, out: Path, namespace: str, si
     require_ros("msd investigate")
     from msd_ident.ros.session import GraphRig, conductor
 
-    with conductor(namespace, silence) as made, stopped_by_signals() as stop:
+    with conductor(*graph) as made, stopped_by_signals() as stop:
         yield GraphRig(made, out, stop, lambda part, force, at: None)
 
 

@@ -28,6 +28,9 @@ def run_profile(
     out: Annotated[Optional[Path], typer.Option("--out", metavar="FOLDER", help="bag to record")] = None,  # noqa: UP045
     namespace: NamespaceOption = "msd",
     silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
+    lead: Annotated[
+        float, typer.Option(min=0.0, help="how long before its instant a force is sent [s]; 0: a rig that acts at once")
+    ] = 0.05,
     reset: Annotated[bool, typer.Option("--reset", help="call rig/reset first, where there is one")] = False,
     json: sources.JsonOption = "",
     quiet: sources.QuietOption = False,
@@ -49,7 +52,7 @@ def run_profile(
     require_ros("msd run")
     from msd_ident.ros.session import conductor
 
-    with conductor(namespace, silence) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
+    with conductor(namespace, silence, lead) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
         done = played_by.play(
             wanted, allowed, bag, stop, lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part), reset
         )

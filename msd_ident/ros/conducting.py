@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,10 +27,18 @@ from msd_interfaces.msg import EncoderBatch
 
 #: Longest wait for a rig that answers, for a cart that comes to rest, and of a reading to come after the end [s].
 ANSWER, REST, TAIL = 5.0, 10.0, 0.2
+#: How long before its instant a force is sent, where nothing else is said [s].
+LEAD = 0.05
 #: The cart rests when its readings stay within this part of the travel for this long [s].
 _STILL, _STILL_SECONDS = 2e-3, 0.3
 _RESET = "rig/reset"
 _NAP = 0.0005
+
+_KINDS: tuple[tuple[str, Any], ...] = (
+    (names.FORCE, WrenchStamped),
+    (names.ENCODER, JointState),
+    (names.ENCODER_BATCH, EncoderBatch),
+)
 
 Advance = Callable[[float, float, float], None]
 
@@ -67,20 +76,20 @@ class Conductor:
     Args:
         node: to publish and listen with; its names decide which rig.
         silence: longest time without a reading [s].
+        lead: how long before its instant a force is sent [s]: a rig that acts by stamps then acts in time, however busy
+            the machine; 0 for one that acts when a force comes.
     """
 
-    def __init__(self, node: Node, silence: float = 0.5) -> None:
-        self._node, self._silence = node, silence
+    def __init__(self, node: Node, silence: float = 0.5, lead: float = LEAD) -> None:
+        self._node, self._silence, self._lead = node, silence, lead
+        self._ahead: deque[int] = deque(maxlen=10_000)
         self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
         self._lock = threading.Lock()
         self._guard: Guard | None = None
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
         self._halted = False
-        kinds: tuple[tuple[str, Any], ...] = (
-            (names.FORCE, WrenchStamped), (names.ENCODER, JointState), (names.ENCODER_BATCH, EncoderBatch),
-        )  # fmt: skip
-        self._subscriptions = [self._listen(topic, kind) for topic, kind in kinds]
+        self._subscriptions = [self._listen(topic, kind) for topic, kind in _KINDS]
 
     def play(
         self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance, reset: bool = False
@@ -96,6 +105,9 @@ class Conductor:
         if reset:
             self._reset()
         self._wait_for_rest(limits, stop)
+        return self._conduct(profile, limits, bag, stop, advance)
+
+    def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
         guard = Guard(limits, self._silence)
         recording = self._record(bag)
         with self._lock:
@@ -107,7 +119,7 @@ class Conductor:
             self._halt()
             with self._lock:
                 self._guard = None
-            time.sleep(TAIL)
+            self._catch_up(REST)
             with self._lock:
                 self._recording = None
             summary = recording.close()
@@ -124,13 +136,16 @@ class Conductor:
         self, profile: Profile, guard: Guard, stop: threading.Event, advance: Advance, delays: list[float]
     ) -> None:
         clock = self._node.get_clock()
-        start = clock.now().nanoseconds + 20_000_000
-        told = 0.0
+        lead = round(self._lead * 1e9)
+        start = clock.now().nanoseconds + lead + 20_000_000
+        told, due, usual = 0.0, start, self._lag()
         for at, force in zip(*profile.commands, strict=True):
             due = start + round(float(at) * 1e9)
-            while (left := due - clock.now().nanoseconds) > 0:
+            while (left := due - lead - clock.now().nanoseconds) > 0:
                 if stop.is_set():
                     guard.stop("cancelled")
+                if self._lag() > usual + self._silence:
+                    guard.stop(f"the encoder's readings come {self._lag() - usual:.2f} s later than before")
                 if guard.reason or guard.silent():
                     return
                 if time.monotonic() - told > 0.1:
@@ -141,23 +156,32 @@ class Conductor:
             with self._lock:
                 if self._halted:
                     return
-                now = self._push(float(force))
+                now = clock.now().nanoseconds
+                self._push(float(force), max(now, due))
             delays.append(max(now - due, 0) / 1e9)
+        while not guard.reason and not guard.silent() and clock.now().nanoseconds < due:
+            if stop.is_set():
+                guard.stop("cancelled")
+            time.sleep(_NAP)
 
     def _halt(self) -> None:
-        """Force 0, now and from whatever thread."""
+        """Force 0, now and from whatever thread, in the place of every force that was sent ahead too."""
         with self._lock:
             self._halted = True
-            self._push(0.0)
+            now = int(self._node.get_clock().now().nanoseconds)
+            ahead = [stamp for stamp in self._ahead if stamp > now]
+            self._ahead.clear()
+            for stamp in (now, *ahead):
+                self._push(0.0, stamp)
+            self._ahead.clear()
 
-    def _push(self, newtons: float) -> int:
-        """Send a force that acts from now on; the stamp [ns]."""
+    def _push(self, newtons: float, stamp: int) -> None:
+        """Send a force that acts from a stamp [ns] on."""
         message = WrenchStamped()
-        now = int(self._node.get_clock().now().nanoseconds)
-        message.header.stamp = time_message(now)
+        message.header.stamp = time_message(stamp)
         message.wrench.force.x = newtons
         self._force.publish(message)
-        return now
+        self._ahead.append(stamp)
 
     def _listen(self, topic: str, kind: Any) -> Subscription:
         name = self._node.resolve_topic_name(topic)
@@ -205,6 +229,28 @@ class Conductor:
             "that runs, under the same namespace: start it, or say --namespace",
         )
 
+        self._catch_up(ANSWER)
+
+    def _catch_up(self, most: float) -> None:
+        """Wait until readings that still lie in queues have come, up to this instant; at most so long [s].
+
+        Ends when none comes any more, too.
+        """
+        until = int(self._node.get_clock().now().nanoseconds)
+        deadline, before, since = time.monotonic() + most, 0, time.monotonic()
+        while time.monotonic() < deadline:
+            stamp = self._latest[0] if self._latest else 0
+            if stamp >= until or time.monotonic() - since > TAIL:
+                return
+            if stamp != before:
+                before, since = stamp, time.monotonic()
+            time.sleep(0.01)
+
+    def _lag(self) -> float:
+        """How far the latest reading is behind the clock [s]; of another clock, any constant."""
+        latest = self._latest
+        return (self._node.get_clock().now().nanoseconds - latest[0]) / 1e9 if latest else 0.0
+
     def _reset(self) -> None:
         client = self._node.create_client(Trigger, _RESET)
         try:
@@ -217,7 +263,7 @@ class Conductor:
     def _wait_for_rest(self, limits: Limits, stop: threading.Event) -> None:
         """Force 0 until the cart stands still, so that every experiment begins at rest."""
         with self._lock:
-            self._push(0.0)
+            self._push(0.0, int(self._node.get_clock().now().nanoseconds))
         band = _STILL * (limits.travel[1] - limits.travel[0])
         deadline, since, at = time.monotonic() + REST, time.monotonic(), self._latest
         while time.monotonic() - since < _STILL_SECONDS and not stop.is_set():

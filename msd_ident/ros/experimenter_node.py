@@ -19,7 +19,7 @@ from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import from_yaml
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros import names
-from msd_ident.ros.conducting import Conductor, Played
+from msd_ident.ros.conducting import LEAD, Conductor, Played
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.worker import Worker
@@ -29,6 +29,7 @@ RUN = "experiment/run"
 SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("silence", 0.5, "longest time without a reading before an experiment is stopped [s]", 0.02, 60.0),
+    Setting("lead", LEAD, "how long before its instant a force is sent; 0 for a rig that acts at once [s]", 0.0, 10.0),
 )
 
 
@@ -45,7 +46,7 @@ class Experimenter:
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("experimenter", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
-        self.conductor = Conductor(self.node, self.settings["silence"])
+        self.conductor = Conductor(self.node, self.settings["silence"], self.settings["lead"])
         self._worker = Worker("experimenter")
         self._busy = threading.Event()
         self._stop = threading.Event()

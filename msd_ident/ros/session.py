@@ -14,20 +14,20 @@ from rclpy.signals import SignalHandlerOptions
 
 from msd_ident.bag import SourceOptions, read
 from msd_ident.design import Limits, Profile
-from msd_ident.errors import UsageError
+from msd_ident.errors import DataError, UsageError
 from msd_ident.investigation import Ran
-from msd_ident.ros.conducting import Advance, Conductor
+from msd_ident.ros.conducting import LEAD, Advance, Conductor
 from msd_ident.ros.run import Spinner
 
 
 @contextmanager
-def conductor(namespace: str, silence: float) -> Iterator[Conductor]:
+def conductor(namespace: str, silence: float, lead: float = LEAD) -> Iterator[Conductor]:
     """A node in this process that plays profiles; the rig is left without force, whatever happens."""
     context = rclpy.Context()
     rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node("conductor", namespace=namespace, context=context)
-        made = Conductor(node, silence)
+        made = Conductor(node, silence, lead)
         spinner = Spinner(node)
         try:
             yield made
@@ -62,10 +62,17 @@ class GraphRig:
 
         Raises:
             UsageError: it was cancelled.
+            DataError: it was stopped so soon that nothing can be learnt from it.
         """
         self.runs += 1
         bag = self.folder / f"run_{self.runs}"
         done = self.conductor.play(profile, limits, bag, self.stop, self.advance, reset=True)
         if self.stop.is_set():
             raise UsageError(f"interrupted; the force is 0 and {bag} holds what was recorded until then")
-        return Ran(read(bag, SourceOptions()), str(bag), done.stopped, done.worst)
+        try:
+            record = read(bag, SourceOptions())
+        except DataError as error:
+            if done.stopped:
+                raise DataError(f"{done.stopped}, too soon to learn anything from it: see {bag}") from error
+            raise
+        return Ran(record, str(bag), done.stopped, done.worst)

@@ -49,7 +49,7 @@ def ros(ros_domain: int) -> Iterator[Graph]:
 def rig(ros: Graph, **parameters: object) -> object:
     from msd_sim.node.rig_node import RigNode
 
-    given = {"rate": 500.0, **parameters}
+    given = {"rate": 200.0, **parameters}
     node = RigNode(
         context=ros.context, parameter_overrides=[Parameter(name, value=value) for name, value in given.items()]
     )
@@ -102,7 +102,7 @@ def test_a_silent_encoder_stops_with_force_0(ros: Graph, tmp_path: Path) -> None
         node._publish_samples = lambda *_: None  # type: ignore[attr-defined]
 
     done = play(ros, LONG, tmp_path / "bag", advance=advance, silence=0.4)
-    assert done.stopped == "the encoder fell silent: no reading for 0.4 s"
+    assert done.stopped.startswith(("the encoder fell silent: no reading for 0.4 s", "the encoder's readings come"))
     until(lambda: told.all and told.all[-1] == 0.0, "force 0")
 
 
@@ -127,9 +127,11 @@ def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path)
     assert client.wait_for_server(20.0)
     limits = "force: 10\ntravel: 0.03\nduration: 20\n"
 
+    moved: list[float] = []
+
     def ask(profile: Profile, folder: str) -> object:
         goal = RunExperiment.Goal(profile=to_yaml(profile), limits=limits, folder=folder)
-        future = client.send_goal_async(goal)
+        future = client.send_goal_async(goal, lambda told: moved.append(told.feedback.position))
         until(future.done, "the goal's answer")
         return future.result()
 
@@ -140,7 +142,7 @@ def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path)
     assert "expected a profile within them" in result.result().result.message
     handle = ask(LONG, "long")
     result = handle.get_result_async()  # type: ignore[attr-defined]
-    until(lambda: 5.0 in told.all, "the push")
+    until(lambda: moved and abs(moved[-1]) > 1e-3, "the motion")
     second = ask(STEP, "other")
     assert not second.accepted  # type: ignore[attr-defined]
     handle.cancel_goal_async()  # type: ignore[attr-defined]
