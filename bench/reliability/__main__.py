@@ -27,7 +27,7 @@ def killed(root: Path, seed: int) -> Iterator[Row]:
     yield Row("folder copied while it is written", len(found), "every copy opened in msd, rosbags and mcap")
 
 
-def nodes(root: Path, seed: int) -> Iterator[Row]:
+def recorders(root: Path, seed: int) -> Iterator[Row]:
     """Recorder nodes killed at random instants."""
     from bench.reliability.node_kills import kill_nodes
 
@@ -126,7 +126,7 @@ def data(root: Path, seed: int) -> Iterator[Row]:
 
 
 PARTS: dict[str, Callable[[Path, int], Iterator[Row]]] = {
-    one.__name__: one for one in (killed, nodes, power, full, cut, damaged, data)
+    one.__name__: one for one in (killed, recorders, power, full, cut, damaged, data)
 }
 
 

@@ -227,7 +227,7 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of many damaged files of one kind: counts by outcome, the longest reading [s of processor time], faults in words."""
+    """Of many damaged files: counts by outcome, the longest reading [s of processor time], faults in words."""
 
     counts: Counter[str]
     longest: float

@@ -11,7 +11,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "reliability.md"
 #: Parts in the order of the page, and what stands above them.
 HEADS = {
     "killed": "## Bags that are being written\n",
-    "nodes": "",
+    "recorders": "",
     "power": "",
     "full": "",
     "cut": "## Bags that are cut off or damaged\n",
