@@ -194,6 +194,7 @@ class Recorder:
         elif not names.asks_for_more(has.qos_profile, qos):
             return
         else:
+            _drain(has)
             self.node.destroy_subscription(has)
         take = self._taker(recording, topic, self._types[topic])
         kind = message_class(self._types[topic])
