@@ -1,6 +1,7 @@
 """``python -m bench.live``: processor time and memory of the live view, a rig running and a page open.
 
 python -m bench.live [--seconds 600] [--rate 1000] [--json FILE]
+python -m bench.live --picture FILE.png       # a picture instead
 
 Processor time is that of the live view's process alone (user and system), so other work on the machine does not count;
 the frames that the page got are counted, since a page that gets none costs nothing.
@@ -122,6 +123,22 @@ def watch(opened: Any, view: int, seconds: float, say: Callable[[str], None]) ->
     return samples
 
 
+def picture(opened: Any, place: Path) -> None:
+    """Step and release the rig until it has an estimate, and take a picture while it is being diagnosed."""
+
+    def press(name: str) -> None:
+        opened.locator("main").get_by_role("button", name=name, exact=True).click()
+
+    press("Step")
+    opened.get_by_text("viscous damping").wait_for(timeout=120_000)
+    press("Release")
+    opened.wait_for_timeout(3000)
+    press("Step")
+    press("Diagnose")
+    opened.wait_for_timeout(3000)
+    opened.screenshot(path=place, full_page=True)
+
+
 def _chromium() -> int:
     """The browser's first process, below this one."""
     for pid in family(os.getpid()):
@@ -147,11 +164,15 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--rate", type=float, default=1000.0)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--picture", type=Path)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as place, demo_graph(Path(place), given.rate) as processes:
         processes.start("live", "msd_ident.ros.live", arguments({"port": 0}))
         log = Path(place) / "live.log"
         with page(_url(log)) as opened:
+            if given.picture:
+                picture(opened, given.picture)
+                return 0
             samples = watch(opened, processes.pid("live"), given.seconds, lambda line: print(line, file=sys.stderr))
     found = summary(samples, min(WARM_UP, given.seconds / 3.0))
     for name, value in found.items():
