@@ -75,6 +75,9 @@ class World:
         rig = config.parse(TRUTH | {"encoder": ENCODER, "rate": float(RATE)})
         self._rig, self._reader = Rig(rig.truth), EncoderReader(rig.encoder)
         self._tick = 0
+        ready: list[bool] = []
+        self.identifier.worker.submit(lambda: ready.append(True))
+        self.until(lambda: ready, "the solver to be compiled", 300.0)
         self.force = self.publish_force()
         self.encoder = self.publish_encoder()
 
