@@ -216,8 +216,13 @@ class Loop:
     def _play(self, purpose: str, profile: Profile, proposal: Proposal | None) -> None:
         ran = self.rig.play(profile, self.limits)
         self.records.append(ran.record)
-        check_one_rig(self.records)
-        diagnosis = pipeline.diagnose(self.records, self.options)
+        try:
+            check_one_rig(self.records)
+            diagnosis = pipeline.diagnose(self.records, self.options)
+        except DataError as error:
+            if ran.stopped:
+                raise DataError(f"{profile.name!r} was stopped: {ran.stopped}; what was recorded: {error}") from None
+            raise
         self.steps.append(Step(purpose, profile, proposal, ran, diagnosis))
         self.tell(self.steps[-1])
 

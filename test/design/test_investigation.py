@@ -11,7 +11,7 @@ from designrigs import ECP, LIMITS, STEP, Rig
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
-from msd_ident.investigation import Budget, Loop, check_one_rig
+from msd_ident.investigation import Budget, Loop, Ran, check_one_rig
 
 
 def test_the_truth_stands_after_one_more_experiment() -> None:
@@ -118,3 +118,13 @@ def test_investigate_and_design_by_command(
     words = ("design", bag, "--limits", "l.yaml", "--check", "--out", "n.yaml", "--figure", "n.png", "--quiet")
     assert run(*words) == 0
     assert Path("n.yaml").read_text().startswith("# Play ") and Path("n.png").stat().st_size > 10_000
+
+
+def test_a_run_that_was_stopped_too_soon_says_so() -> None:
+    class Stopping(Rig):
+        def play(self, profile: Profile, limits: Limits) -> Ran:
+            ran = super().play(profile, limits)
+            return Ran(ran.record.window(0.0, 0.25), "", "the encoder fell silent: no reading for 0.5 s")
+
+    with pytest.raises(DataError, match=r"'one step' was stopped: the encoder fell silent.*; what was recorded: "):
+        Loop(Stopping(), LIMITS).run(STEP)
