@@ -13,8 +13,9 @@ from msd_ident.diagnose import resolvable
 from msd_ident.diagnose.descent import State, Weighting, descend, extended, step
 from msd_ident.diagnose.guesses import from_coulomb, guesses
 from msd_ident.diagnose.readings import Readings
-from msd_ident.fit.posing import pose
+from msd_ident.fit.posing import pose, regressed
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
+from msd_ident.fit.start import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.record import FloatArray, Record
@@ -30,6 +31,9 @@ HOLDING_COULOMB = {
 }
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 _DAMPED = 1e-3
+#: Noise floors left by a set beyond which its neighbours are started from a regression too; end stops tried then, in
+#: parts of the reach.
+_ASTRAY, _STOPS = 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
 _KEPT = 3
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
@@ -208,7 +212,48 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
             state = extended(weighting, parent.problem, parent.state, point)
             promised = step(problem, state, _DAMPED)[1]
             found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
-    return sorted(found, key=lambda start: start.promise)
+    return sorted(found + regressions(experiment, causes, parents), key=lambda start: start.promise)
+
+
+def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+    """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
+    to them leads anywhere; the two that simulate best.
+    """
+    if min(parent.chi for parent in parents) < _ASTRAY**2 * experiment.evidence:
+        return []
+    tried: dict[tuple[float, ...], Model] = {}
+    for model in starts(experiment, causes, parents[0]):
+        for bent in _with_stops(experiment, model):
+            inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
+            if len(bent.names) > 3 + len(inner):
+                tried.setdefault(inner, bent)
+    found = []
+    for model in tried.values():
+        problem = experiment.problem(model)
+        weighting = weigh(problem, experiment.readings)
+        for start in regressed(problem):
+            values = {**dict(zip(model.names, model.values.tolist(), strict=True)), **start.values}
+            point = np.clip(
+                problem.vector(values, [Initial(*state) for state in start.initial]), problem.lower, problem.upper
+            )
+            residual = weighting.residual(point)
+            found.append((float(residual @ residual), point, problem, model))
+    found.sort(key=lambda one: one[0])
+    return [_exact_start(experiment, causes, *one[1:]) for one in found[:2]]
+
+
+def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
+    """The model with its end stop at several places within reach, itself without one."""
+    if "stop_position" not in model.names:
+        return [model]
+    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
+    return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
+
+
+def _exact_start(experiment: Experiment, causes: Causes, point: FloatArray, problem: Problem, model: Model) -> Start:
+    weighting = weigh(problem, experiment.readings)
+    state = weighting.exact(point, weighting.steps(None))
+    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state))
 
 
 def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:

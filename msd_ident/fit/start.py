@@ -30,8 +30,9 @@ LINEAR = (
     "drag_coefficient",
     "cubic_stiffness",
     "quadratic_stiffness",
+    "stop_stiffness",
 )
-_NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient")
+_NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient", "stop_stiffness")
 _WIDTHS = (6, 16, 42, 110, 290)
 _MOST_PLACES = 4000
 
@@ -84,7 +85,8 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
     for half in _WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
-        values = _regress([_rows(grid, half, names) for grid in grids], regression, held)
+        stop = regression.given.get("stop_position", 0.0)
+        values = _regress([_rows(grid, half, names, stop) for grid in grids], regression, held)
         if values is None:
             continue
         zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
@@ -127,7 +129,7 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     return np.asarray((position[after] - position[before]) / (period * (after - before)))
 
 
-def _rows(grid: _Grid, half: int, names: Collection[str]) -> _Rows:
+def _rows(grid: _Grid, half: int, names: Collection[str], stop: float) -> _Rows:
     period, position = grid.period, grid.position
     velocity = _velocity(position, period, max(half // 2, 2))
     slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
@@ -151,16 +153,20 @@ def _rows(grid: _Grid, half: int, names: Collection[str]) -> _Rows:
     columns["offset_force"] = constant
     for name in names:
         if name not in columns:
-            columns[name] = over(_signal(name, position, velocity, direction), bump)[moving, 0]
+            columns[name] = over(_signal(name, position, velocity, direction, stop), bump)[moving, 0]
     return _Rows(columns, constant, over(grid.force, bump)[moving, 0])
 
 
-def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray) -> FloatArray:
-    """What a parameter's force is proportional to."""
+def _signal(
+    name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float
+) -> FloatArray:
+    """What a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
     if name == "coulomb_force":
         return direction
     if name == "drag_coefficient":
         return velocity * np.abs(velocity)
+    if name == "stop_stiffness":
+        return np.asarray(np.sign(position) * np.maximum(np.abs(position) - stop, 0.0))
     return position**3 if name == "cubic_stiffness" else position**2
 
 

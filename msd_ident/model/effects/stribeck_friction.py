@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StribeckFriction(Effect):
-    """Breakaway Fs at rest, falling to Fc over the velocity vs. An Fs below Fc, which no dry friction has, counts as Fc:
-    friction that grows with the speed is damping or drag.
+    """Breakaway Fs at rest, falling to Fc over the velocity vs.
+
+    An Fs below Fc, which no dry friction has, counts as Fc: what grows with the speed is damping or drag.
     """
 
     coulomb_force: float

@@ -14,9 +14,14 @@ def amplitude(record: Record) -> float:
 
 
 def speed(record: Record) -> float:
-    """A robust largest speed [m/s]: the steepest tenth of a 2 % stretch of the record, at least one sample."""
-    stretch = max(record.samples // 50, 1)
-    rise = np.abs(record.position[stretch:] - record.position[:-stretch])
+    """A robust largest speed [m/s]: the steepest twentieth, over the shortest stretch whose motion outgrows noise."""
+    noise = float(np.mean(np.diff(record.position, 2) ** 2)) / 6.0
+    stretch, longest = 1, max(record.samples // 50, 1)
+    while True:
+        rise = np.abs(record.position[stretch:] - record.position[:-stretch])
+        if float(np.mean(rise**2)) > 40.0 * noise or 2 * stretch > longest:
+            break
+        stretch *= 2
     run = record.time[stretch:] - record.time[:-stretch]
     return max(float(np.quantile(rise / run, 0.95)), 1e-9)
 
