@@ -7,13 +7,12 @@ escapes is a defect of this project.
 
 from __future__ import annotations
 
-
 #: Characters of the longest line; what is quoted in the middle of a longer one is left out.
 LONGEST = 800
 
 
 class MsdError(Exception):
-    """Base of all errors that a user can mend; one line that can be printed, whatever stands in the data that it quotes."""
+    """Base of all errors that a user can mend: one line that can be printed, whatever the data that it quotes."""
 
     def __init__(self, text: str) -> None:
         line = "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text)
