@@ -136,12 +136,13 @@ def diagnose(
         ring_down=ring_down(data.features),
         progress=progress,
     )
-    progress("next experiment", 1.0, "")
+    progress("next experiment", 0.98, "")
     found = proposing(base)
-    if found.verdict != "unexplained":
-        return found
-    pushed = push.sentences(found.records, found.extended, found.noise_floor)
-    return replace(found, warnings=(*found.warnings, *pushed))
+    if found.verdict == "unexplained":
+        pushed = push.sentences(found.records, found.extended, found.noise_floor)
+        found = replace(found, warnings=(*found.warnings, *pushed))
+    progress("done", 1.0, "")
+    return found
 
 
 def _forceless(records: tuple[Record, ...]) -> bool:

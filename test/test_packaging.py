@@ -17,7 +17,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parent.parent
 MANIFESTS = [REPOSITORY / "package.xml", REPOSITORY / "msd_interfaces" / "package.xml"]
 LAUNCH_FILES = sorted((REPOSITORY / "launch").glob("*.launch.py"))
-NODES = {"rig", "identifier", "recorder", "replayer"}
+NODES = {"rig", "identifier", "recorder", "replayer", "experimenter", "live"}
 
 
 def manifest(path: Path) -> ElementTree.Element:

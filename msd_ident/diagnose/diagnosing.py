@@ -206,7 +206,6 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
     moved = spread.between(tied) if decision == "ambiguous" else {}
     said = task.warnings + identities.sentences(best.model, task.forced, task.gain_known)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
-    progress("done", 1.0, "")
     return Diagnosis(
         records=task.records,
         findings=task.findings,
