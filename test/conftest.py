@@ -78,3 +78,8 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no measured data at {folder}; MSD_SHARED_DATA names the folder")
     return folder
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The soak, which mostly waits, begins first, so that the other tests run beside it."""
+    items.sort(key=lambda item: "test_faults" not in item.nodeid)
