@@ -179,6 +179,8 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
     rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
+    if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
+        return []  # a parent that ended without a spring is no place to bend it
     for name in sorted(causes - parent.causes):
         if rubs > 0.0 and name in HOLDING_COULOMB:
             found = from_coulomb(name, plant, seen, rubs)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, proposals, refine, weigh
+from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, proposals, refine, starts, weigh
 from msd_ident.diagnose.descent import descend
 from msd_ident.diagnose.readings import prepare
 from msd_ident.fit.problem import Initial
@@ -45,6 +45,13 @@ def test_a_cause_is_reached_from_the_model_without_it(experiment: Experiment) ->
     assert base.chi > 4.0 * found.chi
     assert found.chi / experiment.evidence == pytest.approx(1.0, abs=0.1)
     assert found.model["cubic_stiffness"] == pytest.approx(8e4, rel=0.02)
+
+
+def test_a_parent_that_lost_its_spring_is_no_start_for_what_bends_it(experiment: Experiment) -> None:
+    limp = refine(experiment, frozenset(), Plant(1.1, 3.0, 650.0), (Initial(),))
+    limp = replace(limp, model=limp.model.with_values({"stiffness": 0.0}))
+    assert starts(experiment, frozenset({"backlash"}), limp) == []
+    assert starts(experiment, frozenset({"quadratic_drag"}), limp)
 
 
 def test_bounds_hold(experiment: Experiment) -> None:
