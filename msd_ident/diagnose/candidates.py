@@ -10,12 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.diagnose import resolvable
-from msd_ident.diagnose.descent import State, Weighting, descend, extended, step
-from msd_ident.diagnose.guesses import from_coulomb, guesses
+from msd_ident.diagnose.descent import State, Weighting, descend
 from msd_ident.diagnose.readings import Readings
-from msd_ident.fit.posing import pose, regressed
+from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
-from msd_ident.fit.start import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.record import FloatArray, Record
@@ -30,10 +28,6 @@ HOLDING_COULOMB = {
     "hysteresis": "hysteresis_force",
 }
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
-_DAMPED = 1e-3
-#: Noise floors left by a set beyond which its neighbours are started from a regression too; end stops tried then, in
-#: parts of the reach.
-_ASTRAY, _STOPS = 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
 _KEPT = 3
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
@@ -97,6 +91,14 @@ class Experiment:
         """The fitting problem of a model on these records."""
         fixed = self.fixed | switched_off(model)
         return resolvable.within(build(model, self.records, fixed, self.nuisances), self.ranges)
+
+
+def posed(experiment: Experiment, model: Model, initial: Sequence[Initial]) -> tuple[Problem, Weighting, FloatArray]:
+    """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds."""
+    problem = experiment.problem(model)
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    return problem, weigh(problem, experiment.readings), point
 
 
 def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
@@ -167,29 +169,6 @@ def causes_that_fit(causes: Causes) -> bool:
     return len(families) == len(set(families))
 
 
-def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
-    """Models to start from: the parent's values, with guesses for the effects that it lacks.
-
-    A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
-    """
-    kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
-    plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
-    models = [replace(plant, effects=kept)]
-    liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
-    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
-    seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
-    rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
-    if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
-        return []  # a parent that ended without a spring is no place to bend it
-    for name in sorted(causes - parent.causes):
-        if rubs > 0.0 and name in HOLDING_COULOMB:
-            found = from_coulomb(name, plant, seen, rubs)
-        else:
-            found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
-        models = [model + guess for model in models for guess in found]
-    return models
-
-
 @dataclass(frozen=True)
 class Start:
     """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
@@ -200,62 +179,6 @@ class Start:
 
     promise: float
     fitted: Fitted
-
-
-def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
-    """All starts of a set, the most promising first; empty when there is none."""
-    found = []
-    for parent in parents:
-        for model in starts(experiment, causes, parent):
-            problem = experiment.problem(model)
-            weighting = weigh(problem, experiment.readings)
-            values = dict(zip(model.names, model.values.tolist(), strict=True))
-            point = np.clip(problem.vector(values, parent.initial), problem.lower, problem.upper)
-            state = extended(weighting, parent.problem, parent.state, point)
-            promised = step(problem, state, _DAMPED)[1]
-            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
-    return sorted(found + regressions(experiment, causes, parents), key=lambda start: start.promise)
-
-
-def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
-    """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
-    to them leads anywhere; the two that simulate best.
-    """
-    if min(parent.chi for parent in parents) < _ASTRAY**2 * experiment.evidence:
-        return []
-    tried: dict[tuple[float, ...], Model] = {}
-    for model in starts(experiment, causes, parents[0]):
-        for bent in _with_stops(experiment, model):
-            inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
-            if len(bent.names) > 3 + len(inner):
-                tried.setdefault(inner, bent)
-    found = []
-    for model in tried.values():
-        problem = experiment.problem(model)
-        weighting = weigh(problem, experiment.readings)
-        for start in regressed(problem):
-            values = {**dict(zip(model.names, model.values.tolist(), strict=True)), **start.values}
-            point = np.clip(
-                problem.vector(values, [Initial(*state) for state in start.initial]), problem.lower, problem.upper
-            )
-            residual = weighting.residual(point)
-            found.append((float(residual @ residual), point, problem, model))
-    found.sort(key=lambda one: one[0])
-    return [_exact_start(experiment, causes, *one[1:]) for one in found[:2]]
-
-
-def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
-    """The model with its end stop at several places within reach, itself without one."""
-    if "stop_position" not in model.names:
-        return [model]
-    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
-
-
-def _exact_start(experiment: Experiment, causes: Causes, point: FloatArray, problem: Problem, model: Model) -> Start:
-    weighting = weigh(problem, experiment.readings)
-    state = weighting.exact(point, weighting.steps(None))
-    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state))
 
 
 def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:
@@ -338,10 +261,7 @@ def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
 
 def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Fitted:
     """A set refined from given values to the last digit."""
-    problem = experiment.problem(model)
-    weighting = weigh(problem, experiment.readings)
-    values = dict(zip(model.names, model.values.tolist(), strict=True))
-    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    problem, weighting, point = posed(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
     state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
     return exactly(experiment, _at(causes, problem, state))

@@ -26,11 +26,11 @@ from msd_ident.diagnose.candidates import (
     begin,
     causes_that_fit,
     finish,
-    proposals,
     refine,
     without,
 )
 from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.diagnose.starting import proposals
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.effects.coulomb_friction import CoulombFriction

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, proposals, refine, starts, weigh
+from msd_ident.diagnose.candidates import Experiment, begin, exactly, finish, refine, weigh
 from msd_ident.diagnose.descent import descend
 from msd_ident.diagnose.readings import prepare
+from msd_ident.diagnose.starting import proposals, starts
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects.cubic_spring import CubicSpring
