@@ -1,0 +1,95 @@
+"""Where a set of causes starts: next to the smaller sets that are fitted already, or from a regression."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.diagnose.candidates import COULOMB, HOLDING_COULOMB, Causes, Experiment, Fitted, Start, posed
+from msd_ident.diagnose.descent import Weighting, extended, step
+from msd_ident.diagnose.guesses import from_coulomb, guesses
+from msd_ident.fit.posing import regressed
+from msd_ident.fit.problem import Initial, Problem
+from msd_ident.fit.start import LINEAR
+from msd_ident.model import Model
+from msd_ident.model.effects import by_name
+from msd_ident.record import FloatArray
+
+_DAMPED = 1e-3
+#: Noise floors left by a set beyond which its neighbours are started from a regression too; end stops tried then, in
+#: parts of the reach.
+_ASTRAY, _STOPS = 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+
+
+def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
+    """Models to start from: the parent's values, with guesses for the effects that it lacks.
+
+    A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
+    """
+    kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
+    plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
+    models = [replace(plant, effects=kept)]
+    liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
+    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
+    seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
+    rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
+    if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
+        return []  # a parent that ended without a spring is no place to bend it
+    for name in sorted(causes - parent.causes):
+        if rubs > 0.0 and name in HOLDING_COULOMB:
+            found = from_coulomb(name, plant, seen, rubs)
+        else:
+            found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
+        models = [model + guess for model in models for guess in found]
+    return models
+
+
+def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+    """All starts of a set, the most promising first; empty when there is none."""
+    found = []
+    for parent in parents:
+        for model in starts(experiment, causes, parent):
+            problem, weighting, point = posed(experiment, model, parent.initial)
+            state = extended(weighting, parent.problem, parent.state, point)
+            promised = step(problem, state, _DAMPED)[1]
+            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
+    return sorted(found + regressions(experiment, causes, parents), key=lambda start: start.promise)
+
+
+def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+    """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
+    to them leads anywhere; the two that simulate best.
+    """
+    if min(parent.chi for parent in parents) < _ASTRAY**2 * experiment.evidence:
+        return []
+    tried: dict[tuple[float, ...], Model] = {}
+    for model in starts(experiment, causes, parents[0]):
+        for bent in _with_stops(experiment, model):
+            inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
+            if len(bent.names) > 3 + len(inner):
+                tried.setdefault(inner, bent)
+    found = []
+    for model in tried.values():
+        for start in regressed(experiment.problem(model)):
+            initial = [Initial(*state) for state in start.initial]
+            problem, weighting, point = posed(experiment, model.with_values(start.values), initial)
+            residual = weighting.residual(point)
+            found.append((float(residual @ residual), problem, weighting, point))
+    found.sort(key=lambda one: one[0])
+    return [_exact_start(causes, *one[1:]) for one in found[:2]]
+
+
+def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
+    """The model with its end stop at several places within reach, itself without one."""
+    if "stop_position" not in model.names:
+        return [model]
+    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
+    return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
+
+
+def _exact_start(causes: Causes, problem: Problem, weighting: Weighting, point: FloatArray) -> Start:
+    state = weighting.exact(point, weighting.steps(None))
+    model = problem.model.with_values(problem.values(point))
+    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state))
