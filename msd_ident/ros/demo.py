@@ -127,7 +127,7 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     player.wait_for_all()
     say("recording", 0.15)
     bag = player.record("paper")
-    plan = Plan(force=STEP, rest=0.5, up=3.0, down=3.0, lead=0.3 * (FAST if fast else 1.0))
+    plan = Plan(force=STEP, rest=0.5, up=3.0, down=3.0, lead=0.5 * (FAST if fast else 1.0))
     player.play(plan, lambda done: say("playing the paper's experiment", 0.2 + 0.6 * done))
     recorded = player.stop_recording()
     say("asking the identifier", 0.82)

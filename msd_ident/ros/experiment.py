@@ -35,7 +35,7 @@ class Plan:
         rest: before the step.
         up: with the force.
         down: without it, at the end.
-        lead: how long before its instant a force is sent, at least.
+        lead: how long before the first rest the forces are sent, so that none comes late.
     """
 
     force: float
@@ -86,15 +86,15 @@ class Player:
         return str(answer.path)
 
     def play(self, plan: Plan, advance: Advance) -> None:
-        """Send the forces by their stamps and wait for the end; ``advance`` is told how much is done (0 to 1)."""
+        """Send the forces, stamped ahead, and wait for the end; ``advance`` is told how much is done (0 to 1)."""
         start = self._now_ns
         begin = start + _ns(plan.rest + plan.lead)
         end = begin + _ns(plan.up + plan.down)
-        waiting = [(begin, plan.force), (begin + _ns(plan.up), 0.0)]
+        # Both at once: were this process held up between them, the second would come when its instant has passed.
+        self._push(begin, plan.force)
+        self._push(begin + _ns(plan.up), 0.0)
 
         def over() -> bool:
-            while waiting and self._now_ns >= waiting[0][0] - _ns(plan.lead):
-                self._push(*waiting.pop(0))
             advance(min((self._now_ns - start) / (end - start), 1.0))
             return self._now_ns > end
 
