@@ -9,14 +9,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from badinputs import Outcome, run
 
 from msd_ident.bag import write_csv
 from msd_ident.record import Record, from_samples
 from msd_sim.api import simulate
 
 
-def msd(*words: object, expect: int = 0) -> subprocess.CompletedProcess[str]:
-    """Run the command as its own process."""
+def msd(*words: str | Path, expect: int = 0) -> Outcome:
+    """The command in this process."""
+    done = run(*words)
+    assert done.code == expect, done.out + done.err
+    return done
+
+
+def process(*words: str | Path, expect: int = 0) -> subprocess.CompletedProcess[str]:
+    """The command as its own process."""
     call = [sys.executable, "-m", "msd_ident.cli.main", *map(str, words)]
     done = subprocess.run(call, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == expect, done.stdout + done.stderr
@@ -37,8 +45,8 @@ def step_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_tables_pictures_and_json_of_one_file(step_csv: Path, tmp_path: Path) -> None:
     done = msd("identify", step_csv, "--json", tmp_path / "out.json", "--figures", tmp_path / "figures")
     for words in ("Features (Table 1)", "Standard form (Table 2)", "Physical parameters (Table 3)", "Joint refit"):
-        assert words in done.stdout
-    assert max(len(line) for line in done.stdout.splitlines() if "figures:" not in line) <= 80
+        assert words in done.out
+    assert max(len(line) for line in done.out.splitlines() if "figures:" not in line) <= 80
     found = json.loads((tmp_path / "out.json").read_text())
     assert found["path"] == str(step_csv)
     assert found["refined"]["parameters"]["mass"]["value"] == pytest.approx(0.9407, rel=1e-3)
@@ -51,7 +59,7 @@ def test_json_on_standard_output_stands_alone_and_a_failing_path_does_not_stop_t
     step_csv: Path, tmp_path: Path
 ) -> None:
     missing = tmp_path / "nothing.csv"
-    done = msd("identify", missing, step_csv, "--json", "-", expect=2)
+    done = process("identify", missing, step_csv, "--json", "-", expect=2)
     first, second = (json.loads(line) for line in done.stdout.splitlines())
     assert first["path"] == str(missing) and "error" in first
     assert second["schema"] == "msd.identification/1" and second["path"] == str(step_csv)
@@ -62,7 +70,7 @@ def test_results_are_not_overwritten_unless_told(step_csv: Path, tmp_path: Path)
     target = tmp_path / "out.json"
     target.write_text("mine")
     done = msd("identify", step_csv, "--json", target, expect=2)
-    assert "exists" in done.stderr and "--overwrite" in done.stderr and target.read_text() == "mine"
+    assert "exists" in done.err and "--overwrite" in done.err and target.read_text() == "mine"
     msd("identify", step_csv, "--json", target, "--overwrite", "--quiet")
     assert json.loads(target.read_text())["schema"] == "msd.identification/1"
 
@@ -95,13 +103,13 @@ def _changed(path: Path, target: Path, change: str) -> Path:
 )
 def test_data_that_cannot_be_used_gets_one_line(step_csv: Path, tmp_path: Path, change: str, words: str) -> None:
     done = msd("identify", _changed(step_csv, tmp_path / "bad.csv", change), expect=2)
-    assert words in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+    assert words in done.err
+    assert len(done.err.strip().splitlines()) == 1
 
 
 def test_unit_wrong_by_a_thousand_is_a_warning_with_the_number(step_csv: Path, tmp_path: Path) -> None:
     done = msd("identify", _changed(step_csv, tmp_path / "mm.csv", "millimetres"))
-    warnings = " ".join(done.stdout.split())
+    warnings = " ".join(done.out.split())
     assert "warning" in warnings and "1000" in warnings
 
 
@@ -116,24 +124,24 @@ def test_unit_wrong_by_a_thousand_is_a_warning_with_the_number(step_csv: Path, t
 )
 def test_bad_options_get_one_line(step_csv: Path, words: tuple[str, ...], said: str) -> None:
     done = msd(words[0], step_csv, *words[1:], expect=2)
-    assert said in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert said in done.err and len(done.err.strip().splitlines()) == 1
 
 
 def test_unknown_option_and_missing_path_are_refused_without_a_traceback() -> None:
-    assert "--nonsense" in msd("identify", "--nonsense", expect=2).stderr
+    assert "--nonsense" in process("identify", "--nonsense", expect=2).stderr
     msd("identify", expect=2)
 
 
 def test_paper_prints_its_tables_and_what_it_cannot_reproduce() -> None:
     done = msd("paper")
-    text = " ".join(done.stdout.split())
+    text = " ".join(done.out.split())
     assert "27.16" in text and "694.1" in text and "peaks at 2.649 cm, where the data has 2.554 cm" in text
     assert "No viscous + Coulomb model reproduces" in text
-    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert max(map(len, done.out.splitlines())) <= 80
 
 
 def test_paper_as_json_stands_alone_on_standard_output() -> None:
-    found = json.loads(msd("paper", "--json", "-").stdout)
+    found = json.loads(msd("paper", "--json", "-").out)
     assert found["schema"] == "msd.paper/1"
     assert found["original"]["damping"]["value"] == pytest.approx(3.927, abs=3e-3)
     assert found["standard_form"]["natural_frequency"]["value"] == pytest.approx(27.16, abs=5e-3)
