@@ -170,7 +170,6 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        try:
-            Path(output.json).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise SetupError(f"cannot write {output.json}: {error.strerror}; expected a writable file") from None
+        from msd_ident.report.writing import write_text
+
+        write_text(text, Path(output.json))

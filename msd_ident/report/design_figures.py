@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from msd_ident.report.matplotlib_figure import write
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -43,5 +45,9 @@ def draw(proposal: Proposal) -> Figure:
 
 
 def save(proposal: Proposal, target: Path) -> None:
-    """Write the picture as the file's ending says (PNG, SVG or PDF)."""
-    draw(proposal).savefig(target, dpi=130)
+    """Write the picture as the file's ending says (PNG, SVG or PDF).
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
+    write(draw(proposal), [target])

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from msd_ident.datasheet import data_sheet
 from msd_ident.diagnose import Cause, Diagnosis
-from msd_ident.errors import SetupError
 from msd_ident.report import words
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.parameters import Column, diagnosis_columns, identification_columns
+from msd_ident.report.writing import write_text
 
 if TYPE_CHECKING:
     from msd_ident.identification import Identification
@@ -30,10 +30,7 @@ def save(
     Raises:
         SetupError: the disk does not take it.
     """
-    try:
-        path.write_text(render(results, provenance), encoding="utf-8")
-    except OSError as error:
-        raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable file") from None
+    write_text(render(results, provenance), path)
 
 
 def render(results: Sequence[Diagnosis | Identification], provenance: Sequence[Provenance | None] = ()) -> str:

@@ -59,6 +59,8 @@ def write(figure: Figure, targets: list[Path]) -> list[Path]:
     Raises:
         SetupError: the disk does not take it.
     """
+    figure.draw_without_rendering()  # lays it out: once is enough for all files
+    figure.set_layout_engine(None)
     for target in targets:
         try:
             target.parent.mkdir(parents=True, exist_ok=True)

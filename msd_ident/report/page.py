@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from msd_ident.diagnose import Diagnosis
-from msd_ident.errors import SetupError
 from msd_ident.provenance import versions
 from msd_ident.report.plots import Detail, diagnosis_curves, identification_curves
 from msd_ident.report.sections.causes import Causes
@@ -27,6 +26,7 @@ from msd_ident.report.sections.parameters import (
 )
 from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
+from msd_ident.report.writing import write_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -134,10 +134,7 @@ def save(
     Raises:
         SetupError: the disk does not take it.
     """
-    try:
-        path.write_text(render(results, provenance), encoding="utf-8")
-    except OSError as error:
-        raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable file") from None
+    write_text(render(results, provenance), path)
 
 
 def _rendered(article: Article, anchor: str) -> dict[str, Any]:

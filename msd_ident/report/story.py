@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from msd_ident.report import design_figures
+from msd_ident.report.writing import write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,10 +28,14 @@ _PAGE = """<!DOCTYPE html>
 
 
 def save(found: Investigation, path: Path) -> None:
-    """Write the page."""
+    """Write the page.
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
     end = escape(found.sentence) + "".join(f"<br>{escape(one)}" for one in found.measurements)
     steps = "\n".join(_section(number, step) for number, step in enumerate(found.steps, start=1))
-    path.write_text(_PAGE.format(end=end, steps=steps), encoding="utf-8")
+    write_text(_PAGE.format(end=end, steps=steps), path)
 
 
 def _section(number: int, step: Step) -> str:
