@@ -94,10 +94,10 @@ def _at_start(node: ast.AST) -> Iterator[ast.AST]:
             yield from _at_start(child)
 
 
-def edges() -> Iterator[tuple[str, str]]:
+@cache
+def edges() -> tuple[tuple[str, str], ...]:
     """(module, what it imports) over both packages."""
-    for name, tree in modules().items():
-        yield from ((name, target) for target in imported(tree))
+    return tuple((name, target) for name, tree in modules().items() for target in imported(tree))
 
 
 def room_of(name: str) -> str:
