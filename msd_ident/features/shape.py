@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.optimize
@@ -79,11 +80,18 @@ class _Problem:
     onset: float
     floor: float
 
-    @property
+    @cached_property
     def size(self) -> float:
+        """The swing: greatest reading minus least [m], never 0."""
         return max(float(np.ptp(self.position)), 1e-300)
 
+    @cached_property
+    def reading(self) -> FloatArray:
+        """Positions (n,) from the reading before the step, in units of the swing."""
+        return (self.position - self.initial.value) / self.size
+
     def starts(self) -> list[FloatArray]:
+        """Points (5,) to search from: each damping ratio of ``_STARTS``, with ωn from the time to half the rise."""
         begin, final = self.initial.value, float(self.position[-1])
         crossed = np.flatnonzero(np.abs(self.position - begin) > 0.5 * abs(final - begin))
         rise = max(float(self.time[crossed[0]]) if crossed.size else 0.0, float(np.median(np.diff(self.time))))
@@ -93,14 +101,19 @@ class _Problem:
         ]
 
     def residual(self, point: FloatArray) -> FloatArray:
+        """(n + 2,) of eq. 10 at a point (5,): weighted readings, then the reading before the step and the delay.
+
+        All in units of the swing; the last two weigh by how well each is known beside ``floor``.
+        """
         frequency, ratio = np.exp(np.clip(point[:2], -50.0, 50.0)).tolist()
         late = self.time - self.onset * point[4]
         curve = point[2] + (point[3] - point[2]) * unit_step_response(late, frequency, ratio)
-        misfit = self.weight * (curve - (self.position - self.initial.value) / self.size)
+        misfit = self.weight * (curve - self.reading)
         before = point[2] * min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else point[2]
         return np.concatenate((misfit, (before, point[4] * max(self.floor / self.size, 1e-9))))
 
     def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
+        """Levenberg–Marquardt from a point (5,)."""
         with np.errstate(over="ignore", invalid="ignore"):  # a search that runs away is told by its result
             return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
 
