@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
 from badinputs import Outcome, run
 
 from msd_ident.bag import write_csv
+from msd_ident.features import paper
 from msd_ident.record import Record, from_samples
 from msd_sim.api import simulate
 
@@ -30,6 +33,14 @@ def process(*words: str | Path, expect: int = 0) -> subprocess.CompletedProcess[
     assert done.returncode == expect, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     return done
+
+
+@pytest.fixture(scope="module")
+def once() -> Iterator[None]:
+    """The paper's study, which is always the same, is made once for the tests here."""
+    made = paper.study()
+    with mock.patch.object(paper, "study", lambda progress: made):
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -132,6 +143,8 @@ def test_unknown_option_and_missing_path_are_refused_without_a_traceback() -> No
     msd("identify", expect=2)
 
 
+@pytest.mark.xdist_group("paper")
+@pytest.mark.usefixtures("once")
 def test_paper_prints_its_tables_and_what_it_cannot_reproduce() -> None:
     done = msd("paper")
     text = " ".join(done.out.split())
@@ -140,6 +153,8 @@ def test_paper_prints_its_tables_and_what_it_cannot_reproduce() -> None:
     assert max(map(len, done.out.splitlines())) <= 80
 
 
+@pytest.mark.xdist_group("paper")
+@pytest.mark.usefixtures("once")
 def test_paper_as_json_stands_alone_on_standard_output() -> None:
     found = json.loads(msd("paper", "--json", "-").out)
     assert found["schema"] == "msd.paper/1"

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from badinputs import run
 
 from msd_ident.cli.needs_ros import require_ros
 from msd_ident.errors import SetupError
@@ -68,7 +69,18 @@ def test_a_recording_ends_after_its_duration(ros_domain: int, tmp_path: Path) ->
     assert output == f"0 messages of 0 topics, none lost, in {tmp_path / 'bag'}\n"
 
 
+@pytest.fixture
+def kept_signals() -> Iterator[None]:
+    """What the command makes of signals is put back: a process of its own would end with it."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2)
+    before = {number: signal.getsignal(number) for number in numbers}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @needs_ros
+@pytest.mark.usefixtures("ros_domain", "kept_signals")
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -82,12 +94,21 @@ def test_a_recording_ends_after_its_duration(ros_domain: int, tmp_path: Path) ->
     ids=["exists", "all", "compression", "topic", "nowhere", "rate"],
 )
 def test_what_makes_no_sense_is_refused_in_one_line(
-    ros_domain: int, tmp_path: Path, arguments: list[str], words: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, arguments: list[str], words: str
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "old").mkdir()
-    done = subprocess.run([*MSD, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60.0)
-    assert done.returncode == 2
-    assert done.stderr.startswith("msd: ") and words in done.stderr and done.stderr.count("\n") == 1
+    done = run(*arguments)
+    assert done.code == 2
+    assert done.err.startswith("msd: ") and words in done.err and done.err.count("\n") == 1
+
+
+@needs_ros
+def test_a_refusal_ends_the_process_in_one_line(ros_domain: int, tmp_path: Path) -> None:
+    (tmp_path / "old").mkdir()
+    done = subprocess.run([*MSD, "replay", "old", "--rate", "0"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.startswith("msd: rate is 0.0; expected 0.01 to 100") and done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("missing", ["rclpy", "msd_interfaces"])

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from msd_ident.features.paper_models import nearest_coulomb, single_causes, undecidable
+from msd_ident.features.paper_models import Closest, nearest_coulomb, single_causes, undecidable
 from msd_ident.features.paper_tables import Table1, derive, losses
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+
+pytestmark = pytest.mark.xdist_group("paper")
+
+
+@pytest.fixture(scope="module")
+def both() -> tuple[Closest, Closest]:
+    """The viscous + Coulomb models nearest to Table 1 by least squares, and most evenly."""
+    found = nearest_coulomb(Table1())
+    assert found is not None
+    return found
 
 
 def test_amplitude_is_lost_fastest_where_it_is_largest() -> None:
@@ -15,9 +25,7 @@ def test_amplitude_is_lost_fastest_where_it_is_largest() -> None:
     assert lost.first == pytest.approx(0.30, abs=0.005) and lost.later == pytest.approx(0.215, abs=0.001)
 
 
-def test_no_viscous_and_coulomb_model_reproduces_table_1() -> None:
-    both = nearest_coulomb(Table1())
-    assert both is not None
+def test_no_viscous_and_coulomb_model_reproduces_table_1(both: tuple[Closest, Closest]) -> None:
     found, even = both
     assert not found.reproduces and not even.reproduces
     assert 2e-4 < even.distance <= found.distance < 5e-4
@@ -39,9 +47,9 @@ def test_a_table_that_a_coulomb_model_did_make_is_reproduced() -> None:
     assert found is not None and all(model.reproduces for model in found)
 
 
-def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not() -> None:
-    both = nearest_coulomb(Table1())
-    assert both is not None
+def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not(
+    both: tuple[Closest, Closest],
+) -> None:
     able = {cause.cause: cause.reproduces for cause in single_causes(Table1(), both[0])}
     assert able["quadratic_drag"] and able["cubic_spring"] and able["end_stop"]
     assert not able["coulomb_friction"] and not able["force_offset"] and not able["backlash"]
