@@ -128,7 +128,8 @@ class Recorder:
         return path
 
     def stop(self) -> Summary:
-        """Finish the recording; what it holds.
+        """Finish the recording; what it holds. In the executor's thread, or when nothing spins: a message taken there
+        and not handed over yet would come after those that are drained here.
 
         Raises:
             UsageError: there is none.

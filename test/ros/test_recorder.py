@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,8 @@ from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_interfaces.srv import StartRecording  # noqa: E402
 
 START, STOP = "recorder/start", "recorder/stop"
+#: Of a rig at rest: a position that never changes is refused.
+NOISE = {"encoder.noise": 1e-5}
 
 
 @pytest.fixture
@@ -96,7 +99,7 @@ def test_all_topics_but_hidden_ones(ros: Graph, tmp_path: Path) -> None:
         publishers[name].publish(Float64(data=1.0))
     until(lambda: node.summary and {"/x", "/y/z"} <= {t for t, c in node.summary.topics.items() if c.received}, "both")
     assert publishers["_hidden"].get_subscription_count() == 0
-    node.stop()
+    assert ros.call(Trigger, STOP, Trigger.Request()).success
     assert {"/x", "/y/z"} <= set(open_bag(tmp_path / "all").topics)
 
 
@@ -184,21 +187,43 @@ def test_a_disk_that_fails_ends_the_recording_with_a_sentence(tmp_path: Path, mo
     assert (summary.messages, summary.lost) == (1, 1)
 
 
-@pytest.mark.parametrize(
-    ("rate", "topic", "least"), [(1000.0, "/encoder", 2000), (10_000.0, "/encoder_batch", 20_000)], ids=["1k", "10k"]
-)
-def test_no_sample_of_the_rig_is_lost(ros: Graph, tmp_path: Path, rate: float, topic: str, least: int) -> None:
-    node = recorder(ros, tmp_path, autostart=True, folder="rig", topics=[topic])
-    command = [sys.executable, "-m", "msd_sim.node", "--ros-args", "-p", f"rate:={rate}", "-p", "encoder.noise:=1e-5"]
-    messages = least // (100 if rate > 2000 else 1)
-    with subprocess.Popen(command) as rig:
+@contextmanager
+def process(module: str, **parameters: object) -> Iterator[subprocess.Popen[str]]:
+    """A node that runs by itself, ended with the block."""
+    words = [word for name, value in parameters.items() for word in ("-p", f"{name}:={value}")]
+    command = [sys.executable, "-m", module, "--ros-args", *words]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as made:
         try:
-            until(lambda: node.summary and node.summary.messages >= messages or rig.poll() is not None, "samples", 60.0)
-            summary = node.stop()
+            yield made
         finally:
-            rig.send_signal(signal.SIGINT)
-            rig.wait(30.0)
-    assert summary.lost == 0
-    position = f"{topic}:positions" if rate > 2000 else topic
-    record = read(tmp_path / "rig", SourceOptions(force="none", position=position))
-    assert record.samples >= least - 100 and quality.missing_samples(record) == 0
+            made.kill()
+
+
+def test_no_sample_of_a_rig_at_10_khz_is_lost(ros: Graph, tmp_path: Path) -> None:
+    node = recorder(ros, tmp_path, autostart=True, folder="rig", topics=["/encoder_batch"])
+    with process("msd_sim.node", rate=10_000.0, **NOISE) as rig:
+        until(lambda: node.summary and node.summary.messages >= 200 or rig.poll() is not None, "samples", 60.0)
+        stopped = ros.call(Trigger, STOP, Trigger.Request())
+    assert "none lost" in stopped.message
+    record = read(tmp_path / "rig", SourceOptions(force="none", position="/encoder_batch:positions"))
+    assert record.samples >= 19_900 and quality.missing_samples(record) == 0
+
+
+def test_no_sample_of_a_rig_at_1_khz_is_lost_while_the_recorder_is_held_up(ros: Graph, tmp_path: Path) -> None:
+    heard: list[bytes] = []
+    ros.node.create_subscription(JointState, "encoder", heard.append, 10, raw=True)
+    folder = tmp_path / "rig"
+    started = process("msd_ident.ros.recorder", autostart="true", bag_folder=tmp_path, folder="rig")
+    with started as node, process("msd_sim.node", rate=1000.0, **NOISE):
+        until(lambda: ros.node.count_subscribers("/encoder") == 2, "the recorder's subscription", 60.0)
+        heard.clear()
+        until(lambda: len(heard) >= 200, "samples", 60.0)
+        node.send_signal(signal.SIGSTOP)
+        heard.clear()
+        until(lambda: len(heard) >= 1500, "a second and a half to pass on the rig")
+        node.send_signal(signal.SIGCONT)
+        until(lambda: len(heard) >= 1700, "some more samples")
+        node.send_signal(signal.SIGINT)
+        assert ", none lost, in " in node.communicate(timeout=30.0)[1]
+    record = read(folder, SourceOptions(force="none", position="/encoder"))
+    assert record.samples >= 1700 and quality.missing_samples(record) == 0
