@@ -38,7 +38,7 @@ lint: setup
 	@.venv/bin/mypy
 
 test: lint
-	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup $(ARGS)
+	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup --no-loadscope-reorder $(ARGS)
 
 # Not --quiet: it would swallow the warnings that --strict makes errors.
 docs: setup

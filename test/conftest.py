@@ -23,6 +23,23 @@ settings.register_profile("steady", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=500)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
+#: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
+LONGEST = (
+    *("ros/test_faults", "blind/", "test_a_demo_finds_the_rig", "docs/test_tutorial", "ros/test_huge_bag"),
+    *(
+        "live/",
+        "report/",
+        "ros/",
+        "diagnose/",
+        "design/",
+        "test_fooled",
+        "test_pipeline",
+        "cli/",
+        "fit/",
+        "msd_sim/test_node",
+    ),
+)
+
 _claim = pytest.StashKey[socket.socket]()
 
 
@@ -81,5 +98,9 @@ def shared_data() -> Path:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The soak, which mostly waits, begins first, so that the other tests run beside it."""
-    items.sort(key=lambda item: "test_faults" not in item.nodeid)
+    """The longest begin first, so that no process has a long one left when the others are done."""
+
+    def place(item: pytest.Item) -> int:
+        return next((place for place, name in enumerate(LONGEST) if name in item.nodeid), len(LONGEST))
+
+    items.sort(key=place)

@@ -173,3 +173,11 @@ def test_command_starts_without_heavy_libraries() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "Usage" in done.stdout
     assert heavy & {name.split(".")[0] for name in done.stdout.splitlines()[-1].split()} == set()
+
+
+@pytest.mark.xdist_group("house")
+def test_tests_that_share_a_fixture_stay_in_one_process(request: pytest.FixtureRequest) -> None:
+    """Some versions of pytest and its xdist do not understand each other, and nothing but the time taken tells."""
+    if request.config.getoption("dist", "no") != "loadgroup" and not getattr(request.config.option, "loadgroup", False):
+        pytest.skip("not run by make test")
+    assert request.node.nodeid.endswith("@house")
