@@ -121,6 +121,7 @@ def _player(environment: dict[str, str], domain: int, processes: Processes) -> I
 
 def _play(player: Player, fast: bool, say: Say) -> Shown:
     from msd_ident import pipeline
+    from msd_ident.ros.conversions import nanoseconds
     from msd_ident.ros.results import differences, to_estimate
 
     say("waiting until all hear each other", 0.02)
@@ -131,6 +132,7 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     player.play(plan, lambda done: say("playing the paper's experiment", 0.2 + 0.6 * done))
     recorded = player.stop_recording()
     say("asking the identifier", 0.82)
+    live_begin = nanoseconds(player.identify().window_start)  # first, as the buffer grows meanwhile
     told = player.identify(bag)
     say("identifying the bag", 0.88)
     found = pipeline.identify([read(bag)])
@@ -138,17 +140,15 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     if different:
         raise DataError(f"service and bag differ in {', '.join(different)}; expected the same numbers: report this")
     say("comparing with the live buffer", 0.94)
-    live = _live_difference(player, found)
+    live = _live_difference(player, found, live_begin)
     say("done", 1.0)
     return Shown(Path(bag), recorded, found, live)
 
 
-def _live_difference(player: Player, found: Identification) -> float:
-    """The live buffer began before the bag: its part that is in the bag gives the same but for rounding."""
-    from msd_ident.ros.conversions import nanoseconds
+def _live_difference(player: Player, found: Identification, begin: int) -> float:
+    """The live buffer began [ns] before the bag: its part that is in the bag gives the same but for rounding."""
     from msd_ident.ros.results import stamp_of
 
-    begin = nanoseconds(player.identify().window_start)
     record = found.records[0]
     start, end = ((stamp_of(record, index) - begin) / 1e9 for index in (0, -1))
     live = {parameter.name: parameter.value for parameter in player.identify(start=start, end=end).refined}
