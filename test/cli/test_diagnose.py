@@ -43,7 +43,7 @@ def test_words_and_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
 def test_json_on_standard_output_is_one_object_a_path(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    clean = written(tmp_path / "clean.csv")
+    clean = written(tmp_path / "clean.csv", rate=200)
     missing = tmp_path / "missing.csv"
     assert run(monkeypatch, clean, missing, "--json", "-") == 2
     told = capsys.readouterr()
@@ -57,7 +57,7 @@ def test_json_on_standard_output_is_one_object_a_path(
 def test_together_is_one_experiment(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    paths = [written(tmp_path / f"{name}.csv", seed=seed) for seed, name in enumerate("ab")]
+    paths = [written(tmp_path / f"{name}.csv", seed=seed, rate=200) for seed, name in enumerate("ab")]
     assert run(monkeypatch, *paths, "--together", "--json", "-") == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert json.loads(line)["path"] == " + ".join(str(path) for path in paths)
@@ -66,7 +66,7 @@ def test_together_is_one_experiment(
 def test_nothing_is_overwritten(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = written(tmp_path / "clean.csv")
+    path = written(tmp_path / "clean.csv", rate=200)
     target = tmp_path / "found.json"
     target.write_text("kept")
     assert run(monkeypatch, path, "--json", target) == 2
