@@ -120,18 +120,22 @@ class _Search:
         self.first = np.clip(values / self.scale, self.lower, self.upper)
 
     def model(self, point: FloatArray) -> Model:
+        """The model at a point (k,), which is clipped to the bounds."""
         values = self.start.values
         values[self.free] = np.clip(point, self.lower, self.upper) * self.scale
         return self.start.with_values(values)
 
     def response(self, point: FloatArray) -> Response | None:
+        """Its step response; ``None`` without two peaks."""
         return respond(self.model(point), self.simulator)
 
     def misfit(self, point: FloatArray) -> FloatArray:
+        """Differences (5,) to the table in units of what the table can tell; large without two peaks."""
         response = self.response(point)
         return response.misfit(self.table) if response is not None else np.full(5, _NO_PEAKS)
 
     def least_squares(self) -> FloatArray:
+        """The point (k,) of least squares from the start, within the bounds: parameters in units of ``scale``."""
         found = scipy.optimize.least_squares(
             self.misfit,
             self.first,
@@ -171,6 +175,7 @@ class _Search:
         return np.asarray(found.x[:-1], dtype=np.float64)
 
     def closest(self, point: FloatArray) -> Closest | None:
+        """How near the point comes; ``None`` without two peaks."""
         response = self.response(point)
         if response is None:
             return None

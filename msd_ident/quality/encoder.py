@@ -53,6 +53,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
 
 
 def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Encoder steps [m or rad] too coarse for the motion: fewer than 20 over its whole span."""
     if motion.still:
         return
     steps = motion.span / motion.step if motion.step else np.inf
@@ -73,6 +74,7 @@ def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
 
 
 def rate(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Too few samples in an oscillation, whose period is twice the motion's half period [s]."""
     samples = _samples_an_oscillation(record, motion)
     if samples < _FEW_SAMPLES:
         period = 2 * motion.half_period

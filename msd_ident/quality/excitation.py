@@ -12,6 +12,7 @@ from msd_ident.record import Record
 
 
 def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Force and position that cannot belong together, or tell too little: a copy, no motion, no push."""
     unit = record.position_unit
     factor = _same_signal(record)
     if factor:

@@ -17,6 +17,7 @@ _JITTER_TOLD, _JITTER_BAD = 0.05, 0.2
 
 
 def sampling(record: Record) -> Iterator[Finding]:
+    """Stamps of the position [s] that are not even: two rates mixed, gaps, jitter."""
     intervals = np.diff(record.time)
     fast, slow = _rates(intervals)
     if fast and slow:
