@@ -49,7 +49,7 @@ def design(
     force_unit: sources.ForceUnitOption = "",
     position_unit: sources.PositionUnitOption = "",
     hold: sources.HoldOption = "zero",
-    model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
+    model: sources.ModelOption = "auto",
     json: sources.JsonOption = "",
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,

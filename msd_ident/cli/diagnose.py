@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from msd_ident.cli import pages, run, sources
 
@@ -28,7 +26,7 @@ def diagnose(
     hold: sources.HoldOption = "zero",
     start: sources.StartOption = None,
     end: sources.EndOption = None,
-    model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
+    model: sources.ModelOption = "auto",
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,

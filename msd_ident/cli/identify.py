@@ -28,7 +28,7 @@ def identify(
     hold: sources.HoldOption = "zero",
     start: sources.StartOption = None,
     end: sources.EndOption = None,
-    model: Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")] = "auto",
+    model: sources.ModelOption = "auto",
     loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",

@@ -30,6 +30,7 @@ PositionUnitOption = Annotated[str, typer.Option(help="unit after scaling: m, ra
 HoldOption = Annotated[str, typer.Option(help="force between its stamps: zero (held) or linear")]
 StartOption = Annotated[Optional[float], typer.Option(help="first second to use")]  # noqa: UP045
 EndOption = Annotated[Optional[float], typer.Option(help="last second to use")]  # noqa: UP045
+ModelOption = Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")]
 TogetherOption = Annotated[bool, typer.Option("--together", help="all paths are one experiment: one model for all")]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE|-", help="one JSON object a path; -: and nothing else on stdout")
