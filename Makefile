@@ -9,6 +9,7 @@
 # make blind-design  designed experiments on rigs with a hidden cause (long)
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
+# make load     1 kHz for ten minutes and 10 kHz for five while the cores burn; writes its table there too
 # make fuzz     kills, cuts, damage and bad data, many of each; writes docs/reliability.md (long)
 # make audit    known weaknesses of the locked dependencies (asks the package registry about each)
 # make clean    remove what these made
@@ -22,7 +23,7 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak fuzz clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -72,6 +73,9 @@ study: setup
 
 soak: setup
 	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m bench.reliability.nodes --write $(ARGS)
+
+load: setup
+	@$(PY) -m bench.reliability.load --write $(ARGS)
 
 fuzz: setup
 	@$(PY) -m bench.reliability $(ARGS)

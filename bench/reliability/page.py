@@ -21,7 +21,10 @@ HEADS = {
         "µ within 5 % of the clean result.\n*In doubt*: a wrong number is left open, or a warning says that the "
         "model does not explain the data.\n*Fooled* would be a wrong number without either.\n"
     ),
+    "load": "## Nodes under load\n",
 }
+#: The command that makes a part, where it is another one.
+COMMANDS = {"load": "make load"}
 
 
 @dataclass(frozen=True)
@@ -47,13 +50,14 @@ def put(part: str, rows: Sequence[Row], how: str, page: Path = PAGE) -> None:
     head, _, rest = text.partition(_begin(part))
     tail = rest.partition(_end(part))[2]
     table = "\n".join(("| fault | tried | outcome |", "|---|---|---|", *(row.line for row in rows)))
-    said = f"`make fuzz ARGS={part}`, {how}:"
+    command = COMMANDS.get(part, f"make fuzz ARGS={part}")
+    said = f"`{command}`, {how}:"
     above = f"{HEADS[part]}\n" if HEADS[part] else ""
     page.write_text(f"{head}{_begin(part)}\n\n{above}{said}\n\n{table}\n\n{_end(part)}{tail}", encoding="utf-8")
 
 
 def _begin(part: str) -> str:
-    return f"<!-- {part}: made by `make fuzz` -->"
+    return f"<!-- {part}: made by `{COMMANDS.get(part, 'make fuzz')}` -->"
 
 
 def _end(part: str) -> str:
