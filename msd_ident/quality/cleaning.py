@@ -80,7 +80,7 @@ def _wild(record: Record) -> tuple[npt.NDArray[np.intp], float]:
     for _ in range(_PASSES):
         position = record.position[left]
         usual = _usual(np.abs(np.diff(position)), 0.6)
-        height = np.zeros(position.size)
+        height = _ends(position)
         for run in range(1, _LONGEST_RUN + 1):
             height = np.maximum(height, _excursion(position, run))
         bad = height > np.maximum(_WILD_STEPS * usual, least)
@@ -94,18 +94,30 @@ def _wild(record: Record) -> tuple[npt.NDArray[np.intp], float]:
 def _excursion(position: FloatArray, run: int) -> FloatArray:
     """How far each reading stands off both neighbours of a run of so many that leave and come back, else 0.
 
-    A longer run must come back to where it left. The first and the last reading have one neighbour.
+    A longer run must come back to where it left.
     """
-    padded = np.concatenate((position[1:2], position, position[-2:-1]))
-    out = padded[1:-run] - padded[: -run - 1]
-    back = padded[run:-1] - padded[run + 1 :]
+    out = position[1:-run] - position[: -run - 1]
+    back = position[run:-1] - position[run + 1 :]
     away = np.minimum(np.abs(out), np.abs(back))
     returns = (out * back > 0) & ((run == 1) | (np.abs(out - back) < 0.5 * away))
     away = np.where(returns, away, 0.0)
     height = np.zeros(position.size)
-    for i in range(run):
-        part = height[i : position.size - run + 1 + i]
+    for i in range(1, run + 1):
+        part = height[i : i + away.size]
         np.maximum(part, away, out=part)
+    return height
+
+
+def _ends(position: FloatArray) -> FloatArray:
+    """How far the first and the last reading stand off their only neighbour, where no motion beside them does; else 0.
+
+    A record may end a few samples after a push: what is usual there is no more than rest.
+    """
+    height = np.zeros(position.size)
+    steps = np.abs(np.diff(position))
+    for end, beside in ((0, steps[: _LONGEST_RUN + 1]), (-1, steps[: -_LONGEST_RUN - 2 : -1])):
+        if beside[0] > _WILD_STEPS * np.max(beside[1:], initial=0.0):
+            height[end] = beside[0]
     return height
 
 
