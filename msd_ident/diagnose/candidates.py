@@ -31,8 +31,11 @@ _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 _KEPT = 3
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
-#: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further.
-_HOPELESS = 4.0
+#: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further; so
+#: much sooner where the best one itself is ``_FAR`` from the noise [chi² for each piece of evidence].
+_HOPELESS, _HOPELESS_FAR, _FAR = 4.0, 1.5, 25.0
+#: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
+_SLACK, _SLACK_FAR = 1e-3, 5e-3
 
 
 @dataclass(frozen=True)
@@ -198,7 +201,7 @@ def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fit
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
-    if not _FLOOR * experiment.evidence < best.chi < _HOPELESS * least:
+    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
         return best
     kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
     return min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -237,14 +240,23 @@ def _settled(experiment: Experiment, fitted: Fitted, least: float) -> Fitted:
         fall = before - fitted.chi
         if fall <= _settled_gain(experiment, fitted):
             break
-        if fitted.chi > _HOPELESS * least and fall < 0.5 * before:
+        if fitted.chi > _hopeless(experiment, least) and fall < 0.5 * before:
             return fitted
-    return exactly(experiment, fitted) if fitted.chi < _HOPELESS * least else fitted
+    return exactly(experiment, fitted) if fitted.chi < _hopeless(experiment, least) else fitted
+
+
+def _hopeless(experiment: Experiment, least: float) -> float:
+    """The chi² above which a set has lost against one that leaves ``least``.
+
+    Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
+    """
+    return least * (_HOPELESS_FAR if least > _FAR * experiment.evidence else _HOPELESS)
 
 
 def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
-    return 0.02 + 1e-3 * max(fitted.chi - experiment.evidence, 0.0)
+    slack = _SLACK_FAR if fitted.chi > _FAR * experiment.evidence else _SLACK
+    return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
