@@ -1,5 +1,7 @@
 """The identifier alone, beside a real robot: any topic and field can be the force or the position.
 
+From a shell:
+
     ros2 launch msd_ident identifier.launch.py params:=/path/to/robot.yaml
 """
 

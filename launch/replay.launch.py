@@ -1,5 +1,7 @@
 """A bag played back to the identifier, on the bag's own time. The identifier stays after the bag's end, to be asked.
 
+From a shell:
+
     ros2 launch msd_ident replay.launch.py bag:=/path/to/bag rate:=2.0
 """
 

@@ -157,9 +157,7 @@ def _rows(grid: _Grid, half: int, names: Collection[str], stop: float) -> _Rows:
     return _Rows(columns, constant, over(grid.force, bump)[moving, 0])
 
 
-def _signal(
-    name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float
-) -> FloatArray:
+def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float) -> FloatArray:
     """What a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
     if name == "coulomb_force":
         return direction
