@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from reportrigs import identified
 from rich.console import Console
 
 from msd_ident.bag import SourceOptions, read
@@ -14,7 +15,10 @@ from msd_ident.pipeline import identify
 from msd_ident.report import figures, tables
 from msd_ident.report.thinning import spread, thinned
 
+pytestmark = pytest.mark.xdist_group("report")
+
 BAGS = Path(__file__).resolve().parents[2] / "bags"
+KINDS = ("png", "svg")
 
 
 @pytest.fixture(scope="module", params=["paper_step", "release"])
@@ -57,10 +61,14 @@ def test_a_cloud_shows_the_motion_and_not_the_rest_alone() -> None:
     assert np.count_nonzero(velocity[keep]) > 0.9 * 480
 
 
-def test_figures_7_and_8_are_written_for_each_record(found: Identification, tmp_path: Path) -> None:
-    written = figures.save(found, tmp_path / "new")
-    assert written == figures.paths(found, tmp_path / "new")
+def test_every_record_has_figures_7_and_8(found: Identification, tmp_path: Path) -> None:
     names = ["figure_7_model", "figure_8_residual", "bode"]
-    assert [path.name for path in written] == [f"{name}.{suffix}" for name in names for suffix in ("png", "svg")]
+    assert [plot.slug for plot in figures.plots(found)] == names
+    assert [path.name for path in figures.paths(found, tmp_path)] == [f"{n}.{kind}" for n in names for kind in KINDS]
+
+
+def test_figures_are_written_as_agreed(tmp_path: Path) -> None:
+    written = figures.save(identified(), tmp_path / "new")
+    assert written == figures.paths(identified(), tmp_path / "new")
     assert all("<svg" in path.read_text(encoding="utf-8") for path in written if path.suffix == ".svg")
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written if path.suffix == ".png")
