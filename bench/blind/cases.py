@@ -41,7 +41,8 @@ class Outcome:
 
     ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth without the
     hidden effect leaves when refitted: how visible the effect is. ``removed`` is the share of the removable error that
-    the extension removed on left-out data.
+    the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
+    probability.
     """
 
     case: Case
@@ -57,6 +58,7 @@ class Outcome:
     removed: float
     seconds: float
     processor_seconds: float = math.nan
+    beside: tuple[tuple[str, float], ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -66,7 +68,9 @@ class Outcome:
     def from_json_dict(cls, values: Mapping[str, Any]) -> Outcome:
         """The inverse of ``to_json_dict``."""
         named = tuple((name, probability, tuple(tied)) for name, probability, tied in values["named"])
-        return cls(**{**values, "case": Case(**values["case"]), "truth": tuple(values["truth"]), "named": named})
+        beside = tuple((name, probability) for name, probability in values.get("beside", ()))
+        case = Case(**values["case"])
+        return cls(**{**values, "case": case, "truth": tuple(values["truth"]), "named": named, "beside": beside})
 
     @property
     def names(self) -> frozenset[str]:
@@ -126,7 +130,15 @@ def _opened(
         removed=1.0 - math.sqrt(left / removable) if removable > 0.0 else math.nan,
         seconds=seconds[0],
         processor_seconds=seconds[1],
+        beside=_beside(diagnosis),
     )
+
+
+def _beside(diagnosis: Diagnosis) -> tuple[tuple[str, float], ...]:
+    """Causes of the rival sets that are not named, and the probability that each acts."""
+    named = {cause.name for cause in diagnosis.causes}
+    others = sorted({name for rival in diagnosis.rivals for name in rival.causes} - named)
+    return tuple((name, sum(r.probability for r in diagnosis.rivals if name in r.causes)) for name in others)
 
 
 def _without(draw: lottery.Draw, record: Record) -> float:

@@ -59,5 +59,5 @@ def _reliability(axes: plt.Axes, outcomes: Sequence[Outcome]) -> None:
     axes.errorbar(stated, observed, yerr=spread, fmt="o", color="tab:blue", capsize=3)
     for x, y, n in zip(stated, observed, count, strict=True):
         axes.annotate(f"{n}", (x, y), textcoords="offset points", xytext=(7, -11), fontsize=8)
-    axes.set(xlim=(0.3, 1.03), ylim=(0.0, 1.05), xlabel="stated probability of a named cause", ylabel="share right")
+    axes.set(xlim=(-0.03, 1.03), ylim=(0.0, 1.05), xlabel="stated probability of a cause", ylabel="share right")
     axes.set_title("Are the probabilities true?\n(number of causes beside each point; band: ± 0.1)", fontsize=10)

@@ -15,6 +15,8 @@ from bench.blind.cases import Outcome
 VISIBLE = 3.0
 FAINT = 20.0
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
+#: Least probability of a cause that counts as stated.
+NEGLIGIBLE = 0.01
 
 
 @dataclass(frozen=True)
@@ -105,10 +107,18 @@ def removed(outcomes: Sequence[Outcome]) -> float:
 
 
 def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int, float, float]]:
-    """Rows (low, high, count, mean stated probability, share that was right) over all causes named, oddities aside."""
-    pairs = [
-        (p, name in o.truth) for o in outcomes if not o.odd and o.verdict != "unexplained" for name, p, _ in o.named
+    """Rows (low, high, count, mean stated probability, share that was right), oddities and unexplained ones aside.
+
+    Over all causes that a diagnosis states a probability for: those named, and those of rival sets beside them. A cause
+    is right when it itself acts; that another one tied with it does, does not count.
+    """
+    stated_causes = [
+        (o, cause)
+        for o in outcomes
+        if not o.odd and o.verdict != "unexplained"
+        for cause in (*((name, p) for name, p, _ in o.named), *o.beside)
     ]
+    pairs = [(p, name in o.truth) for o, (name, p) in stated_causes if p >= NEGLIGIBLE]
     rows = []
     for low, high in zip(BINS[:-1], BINS[1:], strict=True):
         inside = [(p, right) for p, right in pairs if low <= p < high]
