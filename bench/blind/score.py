@@ -66,9 +66,7 @@ def confident_and_wrong(outcome: Outcome) -> bool:
 
 def confidently_misnamed(outcome: Outcome) -> bool:
     """A cause that is not there, and not tied with one that is, is named in an explanation with p > 0.9."""
-    wrong = [
-        p for name, p, ties in outcome.named if name not in outcome.truth and not (set(ties) & set(outcome.truth))
-    ]
+    wrong = [p for name, p, ties in outcome.named if name not in outcome.truth and not (set(ties) & set(outcome.truth))]
     return outcome.verdict == "explained" and max(wrong, default=0.0) > 0.9
 
 
