@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 pytest.importorskip("bokeh", reason="the live view's library is not installed: msd_ident[live]")
 
+import chromium  # noqa: E402
 from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
@@ -25,43 +25,23 @@ from msd_interfaces.msg import Cause, Diagnosis  # noqa: E402
 from msd_interfaces.msg import Parameter as ParameterMessage  # noqa: E402
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser
 
 pytestmark = pytest.mark.xdist_group("live")
 
-SHOTS = Path(__file__).resolve().parents[2] / "out" / "live"
 #: Longest wait for anything on a busy machine [s].
-PATIENCE = 60.0
-#: Pixels by which the page is wider than the screen.
-WIDER = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+PATIENCE = chromium.PATIENCE
+#: Of the view: as slow as can be followed, since each costs the browser much.
+FRAME_RATE = 4.0
+
+browser = pytest.fixture(scope="module")(chromium.browser)
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    sync = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    known = (os.environ.get("CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-    found = next((path for name in known if name and (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip("no Chromium on this machine; install chromium, or name it in CHROMIUM, to see the page tested")
-    with sync.sync_playwright() as driver:
-        one = driver.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-gpu"])
-        yield one
-        one.close()
-
-
-class Visit:
-    """A page that is open, with what went wrong on it and whom it asked for anything."""
+class Visit(chromium.Visit):
+    """A live page that gets its frames."""
 
     def __init__(self, browser: Browser, url: str, **options: Any) -> None:
-        self.errors: list[str] = []
-        self.asked: list[str] = []
-        self.context = browser.new_context(**options)
-        self.page: Page = self.context.new_page()
-        self.page.set_default_timeout(1000.0 * PATIENCE)
-        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.goto(url)
+        super().__init__(browser, url, **options)
         self.page.wait_for_function("Number(document.body.dataset.frames) > 1")
 
     def press(self, name: str) -> None:
@@ -81,10 +61,6 @@ class Visit:
             self.page.wait_for_timeout(50)
         pytest.fail(f"waited {PATIENCE:g} s for {what}")
 
-    def shoot(self, name: str) -> None:
-        SHOTS.mkdir(parents=True, exist_ok=True)
-        self.page.screenshot(path=SHOTS / f"{name}.png", full_page=True)
-
 
 class Bench:
     """The view in this process, beside rig, recorder and identifier in theirs; what the rig was commanded."""
@@ -95,7 +71,7 @@ class Bench:
         self.forces: list[float] = []
         ros.node.create_subscription(WrenchStamped, "/msd/force", self._heard, names.force_qos())
         urls: list[str] = []
-        options = given({"port": 0, "frame_rate": 5.0})
+        options = given({"port": 0, "frame_rate": FRAME_RATE})
         self.view: LiveView = ros.add(LiveView(options, urls.append, namespace="msd", context=ros.context))
         (self.url,) = urls
 
@@ -170,7 +146,7 @@ def test_buttons_do_what_they_say(browser: Browser, bench: Bench) -> None:
     page.get_by_text("reset: encoder at zero, cart at rest").wait_for()
     visit.press("5 s")
     visit.until(lambda: visit.reads("residual-rms") < 200.0, "the model to begin anew with the rig")
-    visit.shoot("buttons")
+    visit.shoot("live/buttons")
     assert visit.errors == []
     assert {url.split("/")[2] for url in visit.asked} == {bench.url.split("/")[2]}, "somebody else was asked"
     visit.context.close()
@@ -188,7 +164,7 @@ def test_verdict_phone_dark_and_pause(browser: Browser, bench: Bench) -> None:
     page.get_by_text("with quadratic drag, of the diagnosis").wait_for()
     visit.until(lambda: visit.reads("residual-rms") < 30.0, "a residual as small as the noise (10 µm)")
     assert page.title() == "msd live"
-    assert page.evaluate(WIDER) == 0
+    assert visit.overflow() == 0
     visit.press("Pause")
     page.get_by_role("button", name="Go on").wait_for()
     frames = page.evaluate("document.body.dataset.frames")
@@ -198,7 +174,7 @@ def test_verdict_phone_dark_and_pause(browser: Browser, bench: Bench) -> None:
     assert page.evaluate("document.body.dataset.frames") == paused and int(paused) <= int(frames) + 2
     visit.press("Go on")
     page.wait_for_function(f"Number(document.body.dataset.frames) > {paused} + 1")
-    visit.shoot("phone")
+    visit.shoot("live/phone")
     assert visit.errors == [] or visit.errors == [e for e in visit.errors if "/x" in e]
     visit.context.close()
 
