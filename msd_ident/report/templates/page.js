@@ -28,7 +28,9 @@
       told.layout.margin = { l: 50, r: 4, t: 52, b: 42 };
       told.layout.font.size = 11;
     }
-    if (root.classList.contains("printing")) told.layout.height = Math.round(0.82 * told.layout.height);
+    // Lower on paper, the main plot less so: sections then end near the ends of pages.
+    const lower = told.layout.height > 500 ? 0.82 : 0.67;
+    if (root.classList.contains("printing")) told.layout.height = Math.round(lower * told.layout.height);
     if (touch) told.layout.dragmode = false; // a finger scrolls the page; two zoom
     const zoomed = canvas._fullLayout && canvas._fullLayout.xaxis && !canvas._fullLayout.xaxis.autorange;
     if (zoomed) told.layout.xaxis.range = canvas._fullLayout.xaxis.range.slice();
