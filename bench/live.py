@@ -105,7 +105,7 @@ def page(url: str) -> Iterator[Any]:
 def watch(opened: Any, view: int, seconds: float, say: Callable[[str], None]) -> list[Sample]:
     """Push and release the rig, and look at the processes once a second."""
     samples: list[Sample] = []
-    start = time.monotonic()
+    start, before, frames = time.monotonic(), 0, 0
     browser = _chromium()
     pushed = 0.0
     while (now := time.monotonic() - start) < seconds:
@@ -114,7 +114,9 @@ def watch(opened: Any, view: int, seconds: float, say: Callable[[str], None]) ->
             opened.locator("main").get_by_role("button", name="Step").or_(
                 opened.locator("main").get_by_role("button", name="Release")
             ).click()
-        frames = int(opened.evaluate("document.body.dataset.frames ?? 0"))
+        opened.wait_for_load_state()  # a page that had no answer for long loads itself anew, and counts anew
+        shown = int(opened.evaluate("document.body.dataset.frames ?? 0"))
+        before, frames = shown, frames + (shown - before if shown >= before else shown)
         used = sum(processor(pid) for pid in family(browser))
         samples.append(Sample(now, processor(view), used, memory(view), frames))
         if len(samples) % 30 == 0:
@@ -124,18 +126,29 @@ def watch(opened: Any, view: int, seconds: float, say: Callable[[str], None]) ->
 
 
 def picture(opened: Any, place: Path) -> None:
-    """Step and release the rig until it has an estimate, and take a picture while it is being diagnosed."""
+    """Push the rig both ways with two forces, let it be diagnosed, and take a picture in the midst of another swing."""
 
     def press(name: str) -> None:
         opened.locator("main").get_by_role("button", name=name, exact=True).click()
 
-    press("Step")
+    def push(force: float, seconds: float) -> None:
+        opened.get_by_label("Force of the step").fill(f"{force:g}")
+        opened.keyboard.press("Tab")
+        press("Step")
+        opened.get_by_role("button", name="Release", exact=True).wait_for()
+        opened.wait_for_timeout(1000.0 * seconds)
+        press("Release")
+        opened.get_by_role("button", name="Step", exact=True).wait_for()
+
+    for force in (10.0, -10.0, 4.0, -4.0):
+        push(force, 2.5)
+        opened.wait_for_timeout(2500)
     opened.get_by_text("viscous damping").wait_for(timeout=120_000)
-    press("Release")
-    opened.wait_for_timeout(3000)
-    press("Step")
     press("Diagnose")
-    opened.wait_for_timeout(3000)
+    opened.get_by_role("button", name="Cancel", exact=True).wait_for()
+    opened.get_by_role("button", name="Diagnose", exact=True).wait_for(timeout=300_000)
+    push(10.0, 2.0)
+    opened.wait_for_timeout(1500)
     opened.screenshot(path=place, full_page=True)
 
 

@@ -1,7 +1,9 @@
 // Runs in the page once it is there. Asks for a frame when the last one was painted and the page is looked at, so a slow
 // browser gets fewer of them, a hidden one none, and nothing piles up.
 const period = 1000 / pulse.rate
+// Without an answer for so long [ms], the page says so; and comes back by itself when the server is there, but was restarted.
 const patience = 4000
+const despair = 12000
 let asked = performance.now()
 let answered = true
 let due = false
@@ -11,8 +13,18 @@ pulse.dark = dark.matches
 dark.addEventListener("change", () => { pulse.dark = dark.matches })
 
 const lay = (frame) => {
-  for (const [name, [t, y]] of Object.entries(frame.curves)) sources[name].data = {t, y}
   const [start, end] = frame.time
+  const {buffer, byteOffset} = frame.points
+  let place = byteOffset
+  const take = (size) => {
+    const part = new Float32Array(buffer, place, size)
+    place += part.byteLength
+    return part
+  }
+  for (const [name, size] of Object.entries(frame.sizes)) {
+    const t = Float64Array.from(take(size), (since) => start + since)
+    sources[name].data = {t, y: take(size)}
+  }
   const known = Number.isFinite(frame.noise)
   sources.noise.data = known
     ? {t: [start - 1e6, end + 1e6], low: [-frame.noise, -frame.noise], high: [frame.noise, frame.noise]}
@@ -63,5 +75,5 @@ next()
 setInterval(() => {
   if (answered || performance.now() - asked < patience || document.hidden) return
   document.body.classList.add("lost")
-  reload()
+  if (performance.now() - asked > despair) reload()
 }, 2000)
