@@ -12,10 +12,10 @@ CLOCK = "/clock"
 #: Name of the cart's joint in JointState messages, unless the parameter ``joint_name`` says otherwise.
 JOINT = "cart"
 
-#: Depth of reliable queues: at 1 kHz a subscriber may stall for ten seconds and lose nothing. What got lost on its way
-#: is asked for again up to three seconds later (the middleware's heartbeat), so a second's worth is too little. Never
-#: keep-all here: it would block the rig behind a subscriber that hangs.
-DEPTH = 10_000
+#: Depth of reliable queues: at 1 kHz a subscriber may stall for nearly two seconds and lose nothing. Far deeper ones
+#: were tried: with 10 000 a stall on busy cores ends in ever more repetitions and three quarters of the samples lost.
+#: Never keep-all here: it would block the rig behind a subscriber that hangs.
+DEPTH = 2000
 CLOCK_DEPTH = 10
 
 #: Above this many samples per second of the wall's time they go out in batches.

@@ -21,10 +21,11 @@ HEADS = {
         "µ within 5 % of the clean result.\n*In doubt*: a wrong number is left open, or a warning says that the "
         "model does not explain the data.\n*Fooled* would be a wrong number without either.\n"
     ),
-    "load": "## Nodes under load\n",
+    "load_1000": "## Nodes under load\n",
+    "load_10000": "",
 }
 #: The command that makes a part, where it is another one.
-COMMANDS = {"load": "make load"}
+COMMANDS = {"load_1000": "make load", "load_10000": "make load"}
 
 
 @dataclass(frozen=True)
