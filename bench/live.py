@@ -95,6 +95,7 @@ def page(url: str) -> Iterator[Any]:
         browser = player.chromium.launch(executable_path=CHROMIUM, args=options)
         try:
             opened = browser.new_page(viewport={"width": 1400, "height": 900})
+            opened.set_default_timeout(300_000)  # of a busy machine [ms]
             opened.goto(url)
             opened.get_by_text("samples a second").wait_for(timeout=120_000)
             yield opened
