@@ -127,7 +127,7 @@ def watch(opened: Any, view: int, seconds: float, say: Callable[[str], None]) ->
 
 
 def picture(opened: Any, place: Path) -> None:
-    """Push the rig both ways with two forces, let it be diagnosed, and take a picture in the midst of another swing."""
+    """Push the rig both ways, let it be diagnosed, and take a picture in the midst of another swing."""
 
     def press(name: str) -> None:
         opened.locator("main").get_by_role("button", name=name, exact=True).click()
@@ -141,13 +141,13 @@ def picture(opened: Any, place: Path) -> None:
         press("Release")
         opened.get_by_role("button", name="Step", exact=True).wait_for()
 
-    for force in (10.0, -10.0, 4.0, -4.0):
-        push(force, 2.5)
-        opened.wait_for_timeout(2500)
+    for force in (10.0, -4.0):
+        push(force, 2.0)
+        opened.wait_for_timeout(2000)
     opened.get_by_text("viscous damping").wait_for(timeout=120_000)
     press("Diagnose")
     opened.get_by_role("button", name="Cancel", exact=True).wait_for()
-    opened.get_by_role("button", name="Diagnose", exact=True).wait_for(timeout=300_000)
+    opened.get_by_role("button", name="Diagnose", exact=True).wait_for()
     push(10.0, 2.0)
     opened.wait_for_timeout(1500)
     opened.screenshot(path=place, full_page=True)
