@@ -18,6 +18,8 @@ import numpy as np
 from msd_ident.errors import DataError
 from msd_ident.record import FloatArray
 
+#: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
+MOST_MEGABYTES = 500
 _SEPARATORS = (";", "\t", ",")
 _COMMENTS = ("#", "%", "//")
 
@@ -188,6 +190,10 @@ def _is_number(text: str) -> bool:
 
 def _read_text(path: Path) -> str:
     try:
+        if (size := path.stat().st_size) > MOST_MEGABYTES * 10**6:
+            raise DataError(
+                f"{path} has {size / 1e6:.0f} MB; expected at most {MOST_MEGABYTES}: cut it, or make it a bag"
+            )
         data = path.read_bytes()
     except OSError as error:
         raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None

@@ -179,6 +179,15 @@ def test_a_place_that_cannot_be_written(tmp_path: Path) -> None:
         write_csv(from_samples(*np.array(ROWS).T), tmp_path / "file" / "data.csv")
 
 
+def test_a_table_that_would_fill_the_memory_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "huge.csv"
+    with path.open("wb") as file:
+        file.write(b"time_s,force_n,position_m\n")
+        file.truncate(3 * 10**9)  # a hole: nothing is on the disk
+    with pytest.raises(DataError, match="huge.csv has 3000 MB; expected at most 500: cut it, or make it a bag"):
+        read(path)
+
+
 def test_measured_files(shared_data: Path) -> None:
     options = SourceOptions(force="control_effort_v", position="encoder_counts", position_scale=-1 / 56000)
     step = read(shared_data / "ecp210" / "step_1.csv", options)
