@@ -12,9 +12,9 @@ CLOCK = "/clock"
 #: Name of the cart's joint in JointState messages, unless the parameter ``joint_name`` says otherwise.
 JOINT = "cart"
 
-#: Depth of reliable queues: at 1 kHz a subscriber may stall for nearly two seconds and lose nothing. Far deeper ones
-#: were tried: with 10 000 a stall on busy cores ends in ever more repetitions and three quarters of the samples lost.
-#: Never keep-all here: it would block the rig behind a subscriber that hangs.
+#: Depth of reliable queues: at 1 kHz a subscriber may stall for nearly two seconds and lose nothing, on cores that
+#: have time. Ten thousand were tried: a stall of eight seconds is borne, and overloaded cores lose samples all the
+#: same. Never keep-all here: it would block the rig behind a subscriber that hangs.
 DEPTH = 2000
 CLOCK_DEPTH = 10
 
