@@ -35,7 +35,8 @@ FORCE, HELD = 10.425, 150
 #: What a refined parameter may be off, as a part of the truth.
 EXACT = 0.01
 #: Residual, in noise floors, from which on an estimate doubts itself, and how often it is asked for again.
-DOUBTED, ASKED = 2.0, 3
+#: Windows that begin a period of the force apart are one window: so many more samples are sent each time.
+DOUBTED, ASKED, FURTHER = 2.0, 3, 70
 #: Samples sent before it is waited until they are heard.
 TOGETHER = 100
 
@@ -174,7 +175,7 @@ class World:
                 raise Failed(f"no estimate after it: {answer.message}")
             if answer.estimate.see_refined < DOUBTED * answer.estimate.noise_floor:
                 break
-            self.feed(TOGETHER)  # an estimate that says of itself that something is missing: another window
+            self.feed(FURTHER)  # an estimate that says of itself that something is missing: another window
         found = {parameter.name: parameter.value for parameter in answer.estimate.refined}
         for name in ("mass", "stiffness"):
             if abs(found[name] / TRUTH[name] - 1.0) > EXACT:
