@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident.diagnose import curves, dependence, evidence, identities, readings, spread, verdict
+from msd_ident.diagnose import curves, dependence, evidence, identities, readings, settling, spread, verdict
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
 from msd_ident.diagnose.contenders import standing
@@ -21,7 +21,7 @@ from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.diagnose.search import NOTHING, Progress, Search
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
-from msd_ident.fit import FitResult, fit, see_reduction
+from msd_ident.fit import FitResult, fit, see, see_reduction
 from msd_ident.fit.concluding import conclude
 from msd_ident.fit.solver import Outcome
 from msd_ident.model import Plant
@@ -192,19 +192,20 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
     progress("prediction of left-out data", 0.88, "")
     best, heldout = _predicting(experiment, base, ranking)
     progress("verdict", 0.95, "")
-    left = (judge(base.residuals(), experiment.readings), judge(best.residuals(), experiment.readings))
-    fits = (_result(experiment, base), _result(experiment, best))
+    base, shown = _resting(experiment, base), _resting(experiment, best)
+    left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
+    fits = (_result(experiment, base), _result(experiment, shown))
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     decision = verdict.decide(causes, *left)
     missing = _missing(experiment, base)
     unit = task.records[0].force_unit
     characteristics = None
     if decision == "unexplained":
-        characteristics = curves.measure(experiment.readings, base, best, fits[0].see)
-    still = _still_missing(experiment, best)
-    tied = ranking.within(evidence.DECISIVE)
-    moved = spread.between(tied) if decision == "ambiguous" else {}
-    said = task.warnings + identities.sentences(best.model, task.forced, task.gain_known)
+        characteristics = curves.measure(experiment.readings, base, shown, fits[0].see)
+    still = _still_missing(experiment, shown)
+    tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else []
+    moved = spread.between([_resting(experiment, one) for one in tied])
+    said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     return Diagnosis(
         records=task.records,
@@ -259,6 +260,14 @@ def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, .
 def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
     """Without limits that stand at infinity, i.e. are not there."""
     return {name: q for name, q in parameters.items() if math.isfinite(q.value)}
+
+
+def _resting(experiment: Experiment, fitted: Fitted) -> Fitted:
+    """The same set with what rest at the start says: where the samples leave it open, it decides."""
+    missed = see(fitted.residuals())  # a wrong model errs at rest too
+    known = tuple(replace(balance, spread=balance.spread + missed) for balance in settling.balances(fitted))
+    fitted = settling.settled(fitted, experiment.readings, known)
+    return replace(fitted, problem=replace(fitted.problem, balances=known))
 
 
 def _result(experiment: Experiment, fitted: Fitted) -> FitResult:

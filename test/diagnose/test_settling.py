@@ -1,0 +1,26 @@
+"""What rest before the first push says, where the samples leave it open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident import pipeline
+from msd_ident.record import Record
+from msd_sim import api, lottery
+
+
+def test_a_start_on_the_edge_of_sticking_is_not_taken_for_sharp() -> None:
+    """One step from rest with dry friction: all forces may be larger or smaller by Fc/F, and the intervals say so."""
+    spec = lottery.draw(24, "coulomb_friction", False, "step").spec
+    step = float(spec["experiment"]["force"])
+    rest = {key: value for key, value in spec.items() if key != "experiment"}
+    made = api.simulate(rest | {"force_time": [0.0, 0.3], "force": [0.0, step], "duration": 3.0, "seed": 25})
+    record = Record(
+        time=made.time, position=made.position, force_time=np.array([0.0, 0.3]), force=np.array([0.0, step])
+    )
+    found = pipeline.diagnose([record]).extended.quantities
+    unsure = float(spec["effects"]["coulomb_friction"]["coulomb_force"]) / step
+    for name in ("mass", "damping", "stiffness"):
+        true = float(spec[name])
+        assert abs(found[name].value - true) < 3.0 * found[name].std
+        assert 0.2 * unsure < found[name].std / true < 2.0 * unsure
