@@ -70,6 +70,26 @@ def test_nothing_is_cleaned_where_nothing_is_wrong(rig: str, rate: float) -> Non
         assert cleaned.record is record, (name, cleaned.wild, cleaned.jumps)
 
 
+@pytest.mark.parametrize("samples", [1, 2, 4, 7, 12])
+def test_a_record_that_ends_just_after_a_push_loses_no_motion(samples: int) -> None:
+    """At 100 Hz the cart moves from rest by a thousand times the noise between two samples."""
+    found = simulate({"rig": "ecp", "force_time": [0.0, 3.0], "force": [10.425, 0.0], "duration": 4.0, "rate": 100.0})
+    last = int(np.searchsorted(found.time, 3.0)) + 1 + samples
+    record = Record(found.time[:last], found.position[:last], found.force_time, found.force, found.hold)
+    assert quality.clean(record).wild.size <= (samples == 1), "a single sample may be a wild one, for all that is known"
+
+
+@pytest.mark.parametrize("begin", range(107, 117))
+def test_a_record_may_begin_anywhere_in_a_swing(begin: int) -> None:
+    """Also at its top, where ten samples of 23 a swing have no slope: the cart does not rest there."""
+    found = simulate({"rig": "ecp", "force_time": [0.0, 2.5], "force": [10.425, 0.0], "duration": 5.0, "rate": 100.0})
+    force = np.where(found.time < 2.5, 10.425, 0.0)
+    result = pipeline.identify(
+        [from_samples(found.time[begin:] - found.time[begin], force[begin:], found.position[begin:])]
+    )
+    assert result.refined.see < 2.0 * result.noise_floor, result.refined.initial
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_push_is_named_with_its_instant(seed: int) -> None:
     rng = np.random.default_rng(seed)

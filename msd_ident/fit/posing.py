@@ -19,6 +19,9 @@ from msd_ident.record import FloatArray, Record
 
 Zero = Literal["free", "known"]
 
+#: Range of noise in its standard deviations, of up to 200 readings.
+_WIDEST_NOISE = 7.0
+
 #: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
 #: Parameters that hold the cart away from the balance of forces.
 _HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
@@ -90,7 +93,8 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 def starts_at_rest(record: Record) -> bool:
     """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
 
-    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope.
+    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope. Noise
+    is told by second differences, which a swing hardly has: its top has no slope either.
     """
     count = max(10, min(record.samples // 100, 200))
     head = record.position[:count]
@@ -99,7 +103,9 @@ def starts_at_rest(record: Record) -> bool:
         return True
     time = record.time[:count] - record.time[:count].mean()
     slope = float(time @ head) / float(time @ time)
-    scatter = float(np.std(np.diff(head))) / math.sqrt(2.0)
+    scatter = float(np.std(np.diff(head, 2))) / math.sqrt(6.0)
+    if spread > _WIDEST_NOISE * scatter + 2.0 * quality.encoder_step(record):
+        return False
     bend = float(np.mean(head[: count // 2]) - np.mean(head[count // 2 :]))
     return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)
 
