@@ -6,7 +6,7 @@
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
-# make blind-design  designed experiments on rigs with a hidden cause (long)
+# make blind-design  designed experiments on rigs with a hidden cause, and for µ (long); writes docs/blind-design.md
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
 # make load     1 kHz for ten minutes and 10 kHz for five while the cores burn; writes its table there too
@@ -60,7 +60,8 @@ bench: setup
 	@$(PY) -m bench $(ARGS)
 
 blind-design: setup
-	@$(PY) -m bench.blind_design $(ARGS)
+	@$(PY) -m bench.blind_design --docs docs $(ARGS)
+	@$(PY) -m bench.sharpening --docs docs
 
 blind: setup
 	@$(PY) -m bench.blind --docs docs $(ARGS)

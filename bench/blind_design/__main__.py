@@ -1,6 +1,7 @@
 """``python -m bench.blind_design``: rigs that one step leaves open, designed experiments, the truth.
 
 python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE] [--effects NAME,…] [--alone]
+    [--docs DIR]
 """
 
 from __future__ import annotations
@@ -26,6 +27,18 @@ _IDENTITY = "force_offset"
 _BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 
 
+_PAGE = """# Investigated blind
+
+Made by `make blind-design` (`python -m bench.blind_design --docs docs`; the seed is named below). Rigs with a hidden
+effect, alone and beside Coulomb friction, are drawn by lot and pushed once. Where the diagnosis of that step leaves the
+truth open (another name, a tie, or nothing at all), `investigate` goes on with at most two designed experiments
+of at most 20 s each within the rig's limits, sees records and nothing else, and then the envelope is opened. A force
+offset, of which a linear spring shows nothing but another zero, is counted apart.
+
+{table}
+"""
+
+
 def cases(seed: int, names: Sequence[str]) -> Iterator[Case]:
     """These effects in turn, alone and beside friction, without end."""
     turn = 0
@@ -45,11 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="file for all outcomes, one JSON object a line")
     parser.add_argument("--effects", default=",".join(lottery.NAMES), help="hidden effects to draw from")
     parser.add_argument("--alone", action="store_true", help="without random steps to compare with")
+    parser.add_argument("--docs", type=Path, help="directory that gets blind-design.md")
     given = parser.parse_args(arguments)
     outcomes, drawn, failed = _all(given)
     if given.json:
         given.json.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in outcomes))
-    print("\n".join(told(outcomes, drawn, failed, given.seed)))
+    table = "\n".join(told(outcomes, drawn, failed, given.seed))
+    print(table)
+    if given.docs:
+        (given.docs / "blind-design.md").write_text(_PAGE.format(table=table), encoding="utf-8")
     return 0
 
 
