@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,10 +18,10 @@ from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
-_DAMPED = 1e-3
+_DAMPED, _PLACINGS = 1e-3, 4
 #: Noise floors left by a set beyond which its neighbours are started from a regression too; end stops tried then, in
 #: parts of the reach.
-_ASTRAY, _STOPS = 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+_ASTRAY, _STOPS = 3.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
@@ -78,7 +79,25 @@ def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])
-    return [_exact_start(causes, *one[1:]) for one in found[:2]]
+    return [_exact_start(causes, *_placed(*one[1:])) for one in found[:2]]
+
+
+def _placed(problem: Problem, weighting: Weighting, point: FloatArray) -> tuple[Problem, Weighting, FloatArray]:
+    """The start with mass, spring and each record's state and zero brought to the samples, the other forces kept.
+
+    What a regression says of small forces is good, where it puts the cart is not; all moved at once, the large error
+    of the place would be laid on the small forces, and the cart stick where it should not.
+    """
+    others = [i for i, name in enumerate(problem.names[: len(problem.free)]) if name not in ("mass", "stiffness")]
+    chi = math.inf
+    for _ in range(_PLACINGS):
+        state = weighting.exact(point, weighting.steps(None))
+        if not state.chi < chi:
+            break
+        chi, best = state.chi, point
+        state.jacobian[others] = 0.0
+        point = np.clip(point + step(problem, state, _DAMPED)[0], problem.lower, problem.upper)
+    return problem, weighting, best
 
 
 def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
