@@ -2,7 +2,7 @@
 # make test     set up what is missing, run the tests
 # make docs     the documentation, into site/
 # make setup    only set up
-# make picture  draw the verdict in the README again
+# make picture  draw the pictures in the README again: the verdict, and the live view (with ROS 2 and Chromium)
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
@@ -55,6 +55,7 @@ bench-live: setup
 picture: setup
 	@.venv/bin/msd diagnose bags/drag_steps --figures out/picture --overwrite
 	@cp out/picture/drag_steps/verdict.png docs/images/verdict.png
+	@$(PY) -m bench.live --rate 200 --picture docs/images/live.png
 
 bench: setup
 	@$(PY) -m bench $(ARGS)
