@@ -28,7 +28,6 @@ HOLDING_COULOMB = {
     "hysteresis": "hysteresis_force",
 }
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
-_KEPT = 3
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further; so
@@ -188,7 +187,7 @@ def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[
     """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
     best first.
     """
-    kept = [start.fitted for i, start in enumerate(found[:_KEPT]) if i == 0 or start.promise < reach]
+    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.promise < reach]
     ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 

@@ -18,10 +18,11 @@ from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
+_KEPT = 3
 _DAMPED, _PLACINGS = 1e-3, 4
-#: Noise floors left by a set beyond which its neighbours are started from a regression too; end stops tried then, in
-#: parts of the reach.
-_ASTRAY, _STOPS = 3.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+#: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
+#: tried then at several places, in parts of the reach.
+_ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
@@ -48,7 +49,11 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
 
 
 def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
-    """All starts of a set, the most promising first; empty when there is none."""
+    """Starts of a set, the most promising first; empty when there is none.
+
+    The best few next to the parents, and those by regression beside them: neither kind's promises may crowd out the
+    other's.
+    """
     found = []
     for parent in parents:
         for model in starts(experiment, causes, parent):
@@ -56,6 +61,7 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
             state = extended(weighting, parent.problem, parent.state, point)
             promised = step(problem, state, _DAMPED)[1]
             found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
+    found = sorted(found, key=lambda start: start.promise)[:_KEPT]
     return sorted(found + regressions(experiment, causes, parents), key=lambda start: start.promise)
 
 
@@ -63,11 +69,12 @@ def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted
     """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
     to them leads anywhere; the two that simulate best.
     """
-    if min(parent.chi for parent in parents) < _ASTRAY**2 * experiment.evidence:
+    left = math.sqrt(min(parent.chi for parent in parents) / experiment.evidence)
+    if left < _ASTRAY:
         return []
     tried: dict[tuple[float, ...], Model] = {}
     for model in starts(experiment, causes, parents[0]):
-        for bent in _with_stops(experiment, model):
+        for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
             inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
             if len(bent.names) > 3 + len(inner):
                 tried.setdefault(inner, bent)
