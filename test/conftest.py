@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -40,6 +42,12 @@ LONGEST = (
     ),
 )
 
+#: What makes a fresh checkout compile; done in two seconds where that is done.
+COMPILING = (
+    "from msd_ident.model.simulator import warm_up; warm_up()",
+    "from msd_sim.rig import Rig; from msd_sim.truth import Truth; Rig(Truth(1.0, 1.0, 100.0, {})).sample([0.0])",
+)
+
 _claim = pytest.StashKey[socket.socket]()
 
 
@@ -64,6 +72,14 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     # A run in the background begins with SIGINT ignored, and so would every process that a test interrupts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile solver and rig once, where several test processes would begin by compiling each its own."""
+    if getattr(session.config.option, "numprocesses", None) and not hasattr(session.config, "workerinput"):
+        works = [subprocess.Popen([sys.executable, "-c", code], cwd=REPOSITORY) for code in COMPILING]
+        for work in works:
+            work.wait()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
