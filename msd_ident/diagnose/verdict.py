@@ -43,7 +43,9 @@ def summary(
             f"Something is missing that no cause of the library repairs: {helped}{extended.ratio:.3g} noise floors "
             f"remain (base model: {base.ratio:.3g}). {depends}"
         )
-    opened = f"Without it the model is wrong by {base.ratio:.3g} noise floors, with it by {extended.ratio:.2f}; {gain}."
+    them = "it" if len(causes) == 1 else "them"
+    left = f"Without {them} the model is wrong by {base.ratio:.3g} noise floors, with {them} by {extended.ratio:.2f}"
+    opened = f"{left}; {gain}."
     if verdict == "ambiguous":
         ties = "; ".join(f"{c.name} or {' or '.join(c.tied_with)}" for c in causes if c.tied_with)
         return f"The model lacks {named}, but this data cannot tell {ties}. {opened}"
