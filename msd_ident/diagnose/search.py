@@ -43,7 +43,9 @@ Progress = Callable[[str, float, str], None]
 
 NOTHING: Causes = frozenset()
 LARGEST = 4
-_ROUNDS = 12
+#: Rounds of a walk; and of one whose leader stays far from the noise [chi² for each piece of evidence]: what two rounds
+#: after the first pairs do not repair, the library does not repair.
+_ROUNDS, _ROUNDS_FAR, _FAR = 5, 2, 25.0
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -94,6 +96,8 @@ class Search:
         """From leader to leader until no neighbour has more evidence."""
         for turn in range(_ROUNDS):
             best = self._pruned(self.ranking().best)
+            if turn >= _ROUNDS_FAR and best.chi > _FAR * self.experiment.evidence:
+                break
             share = min(0.6 + 0.03 * turn, 0.85)
             if self._fit(self._swapped(best.causes) + self._resolved(best.causes), share, share + 0.015):
                 continue

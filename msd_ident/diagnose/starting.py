@@ -67,7 +67,7 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
 
 def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
     """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
-    to them leads anywhere; the two that simulate best.
+    to them leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
     """
     left = math.sqrt(min(parent.chi for parent in parents) / experiment.evidence)
     if left < _ASTRAY:
@@ -76,7 +76,7 @@ def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted
     for model in starts(experiment, causes, parents[0]):
         for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
             inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
-            if len(bent.names) > 3 + len(inner):
+            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
                 tried.setdefault(inner, bent)
     found = []
     for model in tried.values():
