@@ -226,7 +226,7 @@ class Search:
 
 @contextmanager
 def _quick_turns() -> Iterator[None]:
-    """Threads take turns sooner: a simulation takes a fraction of a millisecond, and would wait 5 ms for the next one."""
+    """Threads take turns sooner: a simulation takes a fraction of a millisecond, and would then wait for 5 ms."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(min(before, _TURN))
     try:
