@@ -30,9 +30,11 @@ HOLDING_COULOMB = {
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
+#: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
+FAR = 25.0
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further; so
-#: much sooner where the best one itself is ``_FAR`` from the noise [chi² for each piece of evidence].
-_HOPELESS, _HOPELESS_FAR, _FAR = 4.0, 1.5, 25.0
+#: much sooner where the best one itself is far from the noise.
+_HOPELESS, _HOPELESS_FAR = 4.0, 1.5
 #: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
 _SLACK, _SLACK_FAR = 1e-3, 5e-3
 
@@ -249,12 +251,12 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
     Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
     """
-    return least * (_HOPELESS_FAR if least > _FAR * experiment.evidence else _HOPELESS)
+    return least * (_HOPELESS_FAR if least > FAR * experiment.evidence else _HOPELESS)
 
 
 def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
-    slack = _SLACK_FAR if fitted.chi > _FAR * experiment.evidence else _SLACK
+    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
     return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
 
 

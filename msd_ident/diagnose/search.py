@@ -20,6 +20,7 @@ from typing import TypeVar
 from msd_ident import stopping
 from msd_ident.diagnose.candidates import (
     COULOMB,
+    FAR,
     HOLDING_COULOMB,
     Causes,
     Experiment,
@@ -47,9 +48,9 @@ NOTHING: Causes = frozenset()
 LARGEST = 4
 #: Longest time for which a thread keeps the interpreter from the others [s].
 _TURN = 5e-5
-#: Rounds of a walk; and of one whose leader stays far from the noise [chi² for each piece of evidence]: what two rounds
-#: after the first pairs do not repair, the library does not repair.
-_ROUNDS, _ROUNDS_FAR, _FAR = 5, 2, 25.0
+#: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
+#: repair, the library does not repair.
+_ROUNDS, _ROUNDS_FAR = 5, 2
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -100,7 +101,7 @@ class Search:
         """From leader to leader until no neighbour has more evidence."""
         for turn in range(_ROUNDS):
             best = self._pruned(self.ranking().best)
-            if turn >= _ROUNDS_FAR and best.chi > _FAR * self.experiment.evidence:
+            if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
             share = min(0.6 + 0.03 * turn, 0.85)
             if self._fit(self._swapped(best.causes) + self._resolved(best.causes), share, share + 0.015):
