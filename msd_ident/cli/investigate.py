@@ -118,6 +118,7 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
     count = 0
 
     def tell(step: Step) -> None:
+        """Keep a step's profile and say what it showed."""
         nonlocal count
         count += 1
         write_profile(step.profile, out / f"profile_{count}.yaml", (step.purpose,))

@@ -22,9 +22,9 @@ Zero = Literal["free", "known"]
 #: Range of noise in its standard deviations, of up to 200 readings.
 _WIDEST_NOISE = 7.0
 
-#: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
 #: Parameters that hold the cart away from the balance of forces.
 _HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
+#: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
 _PLACED = (
     "cubic_stiffness",
     "quadratic_stiffness",

@@ -149,6 +149,7 @@ class TokenAuth(AuthProvider):
         """Who asks: anybody with the token."""
 
         def user(handler: RequestHandler) -> str | None:
+            """The holder of the token, by cookie or by address; the address leaves a cookie."""
             if self._right(handler.get_cookie(COOKIE) or ""):
                 return "holder"
             if self._right(handler.get_query_argument("token", "")):

@@ -188,6 +188,7 @@ class Conductor:
         qos = names.force_qos() if topic == names.FORCE else names.encoder_qos()
 
         def take(raw: bytes) -> None:
+            """Record a message, and watch the encoder's."""
             recording = self._recording
             if recording is not None:
                 now = self._node.get_clock().now().nanoseconds

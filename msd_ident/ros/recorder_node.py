@@ -214,6 +214,7 @@ class Recorder:
         count = recording.summary.topics[topic]
 
         def take(raw: bytes, info: dict[str, Any]) -> None:
+            """Record a message and count what was lost before it."""
             if clock is None:
                 received, sent = info["received_timestamp"], info["source_timestamp"]
             else:

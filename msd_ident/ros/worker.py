@@ -68,6 +68,7 @@ class Worker:
         future = Future(executor=executor)
 
         def do() -> None:
+            """The job, in the worker's thread; its result or error goes to the executor."""
             try:
                 result = job()
             except Exception as error:
