@@ -46,11 +46,19 @@ class Visit:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(url)
 
-    def shoot(self, name: str) -> Path:
-        """A picture of the whole page, ``out/NAME.png``."""
+    def shoot(self, name: str, *, full_page: bool = True) -> Path:
+        """A picture of the page, ``out/NAME.png``. A browser that gets no processor time for it is asked again."""
+        from playwright.sync_api import TimeoutError as TookTooLong
+
         path = SHOTS / f"{name}.png"
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.page.screenshot(path=path, full_page=True)
+        for last in (False, False, True):
+            try:
+                self.page.screenshot(path=path, full_page=full_page)
+                break
+            except TookTooLong:
+                if last:
+                    raise
         return path
 
     def overflow(self) -> int:

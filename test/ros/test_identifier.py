@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Iterator
@@ -154,30 +155,40 @@ def test_a_field_that_the_type_has_not_is_said_on_diagnostics_and_the_node_lives
 
 
 def test_diagnostics_turn_from_error_over_warning_to_ok(ros: Graph) -> None:
-    data: list[bytes] = []
+    data: list[DiagnosticStatus] = []
     ros.node.create_subscription(
-        DiagnosticArray, "/diagnostics", lambda m: data.extend(s.level for s in m.status if "data" in s.name), 10
+        DiagnosticArray, "/diagnostics", lambda m: data.extend(s for s in m.status if "data" in s.name), 10
     )
-    identifier(ros, diagnostics_period=0.05, auto_fit=False)
-    until(lambda: DiagnosticStatus.ERROR in data, "an error without an encoder")
+    identifier(ros, diagnostics_period=0.1, auto_fit=False)
+    until(lambda: data and data[-1].level == DiagnosticStatus.ERROR, "an error without an encoder")
     robot = Robot(ros)
     robot.match()
-    # The encoder goes on in real time, at the cart's place of rest in the end: a warning is told for a while.
-    robot.position = np.pad(robot.position, (0, 20_000), mode="edge")
-    robot.time = np.arange(robot.position.size) / RATE
+    # The encoder goes on in real time, few samples a second, for as long as it takes.
+    robot.position = np.pad(robot.position[:1], (0, 20_000), mode="edge")
+    robot.time = np.arange(robot.position.size) / 50.0
     began, sent = time.monotonic(), 0
 
-    def said(level: bytes) -> bool:
+    def goes_on(level: bytes) -> bool:
         nonlocal sent
-        due = int((time.monotonic() - began) * RATE)
+        due = int((time.monotonic() - began) * 50.0)
         robot.send(sent, due)
         sent = due
-        return level in data
+        return data[-1].level == level
 
-    until(lambda: said(DiagnosticStatus.WARN), "a warning without a force")
-    assert DiagnosticStatus.OK not in data
-    robot.push(float(robot.time[sent]), 1.0)  # one that comes seconds late would be a warning of its own
-    until(lambda: said(DiagnosticStatus.OK), "all well")
+    def pushed() -> bool:
+        if goes_on(DiagnosticStatus.OK):
+            return True
+        if robot.time[sent] > due[-1] + 1.0:  # one that was held up for seconds is a warning of its own, told for 10 s
+            due.append(float(robot.time[sent]))
+            robot.push(due[-1], 1.0)
+        return False
+
+    due = [-math.inf]
+    until(lambda: goes_on(DiagnosticStatus.WARN), "a warning without a force", 60.0)
+    assert "no force samples yet" in data[-1].message
+    assert DiagnosticStatus.OK not in [status.level for status in data]
+    until(pushed, "all well", 60.0)
+    assert data[-1].message.endswith("force samples")
 
 
 def test_a_fit_never_blocks_the_subscription(ros: Graph) -> None:
