@@ -49,17 +49,25 @@ class Spinner:
             self.executor.add_node(node)
         self.failed = False
         self._on_failure = on_failure
+        self._ending = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End the spinning and wait for its end."""
-        self.executor.shutdown(timeout_sec=2.0)
+        """End the spinning and wait for its end.
+
+        The thread leaves by itself before the executor is taken down: rclpy's shutdown destroys at once, without a wait,
+        what a spinning executor waits on, and the thread would end with a traceback now and then.
+        """
+        self._ending.set()
+        self.executor.create_task(lambda: None)  # to be woken alone does not end a ``spin_once``
         self._thread.join(timeout=5.0)
+        self.executor.shutdown(timeout_sec=2.0)
 
     def _spin(self) -> None:
         try:
-            self.executor.spin()
+            while not self._ending.is_set() and self.executor.context.ok():
+                self.executor.spin_once()
         except (ExternalShutdownException, ShutdownException):
             pass
         except Exception:

@@ -42,7 +42,7 @@ class Lab:
         self.executor = SingleThreadedExecutor(context=context)
         self.observer = rclpy.create_node("observer", context=context)
         self.forces = self.observer.create_publisher(WrenchStamped, names.FORCE, KEPT)
-        self.observer.create_subscription(JointState, names.ENCODER, self._on_encoder, 1000)
+        self.observer.create_subscription(JointState, names.ENCODER, self._on_encoder, 20_000)
         self.observer.create_subscription(EncoderBatch, names.ENCODER_BATCH, self._on_batch, 1000)
         self.observer.create_subscription(Clock, names.CLOCK, self._on_clock, 1000)
         self.stamps: list[int] = []
@@ -69,7 +69,7 @@ class Lab:
         self.executor.add_node(node)
         return node
 
-    def until(self, done: Callable[[], bool], what: str, limit: float = 20.0) -> None:
+    def until(self, done: Callable[[], bool], what: str, limit: float = 60.0) -> None:
         deadline = time.monotonic() + limit
         while not done():
             assert time.monotonic() < deadline, f"{what}: not within {limit} s"
