@@ -8,6 +8,7 @@ changes and an encoder value every millisecond. ``time`` belongs to ``position``
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -180,7 +181,7 @@ class Record:
         """Time from the first to the last position sample [s]."""
         return float(self.time[-1] - self.time[0])
 
-    @property
+    @cached_property
     def period(self) -> float:
         """Median time between position samples [s]."""
         return float(np.median(np.diff(self.time)))

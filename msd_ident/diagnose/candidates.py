@@ -14,6 +14,7 @@ from msd_ident.diagnose.descent import State, Weighting, descend
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Initial, Nuisance, Problem, build
+from msd_ident.fit.units import Magnitudes, magnitudes
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.record import FloatArray, Record
@@ -91,15 +92,25 @@ class Experiment:
         """Where inner parameters of the laws make sense."""
         return resolvable.ranges(self.records, self.base)
 
-    def problem(self, model: Model) -> Problem:
-        """The fitting problem of a model on these records."""
-        fixed = self.fixed | switched_off(model)
-        return resolvable.within(build(model, self.records, fixed, self.nuisances), self.ranges)
+    @cached_property
+    def typical(self) -> Magnitudes:
+        """Yardsticks of the records."""
+        return magnitudes(self.records, self.base.mass)
+
+    def problem(self, model: Model, held: frozenset[str] = frozenset()) -> Problem:
+        """The fitting problem of a model on these records, the parameters ``held`` as the model has them."""
+        fixed = self.fixed | held | switched_off(model)
+        return resolvable.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
 
 
-def posed(experiment: Experiment, model: Model, initial: Sequence[Initial]) -> tuple[Problem, Weighting, FloatArray]:
-    """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds."""
-    problem = experiment.problem(model)
+def posed(
+    experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
+) -> tuple[Problem, Weighting, FloatArray]:
+    """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds.
+
+    Parameters ``held`` stay as the model has them.
+    """
+    problem = experiment.problem(model, held)
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
     return problem, weigh(problem, experiment.readings), point
@@ -135,7 +146,7 @@ class Fitted:
     @property
     def information(self) -> FloatArray:
         """Information matrix (p, p) in units of the noise."""
-        return np.asarray(self.state.jacobian @ self.state.jacobian.T)
+        return self.state.normal
 
     @property
     def initial(self) -> tuple[Initial, ...]:

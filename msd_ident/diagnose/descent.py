@@ -9,6 +9,7 @@ Jacobian that was computed anew.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -31,10 +32,20 @@ class State:
     jacobian: FloatArray
     exact: bool
 
-    @property
+    @cached_property
     def chi(self) -> float:
         """Sum of squares."""
         return float(self.residual @ self.residual)
+
+    @cached_property
+    def normal(self) -> FloatArray:
+        """Gauss–Newton matrix (p, p)."""
+        return np.asarray(self.jacobian @ self.jacobian.T)
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Half the gradient (p,) of the sum of squares."""
+        return np.asarray(self.jacobian @ self.residual)
 
 
 @dataclass(frozen=True)
@@ -73,12 +84,12 @@ class Weighting:
         if state is None:
             return self.problem.first_steps()
         mean = max(float(np.mean([np.mean(root**2) for root in self.roots])), 1e-300)
-        return self.problem.steps(state.jacobian @ state.jacobian.T / mean)
+        return self.problem.steps(state.normal / mean)
 
 
 def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, float]:
     """Damped step inside the bounds and the fall of chi² that it promises; entries at a bound are held there."""
-    matrix, gradient = state.jacobian @ state.jacobian.T, state.jacobian @ state.residual
+    matrix, gradient = state.normal, state.gradient
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     move = np.zeros(state.point.size)

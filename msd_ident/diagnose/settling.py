@@ -98,8 +98,8 @@ def _descend(weighting: Weighting, state: State, known: Sequence[Balance]) -> St
     problem, damping, taken = weighting.problem, 1e-6, 0
     cost = state.chi + _pull(problem, state.point, known)
     for _ in range(_TRIES):
-        normal = state.jacobian @ state.jacobian.T + information(problem, state.point, known)
-        slope = state.jacobian @ state.residual
+        normal = state.normal + information(problem, state.point, known)
+        slope = state.gradient
         for balance in known:
             left, gradient = problem.imbalance(state.point, balance)
             slope = slope + gradient * left / balance.spread**2

@@ -19,7 +19,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 _KEPT = 3
-_DAMPED, _PLACINGS = 1e-3, 4
+_DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
 #: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
 #: tried then at several places, in parts of the reach.
 _ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
@@ -55,25 +55,29 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
     other's.
     """
     found = []
-    for parent in parents:
-        for model in starts(experiment, causes, parent):
+    near = [starts(experiment, causes, parent) for parent in parents]
+    for parent, models in zip(parents, near, strict=True):
+        for model in models:
             problem, weighting, point = posed(experiment, model, parent.initial)
             state = extended(weighting, parent.problem, parent.state, point)
             promised = step(problem, state, _DAMPED)[1]
             found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
     found = sorted(found, key=lambda start: start.promise)[:_KEPT]
-    return sorted(found + regressions(experiment, causes, parents), key=lambda start: start.promise)
+    return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
 
 
-def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+def regressions(
+    experiment: Experiment, causes: Causes, parents: Sequence[Fitted], models: Sequence[Model]
+) -> list[Start]:
     """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
     to them leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
+    What does not come linear is tried as ``models`` next to the first parent have it.
     """
     left = math.sqrt(min(parent.chi for parent in parents) / experiment.evidence)
     if left < _ASTRAY:
         return []
     tried: dict[tuple[float, ...], Model] = {}
-    for model in starts(experiment, causes, parents[0]):
+    for model in models:
         for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
             inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
             if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
@@ -86,25 +90,32 @@ def regressions(experiment: Experiment, causes: Causes, parents: Sequence[Fitted
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])
-    return [_exact_start(causes, *_placed(*one[1:])) for one in found[:2]]
+    return [_exact_start(causes, *_placed(experiment, *one[1:])) for one in found[:2]]
 
 
-def _placed(problem: Problem, weighting: Weighting, point: FloatArray) -> tuple[Problem, Weighting, FloatArray]:
+def _placed(
+    experiment: Experiment, problem: Problem, weighting: Weighting, point: FloatArray
+) -> tuple[Problem, Weighting, FloatArray]:
     """The start with mass, spring and each record's state and zero brought to the samples, the other forces kept.
 
     What a regression says of small forces is good, where it puts the cart is not; all moved at once, the large error
     of the place would be laid on the small forces, and the cart stick where it should not.
     """
-    others = [i for i, name in enumerate(problem.names[: len(problem.free)]) if name not in ("mass", "stiffness")]
-    chi = math.inf
+    model = problem.model.with_values(problem.values(point))
+    others = frozenset(model.names) - {"mass", "stiffness"}
+    bare, units, place = posed(experiment, model, problem.initials(point), others)
+    chi, best = math.inf, place
     for _ in range(_PLACINGS):
-        state = weighting.exact(point, weighting.steps(None))
+        state = units.exact(place, units.steps(None))
         if not state.chi < chi:
             break
-        chi, best = state.chi, point
-        state.jacobian[others] = 0.0
-        point = np.clip(point + step(problem, state, _DAMPED)[0], problem.lower, problem.upper)
-    return problem, weighting, best
+        move, promised = step(bare, state, _DAMPED)
+        chi, best = state.chi, place
+        if promised < _WORTH_PLACING * chi:
+            break
+        place = np.clip(place + move, bare.lower, bare.upper)
+    values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
+    return problem, weighting, problem.vector(values, bare.initials(best))
 
 
 def _with_stops(experiment: Experiment, model: Model) -> list[Model]:

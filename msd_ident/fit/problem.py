@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -77,7 +78,6 @@ class Problem:
         initial: per record, the values of the entries that are not free.
         typical: yardsticks of force, length and time.
         scale, lower, upper: natural size and bounds (p,) of the vector's entries.
-        encoder_steps: the encoder's step in each record [m], 0 where none is seen.
         balances: what rest at the start of a record says besides its samples.
     """
 
@@ -91,8 +91,12 @@ class Problem:
     scale: FloatArray
     lower: FloatArray
     upper: FloatArray
-    encoder_steps: tuple[float, ...]
     balances: tuple[Balance, ...] = ()
+
+    @cached_property
+    def encoder_steps(self) -> tuple[float, ...]:
+        """The encoder's step in each record [m], 0 where none is seen."""
+        return tuple(quality.encoder_step(record) for record in self.records)
 
     @property
     def size(self) -> int:
@@ -230,9 +234,10 @@ class Problem:
 
     def _tamed(self, rows: FloatArray) -> FloatArray:
         worst = _BLOWN_UP * self.typical.length
-        if not np.isfinite(rows.sum()):
-            np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
-        return np.asarray(np.clip(rows, -worst, worst, out=rows) if max(rows.max(), -rows.min()) > worst else rows)
+        if rows.max() <= worst and rows.min() >= -worst:  # false for NaN
+            return rows
+        np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
+        return np.asarray(np.clip(rows, -worst, worst, out=rows))
 
 
 def _thinned(record: Record, every: int) -> Record:
@@ -262,8 +267,11 @@ def build(
     records: Sequence[Record],
     fixed: frozenset[str],
     nuisances: tuple[Nuisance, ...],
+    typical: Magnitudes | None = None,
 ) -> Problem:
     """A problem with every parameter free that is not in ``fixed``; entries of a record that are not free are 0.
+
+    ``typical`` are the yardsticks of these records, where they are known already.
 
     Raises:
         UsageError: a fixed name that the model does not have.
@@ -273,7 +281,7 @@ def build(
         raise UsageError(f"no parameter {unknown[0]!r} to fix; this model has {', '.join(model.names)}")
     free = tuple(i for i, name in enumerate(model.names) if name not in fixed)
     group = tuple(records)
-    typical = magnitudes(group, model["mass"])
+    typical = typical or magnitudes(group, model["mass"])
     own = {"initial velocity": typical.length / typical.time}
     sizes = [typical.of(model.parameters[i].unit) for i in free]
     lower, upper = _bounds(model, free, len(nuisances), typical, group)
@@ -288,7 +296,6 @@ def build(
         scale=np.array(sizes + [own.get(n.kind, typical.length) for n in nuisances]),
         lower=lower,
         upper=upper,
-        encoder_steps=tuple(quality.encoder_step(record) for record in group),
     )
 
 

@@ -90,7 +90,7 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     """
     _, x, left = unexplained_force(record, plant)
     against = left
-    keep = slice(None, None, max(1, x.size // 4000))
+    keep = slice(None, None, max(1, x.size // 1500))
     x, against = x[keep], against[keep]
     span = max(float(np.ptp(x)), 1e-9)
     fits = []
