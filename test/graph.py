@@ -37,7 +37,7 @@ class Graph:
         self.spin(owner.node)
         return owner
 
-    def call(self, kind: Any, name: str, request: Any, seconds: float = 30.0) -> Any:
+    def call(self, kind: Any, name: str, request: Any, seconds: float = 60.0) -> Any:
         """Call a service and wait for the answer."""
         client = self.node.create_client(kind, name)
         try:
@@ -55,11 +55,24 @@ class Graph:
         client = ActionClient(self.node, kind, name)
         self._clients.append(client)
         assert client.wait_for_server(30.0), f"no action {name}"
-        sent = client.send_goal_async(request, feedback_callback=lambda message: heard(message.feedback))
-        until(sent.done, f"the answer of {name}")
-        handle = sent.result()
+        handle = self.sent(client, request, lambda message: heard(message.feedback))
         assert handle.accepted
-        return handle, handle.get_result_async()
+        return handle, self.within(handle.get_result_async)
+
+    def sent(self, client: ActionClient, request: Any, heard: Callable[[Any], None]) -> Any:
+        """Send a goal; its handle, accepted or not."""
+        future = self.within(lambda: client.send_goal_async(request, feedback_callback=heard))
+        until(future.done, "the answer to the goal")
+        return future.result()
+
+    def within(self, work: Callable[[], Any]) -> Any:
+        """Do something in the thread that spins the tester, and wait for it.
+
+        An action client loses an answer that comes before it has noted the request: it has no lock for that.
+        """
+        done = self._spinners[0].executor.create_task(work)
+        until(done.done, "the tester")
+        return done.result()
 
     def close(self) -> None:
         """Take everything down."""
@@ -85,7 +98,7 @@ def graph(domain: int) -> Iterator[Graph]:
         made.close()
 
 
-def until(condition: Callable[[], Any], what: str, seconds: float = 20.0) -> None:
+def until(condition: Callable[[], Any], what: str, seconds: float = 60.0) -> None:
     """Wait until a condition holds; fail, naming it, when it does not in time."""
     deadline = time.monotonic() + seconds
     while not condition():

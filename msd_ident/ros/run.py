@@ -59,6 +59,8 @@ class Spinner:
         The thread leaves by itself before the executor is taken down: rclpy's shutdown destroys at once, without a wait,
         what a spinning executor waits on, and the thread would end with a traceback now and then.
         """
+        if self._ending.is_set():
+            return
         self._ending.set()
         self.executor.create_task(lambda: None)  # to be woken alone does not end a ``spin_once``
         self._thread.join(timeout=5.0)

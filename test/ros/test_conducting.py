@@ -131,17 +131,15 @@ def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path)
 
     def ask(profile: Profile, folder: str) -> object:
         goal = RunExperiment.Goal(profile=to_yaml(profile), limits=limits, folder=folder)
-        future = client.send_goal_async(goal, lambda told: moved.append(told.feedback.position))
-        until(future.done, "the goal's answer")
-        return future.result()
+        return ros.sent(client, goal, lambda told: moved.append(told.feedback.position))
 
     refused = ask(STEP.scaled(3.0), "beyond")
-    result = refused.get_result_async()  # type: ignore[attr-defined]
+    result = ros.within(refused.get_result_async)  # type: ignore[attr-defined]
     until(result.done, "the refusal")
     assert not result.result().result.success
     assert "expected a profile within them" in result.result().result.message
     handle = ask(LONG, "long")
-    result = handle.get_result_async()  # type: ignore[attr-defined]
+    result = ros.within(handle.get_result_async)  # type: ignore[attr-defined]
     until(lambda: moved and abs(moved[-1]) > 1e-3, "the motion")
     second = ask(STEP, "other")
     assert not second.accepted  # type: ignore[attr-defined]

@@ -55,8 +55,8 @@ def numbers(estimate: Estimate) -> dict[str, object]:
 
 @contextmanager
 def replayed(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """The bag played by a process of its own, five times as fast as it was recorded."""
-    parameters = ["-p", f"bag:={folder}", "-p", "rate:=5.0", "-p", "wait:=60.0"]
+    """The bag played by a process of its own, twice as fast as it was recorded."""
+    parameters = ["-p", f"bag:={folder}", "-p", "rate:=2.0", "-p", "wait:=60.0"]
     command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *parameters]
     with subprocess.Popen(command) as process:
         try:

@@ -111,12 +111,12 @@ def cancelled(world: World, rng: random.Random) -> None:
     client = ActionClient(world.tester, Diagnose, names.DIAGNOSE)
     try:
         world.until(client.server_is_ready, "the action")
-        sent = client.send_goal_async(Diagnose.Goal())
+        sent = world.within(lambda: client.send_goal_async(Diagnose.Goal()))
         world.until(sent.done, "the goal's answer")
-        result = sent.result().get_result_async()
+        result = world.within(sent.result().get_result_async)
         time.sleep(rng.uniform(0.0, 0.3))
         asked = time.monotonic()
-        sent.result().cancel_goal_async()
+        world.within(sent.result().cancel_goal_async)
         world.until(result.done, "the result")
         took = time.monotonic() - asked
         world.expect(took < CANCELLED_WITHIN, f"the answer took {took:.2f} s")

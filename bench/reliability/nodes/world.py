@@ -147,6 +147,15 @@ class World:
         finally:
             self.tester.destroy_client(client)
 
+    def within(self, work: Callable[[], Any]) -> Any:
+        """Do something in the thread that spins the tester, and wait for it.
+
+        An action client loses an answer that comes before it has noted the request: it has no lock for that.
+        """
+        done = self._spinners[0].executor.create_task(work)
+        self.until(done.done, "the tester")
+        return done.result()
+
     def expect(self, true: bool, otherwise: str) -> None:
         """What must hold.
 
