@@ -56,8 +56,8 @@ class Spinner:
     def stop(self) -> None:
         """End the spinning and wait for its end.
 
-        The thread leaves by itself before the executor is taken down: rclpy's shutdown destroys at once, without a wait,
-        what a spinning executor waits on, and the thread would end with a traceback now and then.
+        The thread leaves by itself before the executor is taken down: rclpy's shutdown destroys at once what a spinning
+        executor waits on, and the thread would end with a traceback now and then.
         """
         if self._ending.is_set():
             return
