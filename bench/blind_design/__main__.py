@@ -1,7 +1,8 @@
 """``python -m bench.blind_design``: rigs that one step leaves open, designed experiments, the truth.
 
-python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE] [--effects NAME,…] [--alone]
-    [--docs DIR]
+python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE] [--effects NAME,…]
+    [--compare 2] [--docs DIR]
+python -m bench.blind_design --score FILE… [--docs DIR]
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ import math
 import sys
 import time
 import traceback
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,44 +57,73 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--minutes", type=float, default=math.inf, help="end after this time, whatever was reached")
-    parser.add_argument("--json", type=Path, help="file for all outcomes, one JSON object a line")
+    parser.add_argument("--json", type=Path, help="file that gets every case as it is done, one JSON object a line")
+    parser.add_argument("--score", type=Path, nargs="+", help="score what --json wrote, instead of a run")
     parser.add_argument("--effects", default=",".join(lottery.NAMES), help="hidden effects to draw from")
-    parser.add_argument("--alone", action="store_true", help="without random steps to compare with")
+    parser.add_argument("--compare", type=int, default=2, help="every so many cases also by random steps; 0: none")
     parser.add_argument("--docs", type=Path, help="directory that gets blind-design.md")
     given = parser.parse_args(arguments)
-    outcomes, drawn, failed = _all(given)
-    if given.json:
-        given.json.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in outcomes))
-    table = "\n".join(told(outcomes, drawn, failed, given.seed))
+    done = [Done.from_json_dict(line) for path in given.score for line in _lines(path)] if given.score else _all(given)
+    table = "\n".join(told(done))
     print(table)
     if given.docs:
         (given.docs / "blind-design.md").write_text(_PAGE.format(table=table), encoding="utf-8")
     return 0
 
 
-def _all(given: argparse.Namespace) -> tuple[list[Outcome], int, int]:
-    outcomes: list[Outcome] = []
-    drawn, failed, began = 0, 0, time.monotonic()
+@dataclass(frozen=True)
+class Done:
+    """A case that is done: its outcome where one step leaves the truth open, or how it failed."""
+
+    case: Case
+    outcome: Outcome | None
+    failure: str = ""
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return asdict(self)
+
+    @classmethod
+    def from_json_dict(cls, values: Mapping[str, Any]) -> Done:
+        """What ``to_json_dict`` gave."""
+        outcome = values["outcome"]
+        return cls(Case(**values["case"]), Outcome.from_json_dict(outcome) if outcome else None, values["failure"])
+
+
+def _lines(path: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def _all(given: argparse.Namespace) -> list[Done]:
+    """Cases in turn until enough of them were open; each is on the disk as soon as it is done."""
+    all_done: list[Done] = []
+    found, began = 0, time.monotonic()
     source = cases(given.seed, given.effects.split(","))
     with ProcessPoolExecutor(given.jobs) as pool:
-        while len(outcomes) < given.runs and (time.monotonic() - began) / 60.0 < given.minutes:
-            batch = [next(source) for _ in range(2 * given.jobs)]
-            drawn += len(batch)
-            for case, outcome in zip(batch, pool.map(partial(_safe, compare=not given.alone), batch), strict=True):
-                if isinstance(outcome, str):
-                    failed += 1
-                    print(f"{case}: failed\n{outcome}", file=sys.stderr, flush=True)
-                elif outcome is not None:
-                    outcomes.append(outcome)
-                    _show(len(outcomes), outcome)
-    return outcomes[: given.runs], drawn, failed
+        jobs: set[Future[Done]] = set()
+        while jobs or not all_done:
+            while len(jobs) < 2 * given.jobs and found < given.runs and time.monotonic() - began < 60.0 * given.minutes:
+                case = next(source)
+                jobs.add(pool.submit(_safe, case, bool(given.compare) and case.seed % given.compare == 0))
+            ready, jobs = wait(jobs, return_when=FIRST_COMPLETED)
+            for done in (job.result() for job in ready):
+                all_done.append(done)
+                if given.json:
+                    with given.json.open("a", encoding="utf-8") as file:
+                        file.write(json.dumps(done.to_json_dict()) + "\n")
+                if done.outcome is not None:
+                    found += 1
+                    _show(found, done.outcome)
+                elif done.failure:
+                    print(f"{done.case}: failed\n{done.failure}", file=sys.stderr, flush=True)
+    return all_done
 
 
-def _safe(case: Case, compare: bool) -> Outcome | None | str:
+def _safe(case: Case, compare: bool) -> Done:
     try:
-        return run(case, compare)
+        return Done(case, run(case, compare))
     except Exception:  # a study goes on, and counts what failed
-        return traceback.format_exc(limit=-3)
+        return Done(case, None, traceback.format_exc(limit=-3))
 
 
 def _show(number: int, o: Outcome) -> None:
@@ -106,13 +137,15 @@ def _show(number: int, o: Outcome) -> None:
     )
 
 
-def told(outcomes: Sequence[Outcome], drawn: int, failed: int, seed: int) -> list[str]:
+def told(done: Sequence[Done]) -> list[str]:
     """The study's table."""
+    outcomes = [one.outcome for one in done if one.outcome is not None]
     fair = [o for o in outcomes if _IDENTITY not in o.truth]
     compared = [o for o in fair if o.random_decided is not None]
     lines = [
-        f"Blind design: {len(outcomes)} rigs that one step leaves open, of {drawn} drawn from seed {seed}; "
-        f"{failed} failed",
+        f"Blind design: {len(outcomes)} rigs that one step leaves open, of {len(done)} drawn, seeds "
+        f"{min(one.case.seed for one in done)} to {max(one.case.seed for one in done)}; "
+        f"{sum(bool(one.failure) for one in done)} failed",
         "",
         "| figure | got | of | must | aim |",
         "|---|---|---|---|---|",

@@ -101,6 +101,13 @@ class Outcome:
         """Plain values."""
         return asdict(self)
 
+    @classmethod
+    def from_json_dict(cls, values: Mapping[str, Any]) -> Outcome:
+        """What ``to_json_dict`` gave, from JSON: lists are tuples again."""
+        verdict, found = values["first"]
+        plain = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+        return cls(**{**plain, "case": Case(**values["case"]), "first": (verdict, tuple(found))})
+
 
 def names(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Causes named, those that are tied with their rivals."""
