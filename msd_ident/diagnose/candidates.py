@@ -31,6 +31,8 @@ HOLDING_COULOMB = {
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
+#: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
+_ASIDE = 6.0
 #: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
 FAR = 25.0
 #: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further; so
@@ -220,11 +222,18 @@ def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fit
 
 
 def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
-    """A few steps down from either side of a harmonic law's phase: where a cart sticks in its wells, the surface has
-    valleys within a cycle.
+    """A few steps down from where there may be another valley.
+
+    From either side of a harmonic law's phase: where a cart sticks in its wells, the surface has valleys within a
+    cycle. And from where the records begin, if the fit has left it: a smaller model makes up for what it lacks with a
+    cart that begins aside, and with friction a larger one does not find back.
     """
     weighting = weigh(fitted.problem, experiment.readings)
     found = []
+    point = _begun(experiment, fitted)
+    if not np.array_equal(point, fitted.point):
+        state = weighting.exact(point, weighting.steps(fitted.state))
+        found.append(_lower(experiment, _at(fitted.causes, fitted.problem, state), _FIRST))
     for entry, name in enumerate(fitted.problem.names):
         if not name.endswith("_phase"):
             continue
@@ -234,6 +243,18 @@ def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
             state = State(point, weighting.residual(point), fitted.state.jacobian, False)
             found.append(_lower(experiment, _at(fitted.causes, fitted.problem, state), _FIRST))
     return found
+
+
+def _begun(experiment: Experiment, fitted: Fitted) -> FloatArray:
+    """The fitted vector (p,) with each record begun at its first reading, where it begins far from it."""
+    problem, point = fitted.problem, fitted.point.copy()
+    for entry, nuisance in enumerate(problem.nuisances, start=len(problem.free)):
+        if nuisance.kind == "initial position":
+            part = experiment.readings[nuisance.record]
+            first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
+            if abs(point[entry] - first) > _ASIDE * part.noise:
+                point[entry] = first
+    return np.clip(point, problem.lower, problem.upper)
 
 
 def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
