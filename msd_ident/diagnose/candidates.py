@@ -254,7 +254,7 @@ def _begun(experiment: Experiment, fitted: Fitted) -> FloatArray:
             first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
             if abs(point[entry] - first) > _ASIDE * part.noise:
                 point[entry] = first
-    return np.clip(point, problem.lower, problem.upper)
+    return np.asarray(np.clip(point, problem.lower, problem.upper))
 
 
 def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
