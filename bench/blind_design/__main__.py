@@ -162,7 +162,17 @@ def told(done: Sequence[Done]) -> list[str]:
         lines.append(f"| processor seconds a design, median | {np.median(slow):.2f} | {len(slow)} | <= 5 | 1 |")
         lines.append(f"| processor seconds a design, longest | {max(slow):.2f} | {len(slow)} | | |")
         lines.append(f"| greatest part of a limit used | {max(o.worst for o in outcomes):.3f} | | <= 1 | |")
-    return lines + _calibration(fair)
+    return lines + _calibration(fair) + _by_effect(done)
+
+
+def _by_effect(done: Sequence[Done]) -> list[str]:
+    """How many of each effect were drawn, were left open by one step, and came out."""
+    lines = ["", "| hidden effect | drawn | left open by one step | truth at the end |", "|---|---|---|---|"]
+    for name in sorted({str(one.case.hidden) for one in done}):
+        of_it = [one for one in done if str(one.case.hidden) == name]
+        opened = [one.outcome for one in of_it if one.outcome is not None]
+        lines.append(f"| {name} | {len(of_it)} | {len(opened)} | {sum(o.right for o in opened)} |")
+    return lines
 
 
 def _row(what: str, hits: Sequence[bool], must: str, aim: str) -> str:
