@@ -38,6 +38,8 @@ _MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
 #: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
 #: change the motion by this part of what is left of it.
 _FAR, _COARSE = 300.0**2, 0.03
+#: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
+_COMPARABLE = 3.0
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -146,8 +148,9 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
 def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress) -> Ranking:
     """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
 
-    A set far behind on a part of the data is further behind on all of it. Where the part saw nothing wrong any more and
-    the whole does, the search goes on with the whole.
+    A set far behind on a part of the data is further behind on all of it; but where mean forces between few samples
+    keep all sets from the noise, another cause may only have helped against them, and what is simpler is judged too.
+    Where the part saw nothing wrong any more and the whole does, the search goes on with the whole.
     """
     thin = experiment.thinned(_MOST_SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
@@ -156,13 +159,21 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
     ahead = _searching(thin, progress).run(start[0], start[1:])
     sets = {one.causes: one for one in known}
-    for fitted in ahead.within(_BEHIND)[:_LEADERS]:
+    clear = judge(ahead.best.residuals(), thin.readings).consistent
+    for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
     whole = _searching(experiment, progress)
     ranking = evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
-    if whole.at_floor(ranking.best) or not judge(ahead.best.residuals(), thin.readings).consistent:
+    if whole.at_floor(ranking.best) or not clear:
         return noted(ranking, experiment, (ahead, thin))
     return noted(whole.resume(list(sets.values())), experiment, (ahead, thin))
+
+
+def _simpler(ahead: Ranking) -> list[Fitted]:
+    """Sets of fewer causes than the leader that leave not many times as much, the best first."""
+    best = ahead.best
+    found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < _COMPARABLE * best.chi]
+    return sorted(found, key=lambda one: one.chi)[:_LEADERS]
 
 
 def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:

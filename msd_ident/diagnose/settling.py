@@ -93,6 +93,14 @@ def _rescaled(fitted: Fitted, known: Sequence[Balance]) -> FloatArray:
     return np.clip(problem.vector(values, initial), problem.lower, problem.upper)
 
 
+def _with_peak(problem: Problem, point: FloatArray) -> FloatArray:
+    """The vector with a breakaway force not below the sliding one: there, nothing would tell of it any more."""
+    if {"coulomb_force", "static_force"} <= set(problem.names):
+        sliding, breakaway = problem.names.index("coulomb_force"), problem.names.index("static_force")
+        point[breakaway] = max(point[breakaway], point[sliding])
+    return point
+
+
 def _descend(weighting: Weighting, state: State, known: Sequence[Balance]) -> State:
     """Levenberg–Marquardt on samples and rest together."""
     problem, damping, taken = weighting.problem, 1e-6, 0
@@ -106,7 +114,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[Balance]) -> St
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         scaled = normal / np.outer(size, size) + damping * np.eye(size.size)
         move = -np.linalg.solve(scaled, slope / size) / size
-        point = np.clip(state.point + move, problem.lower, problem.upper)
+        point = _with_peak(problem, np.clip(state.point + move, problem.lower, problem.upper))
         reached = _cost(weighting, point, known)
         if reached < cost:
             worth = cost - reached > _WORTH

@@ -24,3 +24,17 @@ def test_a_start_on_the_edge_of_sticking_is_not_taken_for_sharp() -> None:
         true = float(spec[name])
         assert abs(found[name].value - true) < 3.0 * found[name].std
         assert 0.2 * unsure < found[name].std / true < 2.0 * unsure
+
+
+def test_a_breakaway_that_rest_leaves_open_stays_above_the_sliding_friction() -> None:
+    """Below it nothing would tell of it: a rival that is Coulomb friction under another name can be parted by no
+    experiment.
+    """
+    spec = lottery.draw(5023, "coulomb_friction", True, "step").spec
+    rest = {key: value for key, value in spec.items() if key != "experiment"}
+    at, force = np.array([0.0, 0.3]), np.array([0.0, float(spec["experiment"]["force"])])
+    made = api.simulate(rest | {"force_time": at, "force": force, "duration": 3.0, "seed": int(spec["seed"]) + 1})
+    found = pipeline.diagnose([Record(time=made.time, position=made.position, force_time=at, force=force)])
+    (rival,) = (one for one in found.contenders if one.causes == ("stribeck_friction",))
+    assert rival.model["static_force"] >= rival.model["coulomb_force"]
+    assert np.linalg.matrix_rank(rival.information) == len(rival.free)
