@@ -133,7 +133,7 @@ def diagnose(
         sprung=_sprung(data.used, options, data.form),
         findings=data.findings,
         warnings=data.warnings,
-        ring_down=ring_down(data.features),
+        ring_down=ring_down(data.features, data.used[0].position_unit),
         progress=progress,
     )
     progress("next experiment", 0.98, "")

@@ -51,8 +51,8 @@ class RingDown:
         }
 
 
-def ring_down(features: Sequence[Features]) -> RingDown | None:
-    """All swings of all responses; ``None`` from fewer than three."""
+def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | None:
+    """All swings of all responses; ``None`` from fewer than three. ``length`` is the unit of positions."""
     swings = [swing for found in features for response in found.responses for swing in response.swings]
     if len(swings) < _FEWEST:
         return None
@@ -60,10 +60,11 @@ def ring_down(features: Sequence[Features]) -> RingDown | None:
     amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
     rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
     said = _said(
-        amplitude, ratio * rate, ratio_std * rate, "The damping ratio", _LEAST_RATIO,
+        amplitude, ratio * rate, ratio_std * rate, ("The damping ratio", "", length), _LEAST_RATIO,
         "as dry friction makes it", "as drag that grows with the square of the speed makes it",
     ) + _said(
-        amplitude, frequency, frequency_std, "The natural frequency", _LEAST_RELATIVE * float(np.median(frequency)),
+        amplitude, frequency, frequency_std, ("The natural frequency", " rad/s", length),
+        _LEAST_RELATIVE * float(np.median(frequency)),
         "as a softening spring makes it", "as a hardening spring makes it",
     )  # fmt: skip
     return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said)
@@ -80,9 +81,14 @@ def _row(swing: Swing) -> tuple[float, ...]:
 
 
 def _said(
-    amplitude: FloatArray, value: FloatArray, std: FloatArray, what: str, least: float, rising: str, falling: str
-) -> tuple[str, ...]:
-    """A sentence when the values go with 1/A or with A far better than with nothing."""
+    amplitude: FloatArray, value: FloatArray, std: FloatArray, named: tuple[str, str, str], least: float,
+    rising: str, falling: str,
+) -> tuple[str, ...]:  # fmt: skip
+    """A sentence when the values go with 1/A or with A far better than with nothing.
+
+    ``named`` are what the value is, its unit, and that of the amplitude.
+    """
+    what, unit, length = named
     weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), least) ** 2
     mean = float(np.average(value, weights=weight))
     nothing = float(np.sum(weight * (value - mean) ** 2))
@@ -92,8 +98,8 @@ def _said(
     large, small = best[1][0], best[1][-1]
     way, means = ("rises", rising) if small > large else ("falls", falling)
     return (
-        f"{what} {way} from {large:.3g} at an amplitude of {amplitude[0]:.3g} to {small:.3g} at {amplitude[-1]:.3g}, "
-        f"{means}.",
+        f"{what} {way} from {large:.3g}{unit} at an amplitude of {amplitude[0]:.3g} {length} to {small:.3g}{unit} at "
+        f"{amplitude[-1]:.3g} {length}, {means}.",
     )
 
 
