@@ -39,7 +39,7 @@ _MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
 #: change the motion by this part of what is left of it.
 _FAR, _COARSE = 300.0**2, 0.03
 #: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
-_COMPARABLE = 3.0
+_COMPARABLE = 10.0
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
