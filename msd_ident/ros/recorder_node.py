@@ -166,30 +166,34 @@ class Recorder:
         """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""
         if self._recording is None:
             return
-        for topic, types in self.node.get_topic_names_and_types():
+        for topic, _ in self.node.get_topic_names_and_types():
             chosen = topic in self._wanted if self._wanted is not None else not _hidden(topic)
-            if chosen and topic not in self._refused:
-                try:
-                    self._follow(self._recording, topic, types)
-                except MsdError as error:
+            if not chosen:
+                continue
+            try:
+                self._follow(self._recording, topic)
+                self._refused.discard(topic)
+            except MsdError as error:
+                if topic not in self._refused:
                     self._refused.add(topic)
                     self._log.warning(f"{topic} is not recorded: {error}")
                     self.watch.note("not recorded", f"{topic} is not recorded: {error}")
 
-    def _follow(self, recording: Recording, topic: str, types: Sequence[str]) -> None:
+    def _follow(self, recording: Recording, topic: str) -> None:
+        """Subscribe as the publishers offer it. Of which type others would hear it is their affair."""
         publishers = self.node.get_publishers_info_by_topic(topic)
         if not publishers:
             return
         offered = [publisher.qos_profile for publisher in publishers]
         qos = names.matching_qos(offered, self.settings["queue_depth"])
         has = self._subscriptions.get(topic)
+        types = sorted({publisher.topic_type for publisher in publishers})
         if has is None:
             if len(types) > 1:
-                raise DataError(f"it has {len(types)} types ({', '.join(types)}); expected one")
+                raise DataError(f"it is published as {len(types)} types ({', '.join(types)}); expected one")
             self._add(recording, topic, types[0], [names.to_offered(profile) for profile in offered])
-        elif self._types[topic] not in {publisher.topic_type for publisher in publishers}:
-            now = publishers[0].topic_type
-            words = f"{topic} is of type {now} now and no longer {self._types[topic]}: it is not recorded"
+        elif self._types[topic] not in types:
+            words = f"{topic} is of type {types[0]} now and no longer {self._types[topic]}: it is not recorded"
             self.watch.note("another type", words)
             return
         elif not names.asks_for_more(has.qos_profile, qos):

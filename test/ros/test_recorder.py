@@ -16,6 +16,7 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from bagmaker import START_NS, joints  # noqa: E402
+from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
@@ -33,6 +34,7 @@ from msd_ident.ros.recording import Recording  # noqa: E402
 from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_interfaces.srv import StartRecording  # noqa: E402
 
+LASTING = DurabilityPolicy.TRANSIENT_LOCAL
 START, STOP = "recorder/start", "recorder/stop"
 #: Of a rig at rest: a position that never changes is refused.
 NOISE = {"encoder.noise": 1e-5}
@@ -200,6 +202,22 @@ def process(module: str, **parameters: object) -> Iterator[subprocess.Popen[str]
             yield made
         finally:
             made.kill()
+
+
+def test_who_listens_for_another_type_keeps_nothing_from_the_bag(
+    ros: Graph, ros_domain: int, tmp_path: Path
+) -> None:
+    """An identifier waits for the usual type of a force; the rig has a type of its own."""
+    with graph(ros_domain) as other:
+        other.node.create_subscription(WrenchStamped, "force", lambda message: None, 10)
+        clash = other.node.create_publisher(WrenchStamped, "force", 10)
+        force = ros.node.create_publisher(Float64, "force", QoSProfile(depth=5, durability=LASTING))
+        force.publish(Float64(data=10.425))
+        until(lambda: ros.node.count_publishers("force") == 2, "both publishers")
+        node = recorder(ros, tmp_path, autostart=True, folder="one")
+        until(lambda: any("as 2 types" in sentence for sentence in node.watch.recent), "the refusal of two types")
+        other.node.destroy_publisher(clash)
+        until(lambda: node.summary and node.summary.messages == 1, "the force, once it is clear of what type it is")
 
 
 def test_no_sample_of_a_rig_at_10_khz_is_lost(ros: Graph, tmp_path: Path) -> None:
