@@ -37,8 +37,7 @@ FIT_PERIOD, BUFFER, HELD = 5.0, 10.0, 1.5
 BURNERS = 2
 #: Part of the time, but at least so long [s], after which memory is expected to be flat: buffers are full then.
 WARM_UP, WARM_UP_LEAST = 0.2, 20.0
-#: Time over which memory is looked at together [s], and the change of it that is flat.
-SPAN = 20.0
+#: Change of memory that is flat.
 FLAT = 0.05
 NODES = ("rig", "recorder", "identifier")
 
@@ -68,14 +67,9 @@ class Load:
     memory: dict[str, list[tuple[float, float]]] = field(default_factory=lambda: {name: [] for name in NODES})
 
     def change(self, node: str) -> tuple[float, float, float]:
-        """Memory of a node when it was warm, least and most of it afterwards, in parts of that.
-
-        Medians over spans of several fits: while one is in progress it holds its Jacobian, and gives it back.
-        """
+        """Memory of a node when it was warm, least and most of it at any instant afterwards, in parts of that."""
         warm = max(WARM_UP * self.seconds, WARM_UP_LEAST)
-        at, used = np.array(self.memory[node]).T
-        span = np.floor((at - warm) / SPAN)
-        kept = np.array([np.median(used[span == i]) for i in range(int(span.max()) + 1)])
+        kept = np.array([used for at, used in self.memory[node] if at >= warm])
         return float(kept[0]), float(kept.min() / kept[0] - 1.0), float(kept.max() / kept[0] - 1.0)
 
     @property
