@@ -19,7 +19,7 @@ from msd_ident.diagnose.contenders import marginal
 from msd_ident.diagnose.evidence import PRIOR_ODDS
 from msd_ident.errors import UsageError
 from msd_ident.fit.posing import pose
-from msd_ident.fit.units import Magnitudes, exponents, magnitudes
+from msd_ident.fit.units import Magnitudes, in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY
 from msd_ident.record import FloatArray, Record
@@ -135,7 +135,8 @@ def _refitted(lead: Contender, effect: Effect, data: _Data) -> tuple[Contender, 
     tries = [_around(lead, lead.model + effect, effect, data)]
     gain = _gain(effect, data.records)
     if gain > 0.0 and gain != 1.0:  # another gain is another unit of force: no small step from one to the other
-        tries.append(_around(lead, _scaled(lead.model, gain) + effect, effect, data))
+        model = lead.model.with_values(in_force_unit(lead.model, gain)) + effect
+        tries.append(_around(lead, model, effect, data))
     return min(tries, key=lambda one: one[1])
 
 
@@ -144,12 +145,6 @@ def _gain(effect: Effect, records: Sequence[Record]) -> float:
     law = effect.laws().get("input_map")
     largest = max((float(np.max(np.abs(record.force))) for record in records), default=0.0)
     return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0
-
-
-def _scaled(model: Model, gain: float) -> Model:
-    """The model with all that is measured in newtons times ``gain``."""
-    values = {p.name: model[p.name] * gain ** exponents(p.unit).get("N", 0) for p in model.parameters}
-    return model.with_values({name: value for name, value in values.items() if np.isfinite(value)})
 
 
 def _around(lead: Contender, model: Model, effect: Effect, data: _Data) -> tuple[Contender, float]:

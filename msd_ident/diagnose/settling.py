@@ -17,7 +17,7 @@ from msd_ident.diagnose.descent import State, Weighting
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.posing import pose
 from msd_ident.fit.problem import Balance, Problem
-from msd_ident.fit.units import exponents
+from msd_ident.fit.units import in_force_unit
 from msd_ident.record import FloatArray
 
 _STEPS, _TRIES = 12, 40
@@ -81,9 +81,7 @@ def _rescaled(fitted: Fitted, known: Sequence[Balance]) -> FloatArray:
     if not 1e-3 < factor < 1e3:
         return fitted.point
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
-    for parameter in fitted.model.parameters:
-        if np.isfinite(values[parameter.name]):
-            values[parameter.name] *= factor ** exponents(parameter.unit).get("N", 0)
+    values |= in_force_unit(fitted.model, factor)
     if "cogging_phase" in values:
         values["cogging_phase"] += 2.0 * np.pi * start / values["cogging_pitch"]
     initial = [

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.model import Model
 from msd_ident.record import Record
 
 _POWERS = {"²": 2, "³": 3, "⁴": 4}
@@ -49,6 +51,12 @@ class Magnitudes:
         for name, exponent in power.items():
             size *= base.get(name, 1.0) ** exponent
         return size
+
+
+def in_force_unit(model: Model, factor: float) -> dict[str, float]:
+    """The model's finite parameters by name, all that is measured in newtons times ``factor``."""
+    values = {p.name: model[p.name] * factor ** exponents(p.unit).get("N", 0) for p in model.parameters}
+    return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
 def magnitudes(records: tuple[Record, ...], mass: float) -> Magnitudes:
