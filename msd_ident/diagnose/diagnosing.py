@@ -202,6 +202,8 @@ def _searching(experiment: Experiment, progress: Progress) -> Search:
 def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     best, heldout = _predicting(experiment, base, ranking)
+    if not ranking.best.causes:
+        ranking = ranking.led_by(best)
     progress("verdict", 0.95, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
@@ -239,15 +241,22 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
         ring_down=task.ring_down,
-        contenders=standing(
-            ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings
-        ),
+        contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),
         tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
 
 
 def _predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Fitted, HeldOut]:
-    """The likeliest set that predicts left-out data better than the base, or the base itself."""
+    """The likeliest set that predicts left-out data better than the base, or the base itself.
+
+    Where the base leads, only because few independent samples are left to speak against it, the likeliest set stands
+    when it predicts better beyond doubt.
+    """
+    if not ranking.best.causes and len(ranking.sets) > 1:
+        likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
+        heldout = predict(experiment, base, likeliest)
+        if likeliest.causes and heldout.interval_percent[0] > 0.0:
+            return likeliest, heldout
     for fitted in ranking.sets[:3]:
         if not fitted.causes:
             break

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -115,6 +115,16 @@ class Ranking:
     def best(self) -> Fitted:
         """The leading set: of those that the data cannot tell from the likeliest, the simplest."""
         return self.sets[0]
+
+    def led_by(self, leader: Fitted) -> Ranking:
+        """The same with one of its sets first."""
+        order = sorted(range(len(self.sets)), key=lambda i: self.sets[i] is not leader)
+        return replace(
+            self,
+            sets=tuple(self.sets[i] for i in order),
+            evidence=tuple(self.evidence[i] for i in order),
+            probability=tuple(self.probability[i] for i in order),
+        )
 
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts: of all sets that hold it together."""

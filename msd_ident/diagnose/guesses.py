@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.diagnose.missing import missing_force
+from msd_ident.diagnose.resolvable import PITCHES
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name
@@ -23,7 +24,7 @@ from msd_ident.record import FloatArray, Record
 
 _LINES = 4
 _RATES = 60
-_PITCHES = 160
+_TRIED = 160
 _PLACES = 1500
 
 
@@ -78,7 +79,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
     force = force - frame @ (frame.T @ force)
     span = float(np.ptp(x))
-    pitches = np.geomspace(0.02 * span, 2.0 * span, _PITCHES)
+    pitches = np.geomspace(PITCHES[0] * span, PITCHES[1] * span, _TRIED)
     angle = np.outer(2.0 * np.pi / pitches, x)
     pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     pair -= (pair @ frame) @ frame.T

@@ -15,6 +15,9 @@ from msd_ident.fit.problem import Problem
 from msd_ident.model import Model
 from msd_ident.record import Record
 
+#: Pitches of cogging in parts of the travel: of a longer one the cart sees a bent spring.
+PITCHES = (0.02, 1.5)
+
 
 def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
     """Range of each inner parameter by name, in the records' units; ``plant`` is roughly the base model."""
@@ -32,7 +35,7 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
         "second_stiffness": (1e-3 * mass * rate**2, 30.0 * mass * rate**2),
         "second_damping": (0.0, mass * rate),
         "disturbance_frequency": (np.pi / duration, fastest),
-        "cogging_pitch": (0.02 * span, 1.5 * span),  # of a longer one the cart sees a bent spring
+        "cogging_pitch": (PITCHES[0] * span, PITCHES[1] * span),
         "hysteresis_length": (1e-3 * span, 2.0 * span),
         "stribeck_velocity": (3e-3 * speed, 2.0 * speed),
         "stop_position": (0.02 * span, reach + 0.2 * span),

@@ -53,6 +53,14 @@ def ranked(sets: Mapping[str, Fitted]) -> evidence.Ranking:
     return evidence.rank({one.causes: one for one in sets.values()}, evidence.Scale())
 
 
+def odds(ranking: evidence.Ranking) -> dict[frozenset[str], tuple[float, float]]:
+    """Evidence and probability by set."""
+    return {
+        one.causes: (value, p)
+        for one, value, p in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True)
+    }
+
+
 def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:
     friction, drag = CoulombFriction(0.1), QuadraticDrag(1.0)
     for gain, leads in ((10.0, 0), (40.0, 1)):
@@ -76,6 +84,22 @@ def test_the_simpler_leads_a_tie_and_the_other_is_told(experiment: Experiment) -
     assert evidence.alternatives(found, "coulomb_friction") == ("stribeck_friction",)
     assert sum(found.probability) == pytest.approx(1.0)
     assert found.of_cause("coulomb_friction") + found.of_cause("stribeck_friction") == pytest.approx(1.0)
+
+
+def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> None:
+    """Where few independent samples let the base lead a tie, and the likelier set predicts better beyond doubt."""
+    found = ranked(
+        {
+            "base": fitted(experiment, BASE, 1000.0),
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 980.0),
+            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 999.0),
+        }
+    )
+    assert not found.best.causes
+    friction = next(one for one in found.sets if one.causes == {"coulomb_friction"})
+    led = found.led_by(friction)
+    assert led.best is friction
+    assert odds(led) == odds(found)
 
 
 def test_model_error_tempers_the_likelihood() -> None:
