@@ -39,7 +39,7 @@ START, STOP = "recorder/start", "recorder/stop"
 #: Of a rig at rest: a position that never changes is refused.
 NOISE = {"encoder.noise": 1e-5}
 #: Of the rig while the recorder is held up [Hz], and for how long [s]: more samples than a queue of 1000 keeps.
-RATE, HELD = 500.0, 2.6
+RATE, HELD = 500.0, 3.2
 
 
 @pytest.fixture
@@ -204,9 +204,7 @@ def process(module: str, **parameters: object) -> Iterator[subprocess.Popen[str]
             made.kill()
 
 
-def test_who_listens_for_another_type_keeps_nothing_from_the_bag(
-    ros: Graph, ros_domain: int, tmp_path: Path
-) -> None:
+def test_who_listens_for_another_type_keeps_nothing_from_the_bag(ros: Graph, ros_domain: int, tmp_path: Path) -> None:
     """An identifier waits for the usual type of a force; the rig has a type of its own."""
     with graph(ros_domain) as other:
         other.node.create_subscription(WrenchStamped, "force", lambda message: None, 10)
