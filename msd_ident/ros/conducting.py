@@ -108,8 +108,8 @@ class Conductor:
         return self._conduct(profile, limits, bag, stop, advance)
 
     def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
-        guard = Guard(limits, self._silence)
         recording = self._record(bag)
+        guard = Guard(limits, self._silence)  # hears from now on: a bag may take its time to begin
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
         delays: list[float] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from msd_ident.errors import SetupError, UsageError  # noqa: E402
 from msd_ident.ros import conducting, names  # noqa: E402
 from msd_ident.ros.conducting import Conductor, Played  # noqa: E402
 from msd_ident.ros.experimenter_node import RUN, Experimenter  # noqa: E402
+from msd_ident.ros.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 
 LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
@@ -104,6 +106,20 @@ def test_a_silent_encoder_stops_with_force_0(ros: Graph, tmp_path: Path) -> None
     done = play(ros, LONG, tmp_path / "bag", advance=advance, silence=0.4)
     assert done.stopped.startswith(("the encoder fell silent: no reading for 0.4 s", "the encoder's readings come"))
     until(lambda: told.all and told.all[-1] == 0.0, "force 0")
+
+
+def test_a_bag_that_takes_its_time_to_begin_is_no_silence(
+    ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig(ros)
+    begin = Conductor._record
+
+    def slowly(self: Conductor, bag: Path) -> Recording:
+        time.sleep(1.5)
+        return begin(self, bag)
+
+    monkeypatch.setattr(Conductor, "_record", slowly)
+    assert play(ros, STEP, tmp_path / "bag", silence=1.2).stopped == ""
 
 
 def test_nothing_moves_beyond_the_limits_or_without_a_rig(
