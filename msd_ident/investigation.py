@@ -4,17 +4,16 @@ stands or the budget is spent.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 
-from msd_ident import pipeline
+from msd_ident import one_rig, pipeline
 from msd_ident.design import Limits, Profile, Proposal, Segment, check, design
 from msd_ident.diagnose import Diagnosis
 from msd_ident.errors import DataError, UsageError
-from msd_ident.features import extract, pooled
 from msd_ident.record import Record
 
 #: Below this probability of a decision an experiment is not worth running.
@@ -23,8 +22,6 @@ HOPELESS = 0.1
 _PROBE, _PLANNED = 0.05, 0.5
 _REST, _LONGEST_STEP = 0.3, 3.0
 _PROBES = 4
-#: Natural frequencies of one rig that differ by more than this factor are those of two rigs.
-_ANOTHER = 1.25
 
 
 @dataclass(frozen=True)
@@ -217,8 +214,8 @@ class Loop:
         ran = self.rig.play(profile, self.limits)
         self.records.append(ran.record)
         try:
-            check_one_rig(self.records)
             diagnosis = pipeline.diagnose(self.records, self.options)
+            one_rig.check(diagnosis)
         except DataError as error:
             if ran.stopped:
                 raise DataError(f"{profile.name!r} was stopped: {ran.stopped}; what was recorded: {error}") from None
@@ -246,24 +243,3 @@ def stepped(force: float, hold: float) -> Profile:
     """Rest, a step and a release."""
     parts = (Segment("hold", _REST), Segment("step", hold, force=force), Segment("release", hold))
     return Profile(parts, "step and release")
-
-
-def check_one_rig(records: Sequence[Record]) -> None:
-    """Refuse records that cannot be of one rig.
-
-    Raises:
-        DataError: their natural frequencies differ by more than any effect explains.
-    """
-    found = []
-    for record in records:
-        form = pooled((extract(record),))
-        if form is not None and form.natural_frequency.known:
-            found.append((form.natural_frequency.value, record.name))
-    if len(found) < 2:
-        return
-    low, high = min(found), max(found)
-    if high[0] > _ANOTHER * low[0]:
-        raise DataError(
-            f"{high[1]} swings at {high[0]:.3g} rad/s, {low[1]} at {low[0]:.3g}; expected records of one rig: leave "
-            "the other one out"
-        )

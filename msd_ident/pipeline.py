@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident import one_rig, quality
 from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
@@ -139,8 +139,8 @@ def diagnose(
     progress("next experiment", 0.98, "")
     found = proposing(base)
     if found.verdict == "unexplained":
-        pushed = push.sentences(found.records, found.extended, found.noise_floor)
-        found = replace(found, warnings=(*found.warnings, *pushed))
+        said = [*push.sentences(found.records, found.extended, found.noise_floor), one_rig.doubt(found.records)]
+        found = replace(found, warnings=(*found.warnings, *filter(None, said)))
     progress("done", 1.0, "")
     return found
 

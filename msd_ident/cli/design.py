@@ -55,7 +55,7 @@ def design(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Design the shortest experiment that tells apart what this data cannot. All paths are of one rig."""
-    from msd_ident import pipeline
+    from msd_ident import one_rig, pipeline
     from msd_ident.bag import read
     from msd_ident.cli import run
     from msd_ident.design import read_limits
@@ -76,6 +76,7 @@ def design(
         diagnosis = pipeline.diagnose(
             records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
         )
+        one_rig.check(diagnosis)
         report("designing", 0.95)
         found = _designed(diagnosis, allowed, targets, check)
     _write(found, diagnosis, output, out, figure, [str(path) for path in paths], allowed)

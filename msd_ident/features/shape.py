@@ -128,7 +128,8 @@ def _shape(found: scipy.optimize.OptimizeResult, problem: _Problem) -> Shape:
     correlation = min(max(lag, 0.0), 0.999) if see > 1.5 * problem.floor else 0.0
     variance = (max(scatter, problem.floor) / problem.size) ** 2 * (1.0 + correlation) / (1.0 - correlation)
     covariance = np.linalg.pinv(found.jac.T @ found.jac) * variance
-    std = np.sqrt(np.diag(covariance)).tolist()
+    with np.errstate(invalid="ignore"):  # rounding below 0: not known, NaN
+        std = np.sqrt(np.diag(covariance)).tolist()
     frequency, ratio = np.exp(found.x[:2]).tolist()
     unit, begin = problem.initial.unit, problem.initial.value
     return Shape(

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
-from designrigs import ECP, LIMITS, STEP, Rig
+from designrigs import LIMITS, STEP, Rig
 
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
-from msd_ident.investigation import Budget, Loop, Ran, check_one_rig
+from msd_ident.investigation import Budget, Loop, Ran
 
 
 def test_the_truth_stands_after_one_more_experiment() -> None:
@@ -51,14 +51,6 @@ def test_the_budget_is_kept() -> None:
     found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
-
-
-def test_records_of_two_rigs_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = Rig().play(STEP, LIMITS).record
-    monkeypatch.setitem(ECP, "stiffness", 1500.0)
-    other = Rig().play(STEP, LIMITS).record
-    with pytest.raises(DataError, match="expected records of one rig: leave the other one out"):
-        check_one_rig([one, other])
 
 
 def run(*words: object) -> int:

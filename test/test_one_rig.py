@@ -1,0 +1,39 @@
+"""Records of two rigs in one experiment, and of one rig whose frequency depends on the amplitude."""
+
+from __future__ import annotations
+
+import pytest
+
+from msd_ident import one_rig, pipeline
+from msd_ident.errors import DataError
+from msd_ident.record import Record
+from msd_sim.api import simulate
+
+
+def step(name: str, force: float, **rig: object) -> Record:
+    made = simulate(
+        {
+            "mass": 1.0, "damping": 4.0, "stiffness": 700.0, "friction_coefficient": 0.0, "duration": 4.0,
+            "force_time": [0.0, 0.2, 2.1], "force": [0.0, force, 0.0], "rate": 250.0,
+            "encoder.counts_per_metre": 0.0, "encoder.noise": 1e-5, **rig,
+        }
+    )  # fmt: skip
+    return Record(made.time, made.position, made.force_time, made.force, name=name)
+
+
+def test_records_of_two_rigs_are_said_and_refused() -> None:
+    found = pipeline.diagnose([step("first", 8.0), step("second", 8.0, stiffness=1500.0)])
+    assert found.verdict == "unexplained"
+    said = [line for line in found.warnings if "of one rig" in line]
+    assert said and said[0].startswith("second swings at 38.7 rad/s, first at 26.5, and no explanation fits both")
+    with pytest.raises(DataError, match="expected records of one rig: leave the other one out"):
+        one_rig.check(found)
+
+
+def test_a_rig_that_swings_faster_where_its_spring_is_stiffer_is_one_rig() -> None:
+    stiffens = {"effects": ["cubic_spring"], "cubic_spring.cubic_stiffness": 5e6}
+    records = [step("large", 10.0, **stiffens), step("small", 0.3, **stiffens)]
+    assert one_rig.doubt(records)
+    found = pipeline.diagnose(records)
+    assert [cause.name for cause in found.causes] == ["cubic_spring"]
+    one_rig.check(found)
