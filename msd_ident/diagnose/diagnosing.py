@@ -163,10 +163,10 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
     whole = _searching(experiment, progress)
-    ranking = evidence.rank(sets, evidence.scale_from(list(sets.values()), experiment.readings))
+    ranking = whole.compared(list(sets.values()))
     if whole.at_floor(ranking.best) or not clear:
         return noted(ranking, experiment, (ahead, thin))
-    return noted(whole.resume(list(sets.values())), experiment, (ahead, thin))
+    return noted(whole.resume(list(whole.sets.values())), experiment, (ahead, thin))
 
 
 def _simpler(ahead: Ranking) -> list[Fitted]:

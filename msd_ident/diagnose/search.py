@@ -97,6 +97,17 @@ class Search:
             self.tried.add(fitted.causes)
         return self._walk()
 
+    def compared(self, sets: Sequence[Fitted]) -> Ranking:
+        """Sets that were found on part of the data and are fitted to all of it, those simpler than the leader again
+        from where it stands: what ended in a wrong valley there ends in one here.
+        """
+        for fitted in sets:
+            self.sets[fitted.causes] = fitted
+        for causes, model, initial in _reduced(self.ranking().best):
+            if causes in self.sets:
+                self._look_again(causes, model, initial)
+        return self.ranking()
+
     def _walk(self) -> Ranking:
         """From leader to leader until no neighbour has more evidence."""
         for turn in range(_ROUNDS):
@@ -119,13 +130,8 @@ class Search:
         if best.causes in self.pruned:
             return best
         self.pruned.add(best.causes)
-        for name in sorted(best.causes):
-            model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
-            self._look_again(best.causes - {name}, *without(best, name))
-            causes = best.causes - {name} | {COULOMB}
-            if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
-                rubbing = model + CoulombFriction(best.model[HOLDING_COULOMB[name]])
-                self._look_again(causes, rubbing, best.initial)
+        for causes, model, initial in _reduced(best):
+            self._look_again(causes, model, initial)
         return self.ranking().best
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
@@ -223,6 +229,16 @@ class Search:
         worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in causes & set(HOLDING_COULOMB) if COULOMB not in causes]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
+
+
+def _reduced(best: Fitted) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+    """Sets with one cause less, or with Coulomb friction for a law that holds it as a limit, and where they start."""
+    for name in sorted(best.causes):
+        model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
+        yield best.causes - {name}, *without(best, name)
+        causes = best.causes - {name} | {COULOMB}
+        if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
+            yield causes, model + CoulombFriction(best.model[HOLDING_COULOMB[name]]), best.initial
 
 
 @contextmanager

@@ -1,0 +1,46 @@
+"""The search for the set of causes: what is simpler gets a second look from where the leader stands."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident.diagnose.candidates import Experiment, Fitted, posed, refine
+from msd_ident.diagnose.readings import prepare
+from msd_ident.diagnose.search import Search
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
+from msd_ident.record import Record
+from msd_sim.api import simulate
+
+TRUTH = Plant(1.0, 2.0, 400.0)
+
+
+def rubbing() -> Experiment:
+    made = simulate(
+        {
+            "mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.03, "experiment": "steps",
+            "encoder.counts_per_metre": 0.0, "encoder.noise": 1e-5,
+        }
+    )  # fmt: skip
+    record = Record(made.time, made.position, made.force_time, made.force)
+    return Experiment(prepare([record]), TRUTH, frozenset())
+
+
+def stood(experiment: Experiment, model: Model) -> Fitted:
+    """A set that was left where it stands."""
+    problem, weighting, point = posed(experiment, model, experiment.problem(model).initial)
+    return Fitted(frozenset(model.effect_names), model, problem, weighting.exact(point, weighting.steps(None)))
+
+
+def test_what_is_simpler_is_begun_where_the_leader_stands() -> None:
+    experiment = rubbing()
+    base = stood(experiment, TRUTH)
+    wrong = stood(experiment, TRUTH + CoulombFriction(0.15))
+    richer = TRUTH + PositionDependentFriction(0.29, 0.0)
+    best = refine(experiment, frozenset(richer.effect_names), richer, base.initial)
+    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    assert best.chi < 0.1 * wrong.chi
+    found = search.compared([base, wrong, best])
+    assert found.best.causes == {"coulomb_friction"}
+    assert np.isclose(found.best.model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
