@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
 from msd_ident.investigation import Budget, Loop, Ran
+from msd_ident.report import story
 
 
 def test_the_truth_stands_after_one_more_experiment() -> None:
@@ -51,6 +53,19 @@ def test_the_budget_is_kept() -> None:
     found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
+
+
+def test_the_story_shows_names_and_runs_none(tmp_path: Path) -> None:
+    found = Loop(Rig(), LIMITS, Budget(0, 60.0)).run(STEP)
+    attack = "<script>alert(1)</script>"
+    step = found.steps[0]
+    named = replace(
+        step, purpose=attack, profile=replace(step.profile, name=attack),
+        ran=replace(step.ran, path=attack, stopped=attack), diagnosis=replace(step.diagnosis, summary=attack),
+    )  # fmt: skip
+    story.save(replace(found, steps=(named,), sentence=attack, measurements=(attack,)), tmp_path / "story.html")
+    page = (tmp_path / "story.html").read_text()
+    assert page.count("&lt;script&gt;") >= 7 and "<script" not in page
 
 
 def run(*words: object) -> int:

@@ -35,6 +35,13 @@ def test_a_pause_and_a_clock_that_is_set_are_no_holes() -> None:
     assert count.holes == 0
 
 
+def test_numbers_that_are_left_out_are_lost_and_one_that_falls_is_a_restart() -> None:
+    count = TopicCount()
+    told = [count.count(number) for number in (7, 8, 10, 11, 15, 3, 4)]
+    assert told == [0, 0, 1, 0, 3, 0, 0]
+    assert (count.lost, count.restarts, count.received) == (4, 1, 7)
+
+
 def test_numbers_of_two_publishers_tell_nothing() -> None:
     count = TopicCount()
     for i in range(10):
