@@ -20,6 +20,8 @@ from msd_ident.record import Record
 HOPELESS = 0.1
 #: Part of the force limit that the first push of an unknown rig has, and part of the travel that a step may plan on.
 _PROBE, _PLANNED = 0.05, 0.5
+#: Probability of a decision from which on what hides is looked for once only.
+_SURE = 0.9
 _REST, _LONGEST_STEP = 0.3, 3.0
 _PROBES = 4
 
@@ -231,8 +233,9 @@ class Loop:
             return tied, f"to tell {' from '.join(tied.names)}"
         if self.checked:
             return None, ""
-        self.checked = True
         hidden = check(diagnosis, self.limits)
+        # One look is enough, unless it was likely to miss what it looked for.
+        self.checked = hidden is None or hidden.probability >= _SURE
         return hidden, "" if hidden is None else f"to see what could hide: {', '.join(hidden.names[1:])}"
 
     def _ended(self, stands: bool, why: str) -> Investigation:

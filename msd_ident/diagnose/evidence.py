@@ -26,6 +26,9 @@ from msd_ident.record import FloatArray
 PRIOR_ODDS = 1.0 / 20.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
+#: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
+#: peak are seen by nothing, so they would cost nothing.
+_NO_PEAK = 0.01
 #: Sets whose residuals tell how errors are correlated.
 _CLOSEST = 5
 
@@ -142,7 +145,7 @@ def _same_as(fitted: Fitted) -> set[Causes]:
     for name in fitted.causes:
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
             found.add(fitted.causes - {name})
-    if "stribeck_friction" in fitted.causes and model["static_force"] <= model["coulomb_force"]:
+    if "stribeck_friction" in fitted.causes and model["static_force"] <= (1.0 + _NO_PEAK) * model["coulomb_force"]:
         found.add(fitted.causes - {"stribeck_friction"} | {"coulomb_friction"})
     return found
 

@@ -53,6 +53,8 @@ _TURN = 5e-5
 _ROUNDS, _ROUNDS_FAR = 5, 2
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
+#: A rival that leaves this many times the leader's chi² is not begun again.
+_REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
 _COMPARABLE = 3.0
 
@@ -119,7 +121,30 @@ class Search:
                 continue
             if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
                 break
+        self._rejoined(self.ranking().best)
         return self.ranking()
+
+    def _rejoined(self, best: Fitted) -> None:
+        """Rivals that have another cause in the place of one of the leader's, again from what they share with it.
+
+        That is known by now better than when they were tried: with too much friction a cart sticks at other turns, and
+        a set that began so does not find back.
+        """
+        rivals = [
+            one.causes
+            for one in self.sets.values()
+            if len(one.causes) == len(best.causes) == len(one.causes & best.causes) + 1
+            and best.chi < one.chi < _REJOIN * best.chi
+        ]
+        for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
+            if fitted.chi < self.sets[fitted.causes].chi:
+                self.sets[fitted.causes] = fitted
+
+    def _rejoin(self, best: Fitted, causes: Causes) -> Fitted:
+        model = self.sets[causes].model
+        known = dict(zip(best.model.names, best.model.values.tolist(), strict=True))
+        shared = {name: known[name] for name in model.names if name in known and name not in ("mass", "stiffness")}
+        return refine(self.experiment, causes, model.with_values(shared), best.initial)
 
     def _pruned(self, best: Fitted) -> Fitted:
         """The leader, after a second look at what is simpler than it, fitted again from where the leader stands.

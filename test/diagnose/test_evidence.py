@@ -86,6 +86,20 @@ def test_the_simpler_leads_a_tie_and_the_other_is_told(experiment: Experiment) -
     assert found.of_cause("coulomb_friction") + found.of_cause("stribeck_friction") == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(("peak", "own"), [(1.005, False), (1.02, True)])
+def test_a_breakaway_no_higher_than_the_sliding_force_is_no_law_of_its_own(
+    experiment: Experiment, peak: float, own: bool
+) -> None:
+    found = ranked(
+        {
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0),
+            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.1 * peak, 0.3), 1000.0),
+        }
+    )
+    assert found.best.causes == {"coulomb_friction"}
+    assert (len(found.sets) == 2) is own
+
+
 def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> None:
     """Where few independent samples let the base lead a tie, and the likelier set predicts better beyond doubt."""
     found = ranked(
