@@ -17,7 +17,7 @@ from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Grid, Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
 from msd_ident.diagnose import Contender
-from msd_ident.record import FloatArray
+from msd_ident.record import FloatArray, Record
 
 #: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
 ENOUGH = 0.97
@@ -55,19 +55,28 @@ class Option:
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be decided, on which rig."""
+    """What is to be decided, on which rig.
+
+    ``cautions`` are no rivals; but what is played must be safe under them too.
+    """
 
     predictors: tuple[Predictor, ...]
     truths: FloatArray
     sensing: Sensing
     limits: Limits
     period: float
+    cautions: tuple[Predictor, ...] = ()
 
     @staticmethod
-    def of(contenders: Sequence[Contender], truths: Sequence[float], seen: Sensing, limits: Limits) -> Question:
-        """The question which of these is true, each with its probability."""
+    def of(
+        contenders: Sequence[Contender], truths: Sequence[float], seen: Sensing, limits: Limits,
+        records: Sequence[Record] = (),
+    ) -> Question:  # fmt: skip
+        """The question which of these is true, each with its probability, after ``records`` were measured."""
         predictors = tuple(Predictor(one, 10.0 * seen.noise) for one in contenders)
-        return Question(predictors, np.asarray(truths), seen, limits, period_of(contenders[0], limits))
+        stronger = safety.caution(contenders[0], records) if records else None
+        cautions = () if stronger is None else (Predictor(stronger, 10.0 * seen.noise),)
+        return Question(predictors, np.asarray(truths), seen, limits, period_of(contenders[0], limits), cautions)
 
     @property
     def contenders(self) -> tuple[Contender, ...]:
@@ -105,7 +114,8 @@ def choose(found: Sequence[Option]) -> Option | None:
 
 
 def _option(question: Question, unit: Profile) -> Option | None:
-    strong = safety.fitted_in(unit, question.predictors, question.limits, question.period, question.sensing)
+    imagined = (*question.predictors, *question.cautions)
+    strong = safety.fitted_in(unit, imagined, question.limits, question.period, question.sensing)
     return None if strong is None else judge(question, strong)
 
 

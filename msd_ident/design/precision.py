@@ -89,7 +89,7 @@ def sharpen(diagnosis: Diagnosis, targets: Sequence[str], limits: Limits) -> Sha
     """
     seen = sensing(diagnosis.records, diagnosis.noise_floor)
     model = _knowing(diagnosis, targets)
-    question = Question.of((model,), (1.0,), seen, limits)
+    question = Question.of((model,), (1.0,), seen, limits, diagnosis.records)
     predictor = question.predictors[0]
     found = options(question, [p for p in family_of(question) if p.duration > 0.2 * limits.duration])
     if not found:

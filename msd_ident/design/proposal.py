@@ -89,7 +89,7 @@ def design(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     if len(chosen) < 2:
         return None
     seen = sensing(diagnosis.records, diagnosis.noise_floor)
-    question = Question.of(chosen, shares(chosen), seen, limits)
+    question = Question.of(chosen, shares(chosen), seen, limits, diagnosis.records)
     return _proposed(question, diagnosis, names(chosen), "parts")
 
 
@@ -104,7 +104,7 @@ def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     if len(chosen) < 2:
         return None
     hiding = len(chosen) - 1
-    question = Question.of(chosen, [0.5, *[0.5 / hiding] * hiding], seen, limits)
+    question = Question.of(chosen, [0.5, *[0.5 / hiding] * hiding], seen, limits, diagnosis.records)
     return _proposed(question, diagnosis, names(chosen), "shows")
 
 

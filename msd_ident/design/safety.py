@@ -3,18 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
+from msd_ident.diagnose import Contender
+from msd_ident.fit.units import in_force_unit
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.record import Record
 
 #: Part of the travel and of the speed that a design plans to use: no rival is exactly right.
 MARGIN = 0.8
+#: How much stronger an actuator may be below the forces that were measured, and what counts as below them.
+_STRONGER, _SMALLER = 2.0, 0.6
 _TURNS = 4
 #: A profile that needs less than this part of the force has no room.
 _LEAST = 1e-3
+
+
+def caution(lead: Contender, records: Sequence[Record]) -> Contender | None:
+    """The explanation with an actuator that was at its limit in all that was measured, and is stronger below.
+
+    One amplitude says nothing of the gain at another, so that no rival needs to know of it; ``None`` where smaller
+    forces were measured too.
+    """
+    forces = np.abs(np.concatenate([record.force for record in records]))
+    forces = forces[forces > 0.0]
+    if forces.size == 0 or forces.min() < _SMALLER * forces.max() or lead.model.has(ForceGainNonlinearity.name):
+        return None
+    weaker = lead.model.with_values(in_force_unit(lead.model, 1.0 / _STRONGER))
+    return replace(lead, model=weaker + ForceGainNonlinearity(0.0, float(forces.max()) / _STRONGER))
 
 
 def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction]) -> tuple[float, float, float]:

@@ -29,6 +29,7 @@ from msd_ident.diagnose.candidates import (
     begin,
     causes_that_fit,
     finish,
+    posed,
     refine,
     without,
 )
@@ -105,8 +106,11 @@ class Search:
         """
         for fitted in sets:
             self.sets[fitted.causes] = fitted
-        for causes, model, initial in _reduced(self.ranking().best):
-            if causes in self.sets:
+        best = self.ranking().best
+        for causes, model, initial in _reduced(best):
+            _, weighting, point = posed(self.experiment, model, initial)
+            left = weighting.residual(point)
+            if causes in self.sets or left @ left < _REJOIN * best.chi:
                 self._look_again(causes, model, initial)
         return self.ranking()
 

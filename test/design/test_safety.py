@@ -1,0 +1,49 @@
+"""How hard a profile may push: safe under what no rival knows of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from designrigs import ECP, LIMITS, STEP, Rig
+
+from msd_ident import pipeline
+from msd_ident.design import Limits
+from msd_ident.design.designing import Question, family_of, options
+from msd_ident.design.prediction import sensing
+from msd_ident.design.safety import caution
+from msd_ident.diagnose import Diagnosis
+from msd_ident.record import Record
+
+LARGEST = max(map(abs, STEP.extremes))
+
+
+def greatest_part(rig: Rig, found: Diagnosis, limits: Limits, records: Sequence[Record]) -> float:
+    """Of the travel that any profile of the family really uses."""
+    question = Question.of(found.contenders[:1], (1.0,), sensing(found.records, found.noise_floor), limits, records)
+    played = [rig.play(one.profile, limits).record for one in options(question, family_of(question))]
+    assert len(played) > 8
+    return max(float(np.max(np.abs(one.position - one.position[0]))) for one in played) / limits.travel[1]
+
+
+def test_an_actuator_that_was_at_its_limit_is_stronger_below_and_the_travel_is_kept() -> None:
+    """One step cannot tell: the plant seems heavier and stiffer than it is by what the actuator lacked."""
+    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.0, "force_limit": 0.6 * LARGEST})
+    found = pipeline.diagnose([rig.play(STEP, LIMITS).record])
+    assert not found.causes
+    assert found.extended.model.stiffness == pytest.approx(ECP["stiffness"] / 0.6, rel=0.02)
+    limits = Limits((-LARGEST, LARGEST), (-0.016, 0.016), 12.0)
+    assert greatest_part(rig, found, limits, ()) > 1.05
+    assert greatest_part(rig, found, limits, found.records) <= 1.0
+
+
+def test_smaller_forces_that_were_measured_need_no_caution() -> None:
+    rig = Rig()
+    found = pipeline.diagnose([rig.play(STEP, LIMITS).record])
+    lead = found.contenders[0]
+    one = caution(lead, found.records)
+    assert one is not None and one.model["force_limit"] == pytest.approx(0.5 * LARGEST)
+    assert one.model.stiffness == pytest.approx(0.5 * lead.model.stiffness)
+    smaller = rig.play(STEP.scaled(0.3), LIMITS).record
+    assert caution(lead, (*found.records, smaller)) is None
