@@ -12,7 +12,7 @@ word: chi² is then counted in units of what the best set leaves, and its correl
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -150,12 +150,27 @@ def _same_as(fitted: Fitted) -> set[Causes]:
     return found
 
 
+def _ceilings(
+    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Fitted], scale: Scale
+) -> Iterator[float]:
+    """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
+
+    The marginal likelihood of a larger model is an average of such values, over the further parameters. Laplace's
+    determinant, taken where a law has a knee, may say otherwise.
+    """
+    for smaller, value in own.items():
+        if smaller < causes:
+            gain = scale.log_likelihood(sets[causes].chi) - scale.log_likelihood(sets[smaller].chi)
+            yield value + max(gain, 0.0) + (len(causes) - len(smaller)) * math.log(PRIOR_ODDS)
+
+
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
     """All sets by evidence; the simplest of those within ``DECISIVE`` of the best is put first.
 
     A set that turned out to be a simpler one under another name is left out.
     """
-    values = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
+    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
+    values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
     near = [causes for causes in order if values[causes] >= top - DECISIVE]

@@ -73,6 +73,18 @@ def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:
         assert len(found.best.causes) == 1 + leads
 
 
+def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Experiment) -> None:
+    """However uncertain a further cause makes the others: the smaller set's determinant may be wrong at a knee."""
+    found = ranked(
+        {
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0, known=1e6),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 998.0, known=1.0),
+        }
+    )
+    assert found.best.causes == {"coulomb_friction"}
+    assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - 1.0)
+
+
 def test_the_simpler_leads_a_tie_and_the_other_is_told(experiment: Experiment) -> None:
     found = ranked(
         {
