@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+import scipy.ndimage
 
 from msd_ident.noise import encoder_step, noise_floor
 from msd_ident.record import MINIMUM_SAMPLES, FloatArray, Record
@@ -124,9 +125,8 @@ def _ends(position: FloatArray) -> FloatArray:
 def _usual(steps: FloatArray, share: float) -> FloatArray:
     """Step that is usual around each reading: larger than this share of those around it, however wild the others."""
     reach = min(2 * _SIDE, steps.size)
-    windows = np.lib.stride_tricks.sliding_window_view(steps, reach)
-    place = int(share * reach)
-    typical = np.partition(windows, place, axis=1)[:, place]
+    ranked = scipy.ndimage.rank_filter(steps, int(share * reach), size=reach)
+    typical = ranked[reach // 2 : reach // 2 + steps.size - reach + 1]
     index = np.clip(np.arange(steps.size + 1) - reach // 2, 0, typical.size - 1)
     return np.asarray(typical[index], dtype=np.float64)
 
