@@ -13,6 +13,9 @@ from msd_ident.features import Features, StandardForm, extract, pooled
 from msd_ident.quality import Finding
 from msd_ident.record import Record
 
+#: What quality finds where nothing happens in a record.
+_NOTHING = {"constant_position", "no_excitation"}
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -42,7 +45,7 @@ def prepared(records: Sequence[Record]) -> Prepared:
         DataError: the data cannot carry any estimate (a constant signal, for one).
         UsageError: no records, or records in different units.
     """
-    given = _checked(records)
+    given, idle = _moving(_checked(records))
     findings = tuple(finding for record in given for finding in quality.check(record))
     _refuse(findings)
     understood = tuple(_understood(quality.clean(record).record) for record in given)
@@ -50,7 +53,9 @@ def prepared(records: Sequence[Record]) -> Prepared:
     form = pooled(features)
     turned = _is_turned(form)
     used = tuple(_usable(one.record, one.features, turned) for one in understood)
-    warnings = _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
+    warnings = (
+        idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
+    )
     return Prepared(given, used, findings, features, form, warnings)
 
 
@@ -95,6 +100,19 @@ def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
         listed = " and ".join(f"{force}, {position}" for force, position in units)
         raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
     return tuple(records)
+
+
+def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+    """The records in which anything happens, and a sentence for each that is left out; all, if nothing does in any."""
+    idle = [not np.ptp(record.force) and bool(_NOTHING & {f.code for f in quality.check(record)}) for record in records]
+    if all(idle) or not any(idle):
+        return records, ()
+    said = (
+        f"{record.name} is left out: its force never changes and its cart never moves: it tells nothing."
+        for record, still in zip(records, idle, strict=True)
+        if still
+    )
+    return tuple(record for record, still in zip(records, idle, strict=True) if not still), tuple(said)
 
 
 def _refuse(findings: Sequence[Finding]) -> None:

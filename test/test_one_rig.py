@@ -37,3 +37,13 @@ def test_a_rig_that_swings_faster_where_its_spring_is_stiffer_is_one_rig() -> No
     found = pipeline.diagnose(records)
     assert [cause.name for cause in found.causes] == ["cubic_spring"]
     one_rig.check(found)
+
+
+def test_a_record_in_which_nothing_happens_is_left_out_beside_others() -> None:
+    alone = step("rest", 0.0)
+    with pytest.raises(DataError, match="the force never changes and the position only by"):
+        pipeline.diagnose([alone])
+    found = pipeline.diagnose([step("step", 8.0), alone])
+    assert found.verdict == "adequate"
+    assert [record.name for record in found.records] == ["step"]
+    assert any(line.startswith("rest is left out: its force never changes") for line in found.warnings)

@@ -20,6 +20,8 @@ MARGIN = 0.8
 #: How much stronger an actuator may be below the forces that were measured, and what counts as below them.
 _STRONGER, _SMALLER = 2.0, 0.6
 _TURNS = 4
+#: Motion at rest that an encoder cannot miss, in parts of its noise.
+_MOVES = 10.0
 #: A profile that needs less than this part of the force has no room.
 _LEAST = 1e-3
 
@@ -48,10 +50,13 @@ def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction])
 def fitted_in(
     profile: Profile, predictors: Sequence[Predictor], limits: Limits, period: float, seen: Sensing
 ) -> Profile | None:
-    """A profile of unit force made as strong as the limits allow under every rival; ``None`` when it has no room."""
+    """A profile of unit force made as strong as the limits allow under every rival; ``None`` when it has no room, or
+    neither pushes nor sees anything move."""
     room = limits.force_room(*profile.extremes)
-    if not np.isfinite(room):
-        return profile  # no force at all
+    if not np.isfinite(room):  # no force at all: worth playing where some rival moves by itself
+        rest = grid(profile, period, seen).record
+        moves = any(float(np.ptp(one.positions(rest))) > _MOVES * seen.noise for one in predictors)
+        return profile if moves else None
     factor = min(room, limits.reach)  # what is small on purpose stays small
     for _ in range(_TURNS):
         if factor < _LEAST * limits.reach:
