@@ -19,7 +19,7 @@ from mkdocs.exceptions import PluginError  # noqa: E402
 from mkdocs.structure.files import File, Files  # noqa: E402
 
 #: Written by studies (`make blind` and others): in the contents where they are there.
-OPTIONAL = ("planning.md", "reliability.md", "accuracy.md", "blind-study.md")
+OPTIONAL = ("planning.md", "reliability.md", "accuracy.md", "blind-study.md", "blind-design.md")
 _TABLE = re.compile(r"^<!-- (message|parameters): (\S+) -->$", re.MULTILINE)
 _TABLES = {"message": ros_tables.message, "parameters": ros_tables.parameters}
 
