@@ -26,7 +26,7 @@ STOREYS = (
     ("fit",),
     ("diagnose",),
     ("design",),
-    ("identification", "preparing"),
+    ("identification", "one_rig", "preparing"),
     ("pipeline",),
     ("investigation",),
     ("report",),

@@ -19,7 +19,7 @@ from msd_ident.record import Record
 MARGIN = 0.8
 #: How much stronger an actuator may be below the forces that were measured, and what counts as below them.
 _STRONGER, _SMALLER = 2.0, 0.6
-_TURNS = 4
+_TURNS = 10
 #: Motion at rest that an encoder cannot miss, in parts of its noise.
 _MOVES = 10.0
 #: A profile that needs less than this part of the force has no room.
