@@ -15,9 +15,9 @@ _ANOTHER = 1.25
 
 
 def doubt(records: Sequence[Record]) -> str:
-    """A sentence where natural frequencies are far apart, else an empty one."""
+    """A sentence where natural frequencies are far apart, else an empty one, as for a single record."""
     found = []
-    for record in records:
+    for record in records if len(records) > 1 else ():
         form = pooled((extract(record),))
         if form is not None and form.natural_frequency.known:
             found.append((form.natural_frequency.value, record.name))

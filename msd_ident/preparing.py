@@ -104,6 +104,8 @@ def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
 
 def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
     """The records in which anything happens, and a sentence for each that is left out; all, if nothing does in any."""
+    if len(records) == 1:
+        return records, ()
     idle = [not np.ptp(record.force) and bool(_NOTHING & {f.code for f in quality.check(record)}) for record in records]
     if all(idle) or not any(idle):
         return records, ()
