@@ -15,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from msd_ident.bag import read
 from msd_ident.errors import DataError
 from msd_ident.identification import Identification
+from msd_ident.record import Record
 from msd_ident.ros.domain import private_domain, private_environment
 from msd_ident.ros.experiment import Plan, Player
 from msd_ident.ros.processes import Processes
@@ -33,6 +34,9 @@ RIG: dict[str, object] = {
 STEP = 0.15 * 69.5
 #: Speed of the rig's time with ``fast``.
 FAST = 5.0
+#: Position samples that the identifier keeps: with ``fast``, those of 400 s of the wall's time. A window of the live
+#: buffer is told from its first sample, so that one must still be there when a slow machine comes to ask.
+BUFFER = 2_000_000
 NAMESPACE = "msd"
 
 Say = Callable[[str, float], None]
@@ -85,7 +89,7 @@ def _start(processes: Processes, folder: Path, fast: bool) -> None:
     processes.start("rig", "msd_sim.node", arguments(RIG | mode))
     shared: dict[str, object] = {"bag_folder": str(folder), "diagnostics_period": 0.1} | simulated
     processes.start("recorder", "msd_ident.ros.recorder", arguments(shared))
-    processes.start("identifier", "msd_ident.ros.identifier", arguments(shared))
+    processes.start("identifier", "msd_ident.ros.identifier", arguments(shared | {"buffer_samples": BUFFER}))
 
 
 def arguments(parameters: dict[str, object]) -> list[str]:
@@ -121,7 +125,6 @@ def _player(environment: dict[str, str], domain: int, processes: Processes) -> I
 
 def _play(player: Player, fast: bool, say: Say) -> Shown:
     from msd_ident import pipeline
-    from msd_ident.ros.conversions import nanoseconds
     from msd_ident.ros.results import differences, to_estimate
 
     say("waiting until all hear each other", 0.02)
@@ -132,24 +135,24 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     player.play(plan, lambda done: say("playing the paper's experiment", 0.2 + 0.6 * done))
     recorded = player.stop_recording()
     say("asking the identifier", 0.82)
-    live_begin = nanoseconds(player.identify().window_start)  # first, as the buffer grows meanwhile
+    live = _live(player, read(bag))  # first, as the buffer grows meanwhile
     told = player.identify(bag)
-    say("identifying the bag", 0.88)
+    say("identifying the bag", 0.9)
     found = pipeline.identify([read(bag)])
     different = differences(told, to_estimate(found, bag, 0))
     if different:
         raise DataError(f"service and bag differ in {', '.join(different)}; expected the same numbers: report this")
-    say("comparing with the live buffer", 0.94)
-    live = _live_difference(player, found, live_begin)
+    say("comparing with the live buffer", 0.98)
+    difference = max(abs(live[name] / quantity.value - 1.0) for name, quantity in found.refined.parameters.items())
     say("done", 1.0)
-    return Shown(Path(bag), recorded, found, live)
+    return Shown(Path(bag), recorded, found, difference)
 
 
-def _live_difference(player: Player, found: Identification, begin: int) -> float:
-    """The live buffer began [ns] before the bag: its part that is in the bag gives the same but for rounding."""
+def _live(player: Player, record: Record) -> dict[str, float]:
+    """Refined parameters from the part of the live buffer that is in the bag: the same but for rounding."""
+    from msd_ident.ros.conversions import nanoseconds
     from msd_ident.ros.results import stamp_of
 
-    record = found.records[0]
+    begin = nanoseconds(player.identify().window_start)  # before the bag's
     start, end = ((stamp_of(record, index) - begin) / 1e9 for index in (0, -1))
-    live = {parameter.name: parameter.value for parameter in player.identify(start=start, end=end).refined}
-    return max(abs(live[name] / quantity.value - 1.0) for name, quantity in found.refined.parameters.items())
+    return {parameter.name: parameter.value for parameter in player.identify(start=start, end=end).refined}
