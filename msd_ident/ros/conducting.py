@@ -21,6 +21,7 @@ from msd_ident.design import Limits, Profile
 from msd_ident.errors import SetupError
 from msd_ident.ros import names
 from msd_ident.ros.conversions import nanoseconds, time_message
+from msd_ident.ros.draining import subscribe
 from msd_ident.ros.guarding import Guard
 from msd_ident.ros.recording import Recording
 from msd_interfaces.msg import EncoderBatch
@@ -187,7 +188,7 @@ class Conductor:
         name = self._node.resolve_topic_name(topic)
         qos = names.force_qos() if topic == names.FORCE else names.encoder_qos()
 
-        def take(raw: bytes) -> None:
+        def take(raw: bytes, _info: object) -> None:
             """Record a message, and watch the encoder's."""
             recording = self._recording
             if recording is not None:
@@ -196,7 +197,7 @@ class Conductor:
             if kind is not WrenchStamped:
                 self._watch(deserialize_message(raw, kind))
 
-        return self._node.create_subscription(kind, topic, take, qos, raw=True)
+        return subscribe(self._node, kind, topic, take, qos, raw=True)
 
     def _watch(self, message: Any) -> None:
         stamp = nanoseconds(message.header.stamp)

@@ -20,6 +20,7 @@ from msd_ident.record import LARGEST, FloatArray, Origin
 from msd_ident.ros import names
 from msd_ident.ros.buffer import LiveBuffer, StampArray
 from msd_ident.ros.conversions import Signal, message_class
+from msd_ident.ros.draining import subscribe
 from msd_ident.ros.losses import Holes, TopicCount
 from msd_ident.ros.steps import StepWatcher
 from msd_ident.ros.watch import Watch
@@ -118,9 +119,7 @@ class Input:
             if self.signal is None or type_name != self.signal.type_name:
                 self.signal = Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
             kind, topic = message_class(type_name), self.wanted.topic
-            self._subscription = self._node.create_subscription(
-                kind, topic, self._take, qos, callback_group=self._group
-            )
+            self._subscription = subscribe(self._node, kind, topic, self._take, qos, callback_group=self._group)
         except MsdError as error:
             self._complain(error)
         except _rclpy.RCLError as error:  # another type of this topic stands in this very process

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from msd_ident.live import Scope
 from msd_ident.record import LATEST_SECONDS, FloatArray
 from msd_ident.ros import names
 from msd_ident.ros.conversions import Signal, message_class
+from msd_ident.ros.draining import waiting
 from msd_ident.ros.inputs import Wanted, wanted
 from msd_ident.ros.parameters import Settings
 
@@ -81,7 +82,7 @@ class Tap:
         if self._subscription is None or self.signal is None:
             return []
         now_ns = self._node.get_clock().now().nanoseconds
-        messages = _taken(self._subscription)
+        messages = [message for message, _ in waiting(self._subscription)]
         try:
             if self.signal.is_batch:
                 return [self.signal.batch(message, now_ns) for message in messages]
@@ -160,15 +161,6 @@ class LiveData:
 def _each(tap: Tap, take: Callable[[Stamps, FloatArray], None]) -> None:
     for ns, values in tap.drain():
         take(ns, values)
-
-
-def _taken(subscription: Subscription) -> list[Any]:
-    """The messages that wait in a subscription's queue."""
-    found = []
-    with subscription.handle:
-        while (taken := subscription.handle.take_message(subscription.msg_type, False)) is not None:
-            found.append(taken[0])
-    return found
 
 
 def _nobody(message: object) -> None:

@@ -20,6 +20,7 @@ from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.errors import DataError, MsdError, UsageError
 from msd_ident.ros import health, names
 from msd_ident.ros.conversions import is_stamped, message_class, raw_stamp
+from msd_ident.ros.draining import subscribe, waiting
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.recording import Limits, Recording, Summary
@@ -203,7 +204,7 @@ class Recorder:
             self.node.destroy_subscription(has)
         take = self._taker(recording, topic, self._types[topic])
         kind = message_class(self._types[topic])
-        self._subscriptions[topic] = self.node.create_subscription(kind, topic, take, qos, raw=True)
+        self._subscriptions[topic] = subscribe(self.node, kind, topic, take, qos, raw=True)
 
     def _add(self, recording: Recording, topic: str, kind: str, offered: Sequence[OfferedQos]) -> None:
         message_class(kind)
@@ -288,9 +289,8 @@ def _compression(word: str) -> Compression:
 
 def _drain(subscription: Subscription) -> None:
     """Take what has arrived and waits in the subscription's queue, so that a stop loses nothing."""
-    with subscription.handle:
-        while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
-            subscription.callback(*taken)
+    for taken in waiting(subscription):
+        subscription.callback(*taken)
 
 
 def _hidden(topic: str) -> bool:
