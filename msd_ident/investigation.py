@@ -20,8 +20,8 @@ from msd_ident.record import Record
 HOPELESS = 0.1
 #: Part of the force limit that the first push of an unknown rig has, and part of the travel that a step may plan on.
 _PROBE, _PLANNED = 0.05, 0.5
-#: Probability of a decision from which on what hides is looked for once only.
-_SURE = 0.9
+#: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
+_SURE, _SHIFT = 0.9, frozenset({"force_offset"})
 _REST, _LONGEST_STEP = 0.3, 3.0
 _PROBES = 4
 
@@ -231,12 +231,12 @@ class Loop:
         tied = design(diagnosis, self.limits)
         if tied is not None:
             return tied, f"to tell {' from '.join(tied.names)}"
-        if self.checked:
-            return None, ""
         hidden = check(diagnosis, self.limits)
-        # One look is enough, unless it was likely to miss what it looked for.
-        self.checked = hidden is None or hidden.probability >= _SURE
-        return hidden, "" if hidden is None else f"to see what could hide: {', '.join(hidden.names[1:])}"
+        # After a look that was likely to show it, a force offset alone is not worth another.
+        if hidden is None or (self.checked and set(hidden.names[1:]) <= _SHIFT):
+            return None, ""
+        self.checked |= hidden.probability >= _SURE
+        return hidden, f"to see what could hide: {', '.join(hidden.names[1:])}"
 
     def _ended(self, stands: bool, why: str) -> Investigation:
         return Investigation(tuple(self.steps), stands, f"{why}: {self.steps[-1].diagnosis.summary}", self.measurements)

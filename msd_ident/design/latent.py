@@ -28,6 +28,10 @@ from msd_ident.record import FloatArray, Record
 _SILENT = 12.0
 _SMALLEST = 0.1
 _SHRINKS, _ROUNDS = 4, 14
+#: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
+_PLAYS = (1.0, 0.5, 0.25, 0.12)
+#: Damping at which a fit gives up.
+_STUCK = 1e6
 _SAMPLES = 1200
 
 
@@ -58,9 +62,7 @@ def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
 def _measured(diagnosis: Diagnosis, seen: Sensing) -> _Data:
     lead = diagnosis.contenders[0]
     records = tuple(_thin(record) for record in diagnosis.records)
-    kept = frozenset(lead.model.names) - set(lead.free)
-    resting = {balance.record: balance.spread for balance in pose(lead.model, records, kept).balances}
-    return _Data(records, seen, magnitudes(records, lead.model.mass), resting)
+    return _Data(records, seen, magnitudes(records, lead.model.mass))
 
 
 def _thin(record: Record) -> Record:
@@ -70,18 +72,22 @@ def _thin(record: Record) -> Record:
 
 @dataclass(frozen=True)
 class _Data:
-    """Measured records, thinned; what an encoder sees of them; how well it is known where they began [m]."""
+    """Measured records, thinned; what an encoder sees of them; typical magnitudes."""
 
     records: tuple[Record, ...]
     seen: Sensing
     typical: Magnitudes
-    resting: Mapping[int, float]
 
     def weight(self, record: Record) -> FloatArray:
         """(n,) weight over noise squared of each kept sample."""
         speed = np.abs(np.gradient(record.position, record.time))
         each = record.period / self.seen.period
         return np.asarray(self.seen.weight(speed) * (each / self.seen.noise**2))
+
+    def resting(self, contender: Contender) -> Mapping[int, float]:
+        """How well it is known under a contender where each record that begins at rest began [m], by its index."""
+        kept = frozenset(contender.model.names) - set(contender.free)
+        return {balance.record: balance.spread for balance in pose(contender.model, self.records, kept).balances}
 
 
 def _hiding(kind: type[Effect], lead: Contender, data: _Data) -> Contender | None:
@@ -95,7 +101,9 @@ def _hiding(kind: type[Effect], lead: Contender, data: _Data) -> Contender | Non
         found = _largest(lead, guess, shrinking, data)
         if found is not None and (best is None or found[0] > best[0]):
             best = found
-    return None if best is None else best[1]
+    if best is None:
+        return _playing(kind, lead, record, shrinking, data)
+    return best[1]
 
 
 def _shrinking(kind: type[Effect]) -> str | None:
@@ -140,6 +148,43 @@ def _refitted(lead: Contender, effect: Effect, data: _Data) -> tuple[Contender, 
     return min(tries, key=lambda one: one[1])
 
 
+def _playing(kind: type[Effect], lead: Contender, record: Record, shrinking: str, data: _Data) -> Contender | None:
+    """The rival in which the cart began inside a play, of the size that the data allows; ``None`` without any.
+
+    The lead has taken half the play for a start away from rest, and the stiffness for less. There is a valley of its
+    own around the true size, and none of the smaller sizes leads there.
+    """
+    known = data.resting(lead)
+    found: list[tuple[Contender, float, FloatArray]] = []
+    for guess in _guesses(kind, record, lead.model)[:1]:
+        values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
+        least = values[shrinking]
+        for share in _PLAYS:
+            effect = kind.from_values(values | {shrinking: share * least})
+            trial = _resting(_trial(lead, lead.model + effect, effect, data))
+            wider = data.resting(trial)
+            if not any(spread > known[r] + 0.5 * share * least for r, spread in wider.items() if r in known):
+                return None  # the cart begins where it would without the effect
+            held = tuple(len(lead.free) + 2 * r for r in range(len(data.records)))
+            found.append(_settled(lead, trial, len(lead.free), data, held))
+    if not found:
+        return None
+    nearest = min(found, key=lambda one: one[1])[0]
+    rival, rise, information = _settled(lead, nearest, len(nearest.free), data)
+    if rise > _SILENT or rival.model[shrinking] < _SMALLEST * least:
+        return None
+    return _told(lead, rival, rise, information)
+
+
+def _resting(trial: Contender) -> Contender:
+    """Each record begins at rest in the middle, at the same reading."""
+    initial = tuple(
+        replace(one, position=0.0, zero=one.zero + one.position) if one.velocity == 0.0 else one
+        for one in trial.initial
+    )
+    return replace(trial, initial=initial)
+
+
 def _gain(effect: Effect, records: Sequence[Record]) -> float:
     """What the effect makes of the largest force, in parts of it; 1 when it is none of the input's."""
     law = effect.laws().get("input_map")
@@ -149,29 +194,64 @@ def _gain(effect: Effect, records: Sequence[Record]) -> float:
 
 def _around(lead: Contender, model: Model, effect: Effect, data: _Data) -> tuple[Contender, float]:
     """The same from one start."""
+    trial, rise, information = _settled(lead, _trial(lead, model, effect, data), len(lead.free), data)
+    return _told(lead, trial, rise, information), rise
+
+
+def _trial(lead: Contender, model: Model, effect: Effect, data: _Data) -> Contender:
+    """A rival yet to be fitted: the lead's parameters first, the effect's own last."""
     own = tuple(p.name for p in effect.parameters if np.isfinite(model[p.name]))
     free = tuple(dict.fromkeys((*lead.free, *own)))
-    kept = len(lead.free)
     sizes = dict(zip(lead.free, lead.scale, strict=True))
     scale = np.array([sizes.get(p, data.typical.of(_unit(model, p))) for p in free])
-    trial = Contender(
+    return Contender(
         causes=tuple(sorted({*lead.causes, effect.name})), probability=0.0, evidence=lead.evidence, chi=lead.chi,
         model=model, free=free, scale=scale, information=np.zeros((len(free),) * 2), initial=lead.initial,
     )  # fmt: skip
-    information = np.zeros((len(free),) * 2)
-    rise, before = np.inf, np.inf
-    for _ in range(_ROUNDS):  # each around where the last one ended: the valley of rest and samples is bent
-        predictor = Predictor(trial, 10.0 * data.seen.noise)
-        rows = [_linearised(lead, predictor, record, i, data) for i, record in enumerate(data.records)]
-        trial, rise, information = _moved(trial, rows, kept, data.resting)
-        if rise < 0.2 * _SILENT or rise > 0.8 * before:
-            break
-        before = rise
+
+
+def _told(lead: Contender, trial: Contender, rise: float, information: FloatArray) -> Contender:
+    """The rival with its information, and its evidence beside the lead's."""
     trial = replace(trial, information=information)
-    complete = Predictor(trial, 10.0 * data.seen.noise)
+    complete = Predictor(trial, 0.0)
     evidence = lead.evidence + np.log(PRIOR_ODDS) - 0.5 * rise + occam(complete, information)
     evidence -= occam(Predictor(lead, 0.0), lead.information)
-    return replace(trial, evidence=float(evidence)), rise
+    return replace(trial, evidence=float(evidence))
+
+
+def _settled(
+    lead: Contender, trial: Contender, moving: int, data: _Data, held: Sequence[int] = ()
+) -> tuple[Contender, float, FloatArray]:
+    """A trial moved to where it leaves least: the trial there, the rise of chi² over the lead's own, information.
+
+    Damped steps (Levenberg–Marquardt), each from the best place so far: the valley of rest and samples is bent.
+
+    Args:
+        lead: whose readings stand for the data.
+        trial: to begin with.
+        moving: how many of its free parameters are fitted, the first ones.
+        data: what was measured.
+        held: entries that stay: after the parameters come each record's start position and zero.
+    """
+    resting, own = data.resting(trial), data.resting(lead)
+    base = sum((_imbalance(lead, r)[0] / spread) ** 2 for r, spread in own.items())
+    best: _System | None = None
+    rise, damping = np.inf, 0.0
+    for _ in range(_ROUNDS):
+        predictor = Predictor(trial, 10.0 * data.seen.noise)
+        rows = [_linearised(lead, predictor, record, i, data) for i, record in enumerate(data.records)]
+        system = _system(trial, rows, moving, resting)
+        slow = best is not None and 0.8 * best.total < system.total <= best.total
+        if best is None or system.total <= best.total:
+            best, damping = system, 0.1 * damping
+        else:
+            damping = max(10.0 * damping, 1e-3)
+        move, left = best.step(damping, held)
+        trial, rise = _shifted(best.trial, move, moving), left - base
+        if slow or rise < 0.2 * _SILENT or damping > _STUCK:
+            break
+    assert best is not None
+    return trial, rise, best.information
 
 
 def _unit(model: Model, name: str) -> str:
@@ -191,27 +271,51 @@ def _linearised(lead: Contender, predictor: Predictor, record: Record, index: in
     return readings - reference, jacobian, data.weight(record)
 
 
-def _moved(
-    trial: Contender, rows: Sequence[_Row], kept: int, resting: Mapping[int, float]
-) -> tuple[Contender, float, FloatArray]:
-    """One Gauss–Newton step of all but the effect's own parameters: where it ends, what it leaves, the information."""
+@dataclass(frozen=True)
+class _System:
+    """Normal equations around a trial.
+
+    Attributes:
+        trial: where they hold.
+        normal, right: (s, s) and (s,), of the parameters that move and each record's start position and zero.
+        total: weighted squares there.
+        information: (p, p) of all free parameters.
+    """
+
+    trial: Contender
+    normal: FloatArray
+    right: FloatArray
+    total: float
+    information: FloatArray
+
+    def step(self, damping: float, held: Sequence[int]) -> tuple[FloatArray, float]:
+        """(s,) step, damped in units of each diagonal entry, some entries held; the squares that it should leave."""
+        unit = np.sqrt(np.maximum(np.diag(self.normal), 1e-300))
+        scaled = self.normal / np.outer(unit, unit) + damping * np.eye(unit.size)
+        moved = np.setdiff1d(np.arange(unit.size), held)
+        move = np.zeros(unit.size)
+        move[moved] = -np.linalg.lstsq(scaled[np.ix_(moved, moved)], (self.right / unit)[moved], rcond=1e-12)[0]
+        move /= unit
+        left = self.total + 2.0 * float(self.right @ move) + float(move @ self.normal @ move)
+        return move, max(left, 0.0)
+
+
+def _system(trial: Contender, rows: Sequence[_Row], moving: int, resting: Mapping[int, float]) -> _System:
+    """Normal equations of the first parameters, with the readings and with what rest at the start says."""
     count = len(trial.free)
-    size = kept + 2 * len(rows)
+    size = moving + 2 * len(rows)
     normal, right, total = np.zeros((size, size)), np.zeros(size), 0.0
     information = np.zeros((count, count))
-    for i, (difference, jacobian, weight) in enumerate(rows):
-        difference, jacobian, weight = _beside_rest(trial, (difference, jacobian, weight), i, resting)
+    for i, row in enumerate(rows):
+        difference, jacobian, weight = _beside_rest(trial, row, i, resting)
         whole = (jacobian * weight) @ jacobian.T
         information += marginal(whole, count)
-        places = np.array([*range(kept), kept + 2 * i, kept + 2 * i + 1])
-        entries = [*range(kept), count, count + 1]
+        places = np.array([*range(moving), moving + 2 * i, moving + 2 * i + 1])
+        entries = [*range(moving), count, count + 1]
         normal[np.ix_(places, places)] += whole[np.ix_(entries, entries)]
         right[places] += (jacobian[entries] * weight) @ difference
         total += float(weight @ difference**2)
-    unit = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    move = -np.linalg.lstsq(normal / np.outer(unit, unit), right / unit, rcond=1e-12)[0] / unit
-    left = total + float(right @ move)
-    return _shifted(trial, move, kept), max(left, 0.0), information
+    return _System(trial, normal, right, total, information)
 
 
 def _beside_rest(trial: Contender, row: _Row, index: int, resting: Mapping[int, float]) -> _Row:
@@ -219,28 +323,32 @@ def _beside_rest(trial: Contender, row: _Row, index: int, resting: Mapping[int, 
     difference, jacobian, weight = row
     if index not in resting:
         return row
+    rest, slope = _imbalance(trial, index)
+    return (
+        np.append(difference, rest),
+        np.concatenate([jacobian, slope[:, None]], axis=1),
+        np.append(weight, resting[index] ** -2.0),
+    )
+
+
+def _imbalance(trial: Contender, index: int) -> tuple[float, FloatArray]:
+    """How far [m] a record begins from where spring and offset cancel, and its change (p + 2,) with all entries."""
     model = trial.model
-    slope = np.zeros((jacobian.shape[0], 1))
+    slope = np.zeros(len(trial.free) + 2)
     slope[-2] = 1.0
     lean = 0.0
     if model.has("force_offset") and model.stiffness > 0.0:
         lean = model["offset_force"] / model.stiffness
         slope[trial.free.index("offset_force")] = 1.0 / model.stiffness
-    rest = trial.initial[index].position + lean
-    spread = resting[index]
-    return (
-        np.append(difference, rest),
-        np.concatenate([jacobian, slope], axis=1),
-        np.append(weight, spread**-2.0),
-    )
+    return trial.initial[index].position + lean, slope
 
 
-def _shifted(trial: Contender, move: FloatArray, kept: int) -> Contender:
+def _shifted(trial: Contender, move: FloatArray, moving: int) -> Contender:
     """The trial after a step of its first parameters and of its records' start positions and zeros."""
-    names = dict(zip(trial.free[:kept], move[:kept], strict=True))
+    names = dict(zip(trial.free[:moving], move[:moving], strict=True))
     values = {n: max(trial.model[n] + d, 0.2 * trial.model[n]) for n, d in names.items() if trial.model[n] > 0.0}
     initial = tuple(
-        replace(one, position=one.position + move[kept + 2 * i], zero=one.zero + move[kept + 2 * i + 1])
+        replace(one, position=one.position + move[moving + 2 * i], zero=one.zero + move[moving + 2 * i + 1])
         for i, one in enumerate(trial.initial)
     )
     return replace(trial, model=trial.model.with_values(values), initial=initial)

@@ -32,7 +32,7 @@ class Adequacy:
 
     Attributes:
         ratio: residual over noise, both as root mean squares over pieces of evidence.
-        size: probability that noise alone is as large.
+        size: probability that noise alone is as large, over all records or in the worst of them.
         whiteness: probability that noise alone is as correlated.
         independence: probability that noise alone goes so well with force, position, velocity and time.
     """
@@ -54,16 +54,24 @@ class Adequacy:
 
 
 def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adequacy:
-    """Judge the residuals (model − data) of all records."""
-    pieces = sum(part.evidence for part in readings)
-    chi = sum(part.chi(residual) for residual, part in zip(residuals, readings, strict=True))
-    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
+    """Judge the residuals (model − data); their size over all records and in each, as a long one drowns a short one."""
+    pieces = np.array([part.evidence for part in readings])
+    chi = np.array([part.chi(residual) for residual, part in zip(residuals, readings, strict=True)])
+    size = _size(float(chi.sum()), float(pieces.sum()))
+    if len(readings) > 1:
+        size = min(size, min(len(readings) * _size(*pair) for pair in zip(chi, pieces, strict=True)))
     white, free = 1.0, 1.0
     for residual, part in zip(residuals, readings, strict=True):
         values = part.by_run(residual)
         white = min(white, len(residuals) * _whiteness(values, part.rounded))
         free = min(free, len(residuals) * _independence(values, part))
-    return Adequacy(math.sqrt(chi / pieces), float(stats.norm.sf(excess)), white, free)
+    return Adequacy(math.sqrt(chi.sum() / pieces.sum()), size, white, free)
+
+
+def _size(chi: float, pieces: float) -> float:
+    """Probability that noise alone leaves so much in so many pieces of evidence."""
+    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
+    return float(stats.norm.sf(excess))
 
 
 def _whiteness(values: FloatArray, rounded: bool) -> float:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 
 import numpy as np
 import pytest
 from designrigs import LIMITS, Rig, stepped
 
 from msd_ident import pipeline
-from msd_ident.design import Limits, Proposal, check, design
+from msd_ident.design import Limits, Profile, Proposal, Segment, check, design
 from msd_ident.design.designing import Question, judge
+from msd_ident.design.latent import hidden
 from msd_ident.design.precision import compared, sharpen
 from msd_ident.design.prediction import sensing
 from msd_ident.errors import UsageError
@@ -98,10 +98,21 @@ def test_limits_without_room() -> None:
         check(stepped("", "", 0.0), Limits((-10.0, 10.0), (-0.03, 0.03), 0.05))
 
 
-def test_a_design_takes_seconds() -> None:
-    began = time.process_time()
-    check(stepped("force_gain_nonlinearity", "gain_slope", 0.006), LIMITS)
-    assert time.process_time() - began < 10.0, "5 s on two cores"
+@pytest.mark.parametrize(("counts", "half_width"), [(42e3, 1e-4), (42e3, 3e-4), (80e3, 1.5e-4)])
+def test_a_play_in_which_the_cart_began_hides_at_its_very_size(counts: float, half_width: float) -> None:
+    """A step ends beyond the play: a softer plain spring fits as well. Smaller plays than the true one fit worse."""
+    rig = Rig({"counts_per_metre": counts}, backlash={"backlash_half_width": half_width})
+    first = Profile((Segment("hold", 0.3), Segment("step", 2.7, force=8.0)), "one step")
+    diagnosis = pipeline.diagnose([rig.play(first, LIMITS).record])
+    assert diagnosis.verdict == "adequate"
+    lead, *hiding = hidden(diagnosis, sensing(diagnosis.records, diagnosis.noise_floor))
+    assert lead.causes == ()
+    (play,) = [rival for rival in hiding if rival.causes == ("backlash",)]
+    assert play.model["backlash_half_width"] > 0.5 * half_width
+    proposal = check(diagnosis, LIMITS)
+    assert proposal is not None
+    together = pipeline.diagnose([*diagnosis.records, rig.play(proposal.profile, LIMITS).record])
+    assert together.verdict == "explained" and [cause.name for cause in together.causes] == ["backlash"]
 
 
 def test_sharpened_intervals_come_true() -> None:

@@ -57,6 +57,22 @@ def test_a_residual_above_the_noise_is_material() -> None:
     assert left.material and not left.consistent
 
 
+def test_a_short_record_is_not_drowned_by_a_long_one() -> None:
+    """Sixty pieces of evidence at twice the noise are nothing among six thousand, and much by themselves."""
+    rng = np.random.default_rng(4)
+    parts, left = [], []
+    for samples, excess in ((6000, 1.0), (60, 2.0)):
+        time, truth = ringing(samples)
+        noise = 1e-5 * rng.standard_normal(samples)
+        parts.append(readings.of_record(as_record(time, truth + noise), 1e-5))
+        left.append(excess * noise)
+    assert judge(left[:1], parts[:1]).consistent
+    found = judge(left, parts)
+    assert found.ratio < 1.05 and found.size < 1e-5 and not found.consistent
+    right = judge([left[0], 0.5 * left[1]], parts)
+    assert right.consistent
+
+
 def test_a_run_of_equal_readings_is_one_piece_of_evidence() -> None:
     time = np.arange(100) * 1e-3
     position = np.repeat([0.0, 1e-4, 3e-4, 2e-4], 25)
