@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-REPOSITORY = Path(__file__).resolve().parent.parent
+from msd_ident.ros.domain import private_domain
 
-#: Domain ids whose ports are free of Linux's ephemeral range.
-DOMAINS = range(1, 101)
-#: A domain is taken while somebody listens here; the same ports as ROS's own domain_coordinator.
-FIRST_PORT = 32768
+REPOSITORY = Path(__file__).resolve().parent.parent
 
 # The same examples each time; `HYPOTHESIS_PROFILE=explore` draws new ones.
 settings.register_profile("steady", deadline=None, derandomize=True)
@@ -37,27 +35,15 @@ COMPILING = (
     "from msd_sim.rig import Rig; from msd_sim.truth import Truth; Rig(Truth(1.0, 1.0, 100.0, {})).sample([0.0])",
 )
 
-_claim = pytest.StashKey[socket.socket]()
-
-
-def _claim_domain() -> tuple[int, socket.socket]:
-    """A domain id that no other test process on this machine has, and the socket that holds it."""
-    for step in range(len(DOMAINS)):
-        domain = DOMAINS[(os.getpid() + step) % len(DOMAINS)]
-        holder = socket.socket()
-        try:
-            holder.bind(("", FIRST_PORT + domain))
-        except OSError:
-            holder.close()
-            continue
-        return domain, holder
-    raise RuntimeError(f"all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are taken by other tests on this machine")
+_claim = pytest.StashKey[ExitStack]()
+#: Each test begins to look for a domain behind the one before: what that one left there may take a while to go.
+_next_domain = itertools.count(17 * os.getpid())
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give each test process its own ROS domain, before anything starts a node."""
-    domain, config.stash[_claim] = _claim_domain()
-    os.environ["ROS_DOMAIN_ID"] = str(domain)
+    config.stash[_claim] = ExitStack()
+    os.environ["ROS_DOMAIN_ID"] = str(config.stash[_claim].enter_context(private_domain(next(_next_domain))))
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     # A run in the background begins with SIGINT ignored, and so would every process that a test interrupts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -79,12 +65,9 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 @pytest.fixture
 def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A domain id for this test alone; contexts and processes that it starts are in it."""
-    domain, holder = _claim_domain()
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    try:
+    with private_domain(next(_next_domain)) as domain:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
-    finally:
-        holder.close()
 
 
 @pytest.fixture(scope="session")

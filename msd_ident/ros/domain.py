@@ -22,14 +22,18 @@ PUT_ASIDE = ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER", "
 
 
 @contextmanager
-def private_domain() -> Iterator[int]:
+def private_domain(first: int | None = None) -> Iterator[int]:
     """A domain that nobody uses, claimed against others who ask for one until the end of the block.
+
+    Args:
+        first: place among the domains of the one that is tried first; as good as any when ``None``.
 
     Raises:
         SetupError: all are in use.
     """
+    place = os.getpid() if first is None else first
     for offset in range(len(DOMAINS)):
-        number = DOMAINS[(os.getpid() + offset) % len(DOMAINS)]
+        number = DOMAINS[(place + offset) % len(DOMAINS)]
         with socket.socket() as claim:
             if _binds(claim, FIRST_CLAIM + number) and _silent(number):
                 yield number
