@@ -18,6 +18,8 @@ from msd_ident.record import FloatArray
 
 _DAMPING = 1e-3
 _DAMPING_END = 1e8
+#: Least finite-difference step, in units in the last place of what it moves.
+_FELT = 1024.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class Weighting:
 
     def exact(self, point: FloatArray, steps: FloatArray) -> State:
         """The point with a Jacobian by forward differences, turned round where a step would leave the bounds."""
+        steps = np.maximum(steps, _FELT * np.spacing(np.abs(point)))
         steps = np.where(point + steps > self.problem.upper, -steps, steps)
         residuals, jacobian = [], np.zeros((point.size, sum(root.size for root in self.roots)))
         begin = 0
@@ -76,6 +79,7 @@ class Weighting:
     def column(self, point: FloatArray, residual: FloatArray, entry: int, step: float) -> FloatArray:
         """One row (n,) of the Jacobian by a forward difference."""
         moved = point.copy()
+        step = max(step, _FELT * float(np.spacing(abs(point[entry]))))  # beside a huge phase a small step is none
         moved[entry] += step if point[entry] + step <= self.problem.upper[entry] else -step
         return np.asarray((self.residual(moved) - residual) / (moved[entry] - point[entry]))
 

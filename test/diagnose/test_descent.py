@@ -14,6 +14,7 @@ from msd_ident.diagnose.readings import prepare
 from msd_ident.diagnose.starting import proposals, starts
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Plant
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.record import Record
 from msd_sim.api import simulate
@@ -55,6 +56,20 @@ def test_a_parent_that_lost_its_spring_is_no_start_for_what_bends_it(experiment:
     limp = replace(limp, model=limp.model.with_values({"stiffness": 0.0}))
     assert starts(experiment, frozenset({"backlash"}), limp) == []
     assert starts(experiment, frozenset({"quadratic_drag"}), limp)
+
+
+def test_a_step_that_rounding_would_swallow_is_a_larger_one(experiment: Experiment) -> None:
+    """A harmonic's phase may have wandered far; a step of nothing would divide by nothing."""
+    model = Plant(1.0, 2.0, 600.0) + Cogging(0.1, 1e-3, 3e13)
+    problem = experiment.problem(model)
+    weighting = weigh(problem, experiment.readings)
+    point = problem.vector(dict(zip(model.names, model.values.tolist(), strict=True)), (Initial(),))
+    steps = weighting.steps(None)
+    entry = problem.names.index("cogging_phase")
+    assert point[entry] + steps[entry] == point[entry]
+    state = weighting.exact(point, steps)
+    row = weighting.column(point, state.residual, entry, steps[entry])
+    assert np.isfinite(state.jacobian).all() and np.isfinite(row).all()
 
 
 def test_bounds_hold(experiment: Experiment) -> None:
