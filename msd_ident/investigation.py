@@ -216,7 +216,8 @@ class Loop:
         ran = self.rig.play(profile, self.limits)
         self.records.append(ran.record)
         try:
-            diagnosis = pipeline.diagnose(self.records, self.options)
+            earlier = self.steps[-1].diagnosis if self.steps else None
+            diagnosis = pipeline.diagnose(self.records, self.options, earlier=earlier)
             one_rig.check(diagnosis)
         except DataError as error:
             if ran.stopped:
@@ -226,15 +227,19 @@ class Loop:
         self.tell(self.steps[-1])
 
     def _next(self) -> tuple[Proposal | None, str]:
-        """What to run next, and why; ``None`` when one explanation stands and nothing could hide behind it."""
+        """What to run next, and why; ``None`` when one explanation stands and nothing could hide behind it.
+
+        Where no profile parts what is tied, none of it may be the truth: what hides is looked for then too.
+        """
         diagnosis = self.steps[-1].diagnosis
         tied = design(diagnosis, self.limits)
-        if tied is not None:
-            return tied, f"to tell {' from '.join(tied.names)}"
+        ties = "" if tied is None else f"to tell {' from '.join(tied.names)}"
+        if tied is not None and tied.probability >= HOPELESS:
+            return tied, ties
         hidden = check(diagnosis, self.limits)
         # After a look that was likely to show it, a force offset alone is not worth another.
         if hidden is None or (self.checked and set(hidden.names[1:]) <= _SHIFT):
-            return None, ""
+            return tied, ties
         self.checked |= hidden.probability >= _SURE
         return hidden, f"to see what could hide: {', '.join(hidden.names[1:])}"
 

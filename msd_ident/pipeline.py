@@ -120,8 +120,15 @@ def diagnose(
     records: Sequence[Record],
     options: Options = Options(),  # noqa: B008 - frozen
     progress: DiagnosisProgress = _silent_diagnosis,
+    earlier: Diagnosis | None = None,
 ) -> Diagnosis:
     """What mass, damping and stiffness get wrong about one experiment, and what repairs it.
+
+    Args:
+        records: of one plant.
+        options: how.
+        progress: told how far it is.
+        earlier: of some of these records: its explanations are tried too, from where they stood.
 
     Raises:
         DataError, UsageError: as ``identify``.
@@ -135,6 +142,7 @@ def diagnose(
         warnings=data.warnings,
         ring_down=ring_down(data.features, data.used[0].position_unit),
         progress=progress,
+        earlier=earlier,
     )
     progress("next experiment", 0.98, "")
     found = proposing(base)

@@ -11,18 +11,19 @@ import numpy as np
 from msd_ident.diagnose import curves, dependence, evidence, identities, readings, settling, spread, verdict
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
-from msd_ident.diagnose.contenders import standing
+from msd_ident.diagnose.contenders import Contender, standing
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.guesses import plain_axes
 from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
 from msd_ident.diagnose.ringdown import RingDown
-from msd_ident.diagnose.search import NOTHING, Progress, Search
+from msd_ident.diagnose.search import NOTHING, Progress, Remembered, Search
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, fit, see, see_reduction
 from msd_ident.fit.concluding import conclude
+from msd_ident.fit.problem import Initial
 from msd_ident.fit.solver import Outcome
 from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
@@ -40,6 +41,8 @@ _MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
 _FAR, _COARSE = 300.0**2, 0.03
 #: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
 _COMPARABLE = 10.0
+#: Explanations of an earlier diagnosis that are tried again.
+_REMEMBERED = 3
 #: Rivals with less than this probability are not worth a line.
 _RIVAL = 1e-4
 
@@ -83,6 +86,7 @@ def diagnose_records(
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
     progress: Progress = silent,
+    earlier: Diagnosis | None = None,
 ) -> Diagnosis:
     """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
 
@@ -91,6 +95,7 @@ def diagnose_records(
         sprung: False for a plain axis, whose stiffness is 0.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
+        earlier: of some of these records: its explanations are tried too, from where they stood.
 
     Raises:
         UsageError: no records.
@@ -106,7 +111,7 @@ def diagnose_records(
     if left.consistent:
         ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
     else:
-        ranking = _search(experiment, (base, friction), progress)
+        ranking = _search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, base, ranking, progress)
 
 
@@ -145,7 +150,27 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
     return min(bases, key=lambda one: one.chi), friction
 
 
-def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress) -> Ranking:
+def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:
+    """What stood before, the likeliest first; a record that was not there begins at rest at its first reading."""
+    if earlier is None:
+        return []
+
+    def began(contender: Contender, record: Record) -> Initial:
+        for known, initial in zip(earlier.records, contender.initial, strict=True):
+            if np.array_equal(known.time, record.time) and np.array_equal(known.position, record.position):
+                return initial
+        return Initial(0.0, 0.0, float(record.position[0]))
+
+    return [
+        (frozenset(one.causes), one.model, tuple(began(one, record) for record in records))
+        for one in earlier.contenders[:_REMEMBERED]
+        if one.causes
+    ]
+
+
+def _search(
+    experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress, remembered: Sequence[Remembered] = ()
+) -> Ranking:
     """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
 
     A set far behind on a part of the data is further behind on all of it; but where mean forces between few samples
@@ -154,10 +179,10 @@ def _search(experiment: Experiment, known: tuple[Fitted, Fitted], progress: Prog
     """
     thin = experiment.thinned(_MOST_SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
-        return noted(_searching(experiment, progress).run(known[0], known[1:]), experiment)
+        return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
     thin = _coarser(thin, known[1], known[1].chi / experiment.evidence)
     start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
-    ahead = _searching(thin, progress).run(start[0], start[1:])
+    ahead = _searching(thin, progress).run(start[0], start[1:], remembered)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), thin.readings).consistent
     for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):

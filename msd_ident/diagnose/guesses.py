@@ -29,7 +29,7 @@ _PLACES = 1500
 
 
 def guesses(
-    name: str, plant: Model, record: Record, residual: FloatArray, noise: float, *, first: bool = True
+    name: str, plant: Model, record: Record, residual: FloatArray, noise: float, largest: float, *, first: bool = True
 ) -> tuple[Effect, ...]:
     """Starting values of an effect.
 
@@ -39,6 +39,7 @@ def guesses(
         record: the liveliest record, positions from the relaxed spring.
         residual: (n,) model − data [m] of the fitted model there.
         noise: standard deviation of a reading [m].
+        largest: magnitude of the force in any record [N].
         first: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
     """
     harmonic = {"periodic_disturbance": lambda: lines(record, plant, residual),
@@ -48,7 +49,6 @@ def guesses(
         return found if found and not first else found + by_name(name).guess(record, plant)[:1]
     found = by_name(name).guess(record, plant)
     if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
-        largest = float(np.max(np.abs(record.force)))
         found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
     return found
 

@@ -45,6 +45,9 @@ _Done = TypeVar("_Done")
 #: ``progress(stage, fraction of the work done, cause being tried)``; what it raises ends the diagnosis.
 Progress = Callable[[str, float, str], None]
 
+#: A set, its model, and each record's state and zero, as fitted to less data.
+Remembered = tuple[Causes, Model, Sequence[Initial]]
+
 NOTHING: Causes = frozenset()
 LARGEST = 4
 #: Longest time for which a thread keeps the interpreter from the others [s].
@@ -80,11 +83,13 @@ class Search:
     pruned: set[Causes] = field(default_factory=set)
     told: float = 0.0
 
-    def run(self, base: Fitted, known: Sequence[Fitted] = ()) -> Ranking:
-        """Search from the base model and from sets that are fitted already."""
+    def run(self, base: Fitted, known: Sequence[Fitted] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
+        """Search from the base model, from sets that are fitted already, and from what stood on less data."""
         for fitted in (base, *known):
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
+        for causes, model, initial in remembered:
+            self._keep(refine(self.experiment, causes, model, initial))
         self._fit([frozenset({name}) for name in self.experiment.library], 0.05, 0.35)
         leader = self.ranking().best
         if not self.at_floor(leader):
@@ -141,8 +146,7 @@ class Search:
             and best.chi < one.chi < _REJOIN * best.chi
         ]
         for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
-            if fitted.chi < self.sets[fitted.causes].chi:
-                self.sets[fitted.causes] = fitted
+            self._keep(fitted)
 
     def _rejoin(self, best: Fitted, causes: Causes) -> Fitted:
         model = self.sets[causes].model
@@ -164,10 +168,13 @@ class Search:
         return self.ranking().best
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
-        fitted = refine(self.experiment, causes, model, initial)
         self.tried.add(causes)
-        if causes not in self.sets or fitted.chi < self.sets[causes].chi:
-            self.sets[causes] = fitted
+        self._keep(refine(self.experiment, causes, model, initial))
+
+    def _keep(self, fitted: Fitted) -> None:
+        """A set's best fit so far."""
+        if fitted.causes not in self.sets or fitted.chi < self.sets[fitted.causes].chi:
+            self.sets[fitted.causes] = fitted
 
     def scale(self) -> Scale:
         """How likelihoods are to be read, by what the best set leaves."""
@@ -217,7 +224,7 @@ class Search:
             # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
             for tries in (begun[:1], begun[1:]):
                 for fitted in self._each(partial(self._finish, least), tries, share):
-                    self.sets[fitted.causes] = fitted
+                    self._keep(fitted)
                     least = min(least, fitted.chi)
         return True
 

@@ -36,6 +36,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
+    largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
     rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
         return []  # a parent that ended without a spring is no place to bend it
@@ -43,7 +44,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
         if rubs > 0.0 and name in HOLDING_COULOMB:
             found = from_coulomb(name, plant, seen, rubs)
         else:
-            found = guesses(name, plant, seen, residual, part.noise, first=not parent.causes)
+            found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)
         models = [model + guess for model in models for guess in found]
     return models
 

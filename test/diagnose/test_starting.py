@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from msd_ident import pipeline
 from msd_ident.design import Profile, Segment
@@ -74,3 +75,48 @@ def test_what_mean_forces_between_few_samples_made_look_necessary_is_left_out_ag
     )
     found = pipeline.diagnose([played(rig, profile, 1258165156 + i, 250.0) for i, profile in enumerate(profiles)])
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "force_gain_nonlinearity"}
+
+
+def test_a_saturation_starts_from_the_largest_force_of_all_records() -> None:
+    """The liveliest record swings at resonance under a small force, and knows nothing of the actuator's limit."""
+    rig = {
+        "mass": 1.3298888679615495, "damping": 3.691999743209331, "stiffness": 683.0152412812138,
+        "effects": {"force_gain_nonlinearity": {"gain_slope": 0.0, "force_limit": 9.22200042907773},
+                    "coulomb_friction": {"coulomb_force": 0.39712309135121243}},
+        "friction_coefficient": 0.0, "encoder": {"counts_per_metre": 0.0, "noise": 3.215944291406006e-06},
+    }  # fmt: skip
+    sweep = Segment("sweep", 4.975, amplitude=2.9019515378582406, low_hz=0.5410288328793923, high_hz=9.01714721465654)
+    profiles = (
+        Profile((Segment("hold", 0.3), Segment("step", 2.7, force=11.362716018514561)), "one step"),
+        Profile((Segment("hold", 0.1), sweep), "sweep", rate=360.68588858626157),
+    )
+    found = pipeline.diagnose([played(rig, profile, 1759094095 + i, 1000.0) for i, profile in enumerate(profiles)])
+    assert {cause.name for cause in found.causes} == {"coulomb_friction", "force_gain_nonlinearity"}
+    assert found.extended.model["force_limit"] == pytest.approx(9.222, rel=1e-3)
+    assert found.verdict in ("explained", "ambiguous")
+
+
+def test_what_stood_on_fewer_records_is_tried_on_more_of_them() -> None:
+    """Small steps within the play lead a fresh search to an end stop, which leaves as little; play is what stood."""
+    rig = {
+        "mass": 1.4345993608214602, "damping": 6.344912206420781, "stiffness": 1203.0158949650306,
+        "effects": {"backlash": {"backlash_half_width": 0.0013837445025098331},
+                    "coulomb_friction": {"coulomb_force": 0.756005273977567}},
+        "friction_coefficient": 0.0, "encoder": {"counts_per_metre": 340771.7548995695, "noise": 2.217803512853204e-06},
+    }  # fmt: skip
+    wait, large, small = 0.65092, 20.985279806973903, 2.09852798069739
+    release = Segment("release", wait)
+    profiles = (
+        Profile((Segment("hold", 0.3), Segment("step", 2.7, force=large)), "one step"),
+        Profile((Segment("hold", 0.1), Segment("step", wait, force=large), release), "step and back"),
+        Profile(
+            (Segment("hold", 0.1), Segment("step", wait, force=small), release, Segment("step", wait, force=-small),
+             release), "small steps",
+        ),
+    )  # fmt: skip
+    records = [played(rig, profile, 1511774626 + i, 1000.0) for i, profile in enumerate(profiles)]
+    earlier = pipeline.diagnose(records[:2])
+    assert {cause.name for cause in earlier.causes} == {"backlash", "coulomb_friction"}
+    found = pipeline.diagnose(records, earlier=earlier)
+    assert {cause.name for cause in found.causes} == {"backlash", "coulomb_friction"}
+    assert found.extended.model["backlash_half_width"] == pytest.approx(0.0013837, rel=1e-2)
