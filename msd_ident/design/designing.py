@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from msd_ident.design import discrimination, safety
+from msd_ident.design.cores import each
 from msd_ident.design.discrimination import Parting
 from msd_ident.design.family import Pace, family
 from msd_ident.design.limits import Limits
@@ -95,7 +95,7 @@ def period_of(contender: Contender, limits: Limits) -> float:
 
 def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
     """Every profile that has room within the limits, made as strong as they allow, and judged."""
-    return [found for found in _each(lambda one: _option(question, one), profiles) if found is not None]
+    return [found for found in each(partial(_option, question), profiles) if found is not None]
 
 
 def family_of(question: Question, unit: str = "N") -> list[Profile]:
@@ -134,9 +134,3 @@ def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
         question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
     )
     return replace(option, parting=parting, shares=kept)
-
-
-def _each(work: Callable[[Profile], Option | None], tasks: Sequence[Profile]) -> list[Option | None]:
-    """All of them on all cores: the solver lets go of Python's lock."""
-    with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
-        return list(pool.map(work, tasks))

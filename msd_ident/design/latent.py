@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from msd_ident.design.cores import each
 from msd_ident.design.discrimination import occam
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnose import Contender, Diagnosis
@@ -41,12 +42,8 @@ def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
         return ()
     lead = diagnosis.contenders[0]
     data = _measured(diagnosis, seen)
-    found = []
-    for kind in LIBRARY:
-        rival = _hiding(kind, lead, data)
-        if rival is not None:
-            found.append(rival)
-    return (lead, *found)
+    found = each(lambda kind: _hiding(kind, lead, data), tuple(LIBRARY))
+    return (lead, *(rival for rival in found if rival is not None))
 
 
 def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
@@ -62,7 +59,12 @@ def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
 def _measured(diagnosis: Diagnosis, seen: Sensing) -> _Data:
     lead = diagnosis.contenders[0]
     records = tuple(_thin(record) for record in diagnosis.records)
-    return _Data(records, seen, magnitudes(records, lead.model.mass))
+    told = Predictor(lead, 0.0)
+    readings = tuple(
+        told.readings(record, told.point[None, :], np.array([[was.position, was.zero]]), was.velocity)[0]
+        for record, was in zip(records, lead.initial, strict=True)
+    )
+    return _Data(records, readings, seen, magnitudes(records, lead.model.mass))
 
 
 def _thin(record: Record) -> Record:
@@ -72,9 +74,10 @@ def _thin(record: Record) -> Record:
 
 @dataclass(frozen=True)
 class _Data:
-    """Measured records, thinned; what an encoder sees of them; typical magnitudes."""
+    """Measured records, thinned; the lead's readings (n,) of each; what an encoder sees; typical magnitudes."""
 
     records: tuple[Record, ...]
+    readings: tuple[FloatArray, ...]
     seen: Sensing
     typical: Magnitudes
 
@@ -239,7 +242,7 @@ def _settled(
     rise, damping = np.inf, 0.0
     for _ in range(_ROUNDS):
         predictor = Predictor(trial, 10.0 * data.seen.noise)
-        rows = [_linearised(lead, predictor, record, i, data) for i, record in enumerate(data.records)]
+        rows = [_linearised(predictor, record, i, data) for i, record in enumerate(data.records)]
         system = _system(trial, rows, moving, resting)
         slow = best is not None and 0.8 * best.total < system.total <= best.total
         if best is None or system.total <= best.total:
@@ -261,14 +264,12 @@ def _unit(model: Model, name: str) -> str:
 _Row = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def _linearised(lead: Contender, predictor: Predictor, record: Record, index: int, data: _Data) -> _Row:
+def _linearised(predictor: Predictor, record: Record, index: int, data: _Data) -> _Row:
     """Difference (n,) of the trial's readings from the lead's, Jacobian (p + 2, n) and weight (n,) of one record."""
-    start, was = predictor.contender.initial[index], lead.initial[index]
+    start = predictor.contender.initial[index]
     at = np.array([start.position, start.zero])
     readings, jacobian = predictor.linearised(record, predictor.point, at, start.velocity)
-    before = Predictor(lead, 0.0)
-    reference = before.readings(record, before.point[None, :], np.array([[was.position, was.zero]]), was.velocity)[0]
-    return readings - reference, jacobian, data.weight(record)
+    return readings - data.readings[index], jacobian, data.weight(record)
 
 
 @dataclass(frozen=True)
