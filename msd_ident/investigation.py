@@ -179,20 +179,32 @@ class Loop:
         self._play("a first look", profile, None)
         spent = profile.duration
         for _ in range(self.budget.runs):
+            looked = self.checked
             proposal, purpose = self._next()
             if proposal is None:
                 break
             self.measurements = proposal.measurements
-            if proposal.probability < HOPELESS:
-                return self._ended(False, "no profile within the limits decides what is still tied")
-            if spent + proposal.profile.duration > self.budget.seconds:
-                return self._ended(False, "the next experiment would take longer than the budget allows")
-            if not self.ask(purpose, proposal.profile):
-                return self._ended(False, "the next experiment was declined")
+            against = self._against(proposal, purpose, spent)
+            if against and looked and self._settled:
+                break  # a further look would have been a gain, but what stands does so without it
+            if against:
+                return self._ended(False, against)
             self._play(purpose, proposal.profile, proposal)
             spent += proposal.profile.duration
-        settled = self.steps[-1].diagnosis.verdict in ("adequate", "explained")
-        return self._ended(settled, "one explanation stands" if settled else "the budget is spent")
+        return self._ended(self._settled, "one explanation stands" if self._settled else "the budget is spent")
+
+    @property
+    def _settled(self) -> bool:
+        """Whether nothing is tied or open."""
+        return self.steps[-1].diagnosis.verdict in ("adequate", "explained")
+
+    def _against(self, proposal: Proposal, purpose: str, spent: float) -> str:
+        """Why an experiment is not run; empty when it is."""
+        if proposal.probability < HOPELESS:
+            return "no profile within the limits decides what is still tied"
+        if spent + proposal.profile.duration > self.budget.seconds:
+            return "the next experiment would take longer than the budget allows"
+        return "" if self.ask(purpose, proposal.profile) else "the next experiment was declined"
 
     def _first(self) -> Profile:
         """A step that uses half the travel, judged by how far a gentle one goes."""

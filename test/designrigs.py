@@ -20,8 +20,10 @@ STEP = Profile((Segment("hold", 0.3), Segment("step", 2.0, force=8.0)), "one ste
 class Rig:
     """A simulated rig with effects."""
 
-    def __init__(self, encoder: dict[str, float] = NOISE, **effects: dict[str, float]) -> None:
-        self.encoder, self.effects, self.runs = encoder, effects, 0
+    def __init__(
+        self, encoder: dict[str, float] = NOISE, plant: dict[str, float] = ECP, **effects: dict[str, float]
+    ) -> None:
+        self.encoder, self.plant, self.effects, self.runs = encoder, plant, effects, 0
 
     def play(self, profile: Profile, limits: Limits) -> Ran:
         """Play a profile from rest."""
@@ -29,7 +31,7 @@ class Rig:
         self.runs += 1
         at, force = profile.commands
         made = api.simulate(
-            {**ECP, "encoder": self.encoder, "effects": self.effects, "force_time": at, "force": force,
+            {**self.plant, "encoder": self.encoder, "effects": self.effects, "force_time": at, "force": force,
              "duration": profile.duration, "seed": self.runs}
         )  # fmt: skip
         name = f"run {self.runs}"

@@ -84,8 +84,8 @@ class _Data:
     def weight(self, record: Record) -> FloatArray:
         """(n,) weight over noise squared of each kept sample."""
         speed = np.abs(np.gradient(record.position, record.time))
-        each = record.period / self.seen.period
-        return np.asarray(self.seen.weight(speed) * (each / self.seen.noise**2))
+        share = record.period / self.seen.period
+        return np.asarray(self.seen.weight(speed) * (share / self.seen.noise**2))
 
     def resting(self, contender: Contender) -> Mapping[int, float]:
         """How well it is known under a contender where each record that begins at rest began [m], by its index."""

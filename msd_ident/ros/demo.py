@@ -135,10 +135,11 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     player.play(plan, lambda done: say("playing the paper's experiment", 0.2 + 0.6 * done))
     recorded = player.stop_recording()
     say("asking the identifier", 0.82)
-    live = _live(player, read(bag))  # first, as the buffer grows meanwhile
+    record = read(bag)
+    live = _live(player, record)  # first, as the buffer grows meanwhile
     told = player.identify(bag)
     say("identifying the bag", 0.9)
-    found = pipeline.identify([read(bag)])
+    found = pipeline.identify([record])
     different = differences(told, to_estimate(found, bag, 0))
     if different:
         raise DataError(f"service and bag differ in {', '.join(different)}; expected the same numbers: report this")

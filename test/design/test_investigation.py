@@ -10,7 +10,7 @@ import pytest
 from designrigs import LIMITS, STEP, Rig
 
 from msd_ident.cli.main import main
-from msd_ident.design import Limits, Profile
+from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
 from msd_ident.investigation import Budget, Loop, Ran
 from msd_ident.report import story
@@ -53,6 +53,44 @@ def test_the_budget_is_kept() -> None:
     found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
+
+
+def pushed(force: float) -> tuple[Profile, Limits]:
+    """One step of 2.7 s, and limits around it."""
+    first = Profile((Segment("hold", 0.3), Segment("step", 2.7, force=force)), "one step")
+    return first, Limits((-force, force), (-0.04, 0.04), 20.0)
+
+
+def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for() -> None:
+    """A play in which the cart began looks like a delay, and no experiment within reach tells a lag from an offset."""
+    plant = {"mass": 1.6478, "damping": 2.6452, "stiffness": 1955.2, "friction_coefficient": 0.0, "rate": 1000.0}
+    encoder = {"counts_per_metre": 49361.486, "noise": 2.1359e-5}
+    rig = Rig(encoder, plant, backlash={"backlash_half_width": 1.8068e-4})
+    rig.runs = 1942367827
+    first, limits = pushed(26.2325)
+    found = Loop(rig, limits, Budget(2, 60.0)).run(first)
+    assert [cause.name for cause in found.steps[0].diagnosis.causes] != ["backlash"]
+    assert found.steps[1].purpose.startswith("to see what could hide: backlash")
+    assert found.stands and [cause.name for cause in found.diagnosis.causes] == ["backlash"]
+
+
+def test_what_stands_does_so_without_a_further_look() -> None:
+    """After a look that would have shown a large effect a smaller one may hide: worth a look, which may be declined."""
+    plant = {"mass": 0.98697, "damping": 1.00719, "stiffness": 235.586, "friction_coefficient": 0.0, "rate": 1000.0}
+    encoder = {"counts_per_metre": 1839120.0, "noise": 6.3745e-7}
+    effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.0072378}}
+    rig = Rig(encoder, plant, **effects)
+    rig.runs = 663344472
+    first, limits = pushed(1.46568)
+    asked: list[str] = []
+
+    def twice(purpose: str, profile: Profile) -> bool:
+        asked.append(purpose)
+        return len(asked) <= 2
+
+    found = Loop(rig, limits, Budget(2, 60.0), ask=twice).run(first)
+    assert len(asked) == 3 and all(purpose.startswith("to see what could hide") for purpose in asked[1:])
+    assert found.stands and found.sentence.startswith("one explanation stands: ")
 
 
 def test_the_story_shows_names_and_runs_none(tmp_path: Path) -> None:
