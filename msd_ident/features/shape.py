@@ -19,6 +19,8 @@ _STARTS = (0.3, 0.8, 1.5, 4.0)
 _SEARCH = 300
 #: Distance to critical damping below which the two roots are moved apart, so that their difference can divide.
 _CRITICAL = 1e-6
+#: Logarithms beyond this, of ωn and ζ, are of no plant: the search ran away, and the response no longer feels them.
+_FAR = 50.0
 #: Slopes beyond this are no response any more: the search ran away, as where half of the response is missing.
 _SOUND = 1e100
 
@@ -65,7 +67,7 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
     if best is None:
         return None
     last = problem.solve(best.x)
-    sound = np.all(np.isfinite(last.x)) and float(np.max(np.abs(last.jac))) < _SOUND
+    sound = np.all(np.abs(last.x[:2]) < _FAR) and float(np.max(np.abs(last.jac))) < _SOUND
     return _shape(last, problem) if sound else None
 
 
@@ -105,7 +107,7 @@ class _Problem:
 
         All in units of the swing; the last two weigh by how well each is known beside ``floor``.
         """
-        frequency, ratio = np.exp(np.clip(point[:2], -50.0, 50.0)).tolist()
+        frequency, ratio = np.exp(np.clip(point[:2], -_FAR, _FAR)).tolist()
         late = self.time - self.onset * point[4]
         curve = point[2] + (point[3] - point[2]) * unit_step_response(late, frequency, ratio)
         misfit = self.weight * (curve - self.reading)
