@@ -22,7 +22,7 @@ from msd_ident.record import FloatArray, Record
 #: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
 ENOUGH = 0.97
 #: What a longer experiment must add.
-_WORTH = 0.01
+WORTH = 0.01
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def choose(found: Sequence[Option]) -> Option | None:
     if not found:
         return None
     best = max(one.probability for one in found)
-    good = [one for one in found if one.probability >= min(best - _WORTH, ENOUGH)]
+    good = [one for one in found if one.probability >= min(best - WORTH, ENOUGH)]
     return min(good, key=lambda one: one.profile.duration)
 
 

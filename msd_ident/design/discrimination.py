@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import special
@@ -42,6 +42,10 @@ class Parting:
     chi: FloatArray
     decided: FloatArray
     probability: float
+
+    def asked(self, truths: FloatArray) -> Parting:
+        """The same where the rivals have these probabilities (r,)."""
+        return replace(self, probability=float(truths @ self.decided / max(math.fsum(truths), 1e-300)))
 
 
 def weights(prediction: Prediction, on: Grid, seen: Sensing) -> FloatArray:
@@ -145,7 +149,7 @@ def part(
         ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
         margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
         decided[a] = float(np.mean(special.ndtr(margins.min(axis=0))))
-    return Parting(chi, decided, float(truths @ decided / max(math.fsum(truths), 1e-300)))
+    return Parting(chi, decided, math.nan).asked(truths)
 
 
 def differences(true: Prediction, rival: Prediction) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.design.cores import each
 from msd_ident.design.discrimination import prior, refit, weights
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
 from msd_ident.record import FloatArray
@@ -45,15 +46,17 @@ def refitted(
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         scaled = normal / np.outer(size, size) + max(damping, 1e-12) * np.eye(size.size)
         ahead = np.clip(point + np.linalg.solve(scaled, slope / size) / size, lower, upper)
-        row, rows = rival.linearised(on.record, ahead[:-NUISANCES], ahead[-NUISANCES:])
-        reached = _cost(row, true, weight, ahead - origin, before)
+        free, start = ahead[:-NUISANCES], ahead[-NUISANCES:]
+        reading = rival.readings(on.record, free[None, :], start[None, :])[0]
+        reached = _cost(reading, true, weight, ahead - origin, before)
         if reached >= cost:
             damping = max(10.0 * damping, 1e-3)
             continue
         settled = cost - reached < _SETTLED * reached + 0.01
-        point, readings, jacobian, cost, damping = ahead, row, rows, reached, 0.1 * damping
+        point, readings, cost, damping = ahead, reading, reached, 0.1 * damping
         if settled:
             break
+        _, jacobian = rival.linearised(on.record, free, start)
     return Refitted(cost, true.position, readings)
 
 
@@ -79,14 +82,16 @@ def shares(
     count = len(predictors)
     kept = np.ones((count, count))
     found: list[list[Refitted | None]] = [[None] * count for _ in range(count)]
-    for a, true in enumerate(predictions):
-        weight = weights(true, on, seen)
-        for b, rival in enumerate(predictors):
-            if a == b:
-                continue
-            done = refitted(rival, predictions[b], true, on, seen)
-            found[a][b] = done
-            distance = (true.position - predictions[b].position)[None, :]
-            linear = float(refit(predictions[b].jacobian, weight, prior(rival, seen.noise)).left(distance)[0, 0])
-            kept[a, b] = np.clip(done.chi / max(linear, 1e-9), 0.0, 1.0)
+    weighed = [weights(true, on, seen) for true in predictions]
+
+    def part(pair: tuple[int, int]) -> tuple[Refitted, float]:
+        a, b = pair
+        rival, own, true = predictors[b], predictions[b], predictions[a]
+        done = refitted(rival, own, true, on, seen)
+        linear = refit(own.jacobian, weighed[a], prior(rival, seen.noise)).left((true.position - own.position)[None, :])
+        return done, float(np.clip(done.chi / max(float(linear[0, 0]), 1e-9), 0.0, 1.0))
+
+    pairs = [(a, b) for a in range(count) for b in range(count) if a != b]
+    for (a, b), (done, share) in zip(pairs, each(part, pairs), strict=True):
+        found[a][b], kept[a, b] = done, share
     return kept, found

@@ -10,16 +10,16 @@ import numpy as np
 
 from msd_ident import stopping
 from msd_ident.design import refitting
-from msd_ident.design.designing import ENOUGH, Option, Question, choose, judge_again, options
+from msd_ident.design.designing import ENOUGH, WORTH, Option, Question, choose, judge_again, options
 from msd_ident.design.profile import Profile
 from msd_ident.design.refitting import Refitted
 from msd_ident.record import FloatArray
 
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
 HOPELESS = 0.5
-_AT_ONCE, _CLOSER = 8, 5
+_AT_ONCE, _CLOSER, _VAIN = 8, 5, 2
 #: Processor time after which no more profiles are screened, and after which none is looked at more closely [s].
-_SCREENING, _LOOKING = 5.0, 2.0
+_SCREENING, _LOOKING = 4.0, 2.0
 
 Refits = list[list[Refitted | None]]
 
@@ -55,12 +55,15 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     if not seen:
         return None
     question = _decidable(question, seen)
-    seen = [judge_again(question, one, np.ones_like(one.parting.chi)) for one in seen]
-    closer = [(judge_again(question, one, one.shares), refits) for one, refits in closer]
+    seen = [_asked(question, one) for one in seen]
+    closer = [(_asked(question, one), refits) for one, refits in closer]
+    known = {one.profile.name for one, _ in closer}
     for pick in _promising(seen):
         stopping.check()
-        if closer and time.process_time() - began > _SCREENING + _LOOKING:
+        if closer and (_in_vain(closer) or time.process_time() - began > _SCREENING + _LOOKING):
             break
+        if pick.profile.name in known:
+            continue
         closer.append(_closely(question, pick))
         if closer[-1][0].probability >= ENOUGH:
             break
@@ -82,6 +85,17 @@ def _decidable(question: Question, seen: Sequence[Option]) -> Question:
     best = np.max([one.parting.decided for one in seen], axis=0)
     truths: FloatArray = np.where(best < HOPELESS, 0.0, question.truths)
     return replace(question, truths=truths) if truths.any() else question
+
+
+def _in_vain(closer: Sequence[tuple[Option, Refits]]) -> bool:
+    """Whether the last closer looks found nothing better than the ones before."""
+    probabilities = [one.probability for one, _ in closer]
+    return len(closer) > _VAIN and max(probabilities[-_VAIN:]) <= max(probabilities[:-_VAIN]) + WORTH
+
+
+def _asked(question: Question, option: Option) -> Option:
+    """The option with the probability that it answers this question, the rivals being as they were."""
+    return replace(option, parting=option.parting.asked(question.truths))
 
 
 def _closely(question: Question, option: Option) -> tuple[Option, Refits]:

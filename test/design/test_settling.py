@@ -1,0 +1,29 @@
+"""Rivals moved next to the explanation that stands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from designrigs import stepped
+
+from msd_ident.design.latent import beside
+from msd_ident.model import Model
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+
+
+def test_what_no_reading_holds_stays_where_it_was() -> None:
+    """A disturbance too faint to see: a step in its frequency changes nothing, so none may be taken at a venture."""
+    diagnosis = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
+    lead = diagnosis.contenders[0]
+    faint = {"disturbance_amplitude": 1e-6, "disturbance_frequency": 3.5, "disturbance_phase": 2.2}
+    model: Model = lead.model + PeriodicDisturbance(*faint.values())
+    count = len(lead.free)
+    information = np.zeros((count + 3, count + 3))
+    information[:count, :count] = lead.information
+    scale = np.concatenate([lead.scale, [10.0, 10.0, 1.0]])
+    shaken = replace(lead, model=model, free=(*lead.free, *faint), scale=scale, information=information)
+    rival = beside(replace(diagnosis, contenders=(shaken,)), CubicSpring(2e5))
+    sizes = dict(zip(shaken.free, scale, strict=True))
+    assert all(abs(rival.model[name] - value) < 30.0 * sizes[name] for name, value in faint.items())
