@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import wraps
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +19,20 @@ _MAD = 1.482602218505602
 _REACH = 4
 
 
+def _asked_once(what: Callable[[Record], float]) -> Callable[[Record], float]:
+    """The same, kept with the record, whose samples never change."""
+    name = f"_{what.__name__}"
+
+    @wraps(what)
+    def known(record: Record) -> float:
+        if name not in record.__dict__:
+            record.__dict__[name] = what(record)
+        return float(record.__dict__[name])
+
+    return known
+
+
+@_asked_once
 def encoder_step(record: Record) -> float:
     """Distance between neighbouring encoder readings [unit of the position]; 0.0 when the readings lie on no grid.
 
@@ -44,6 +60,7 @@ def encoder_step(record: Record) -> float:
         reach *= 2
 
 
+@_asked_once
 def noise_floor(record: Record) -> float:
     """Standard deviation of the measurement noise, quantisation included [unit of the position].
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from msd_ident.fit.problem import Problem
 from msd_ident.record import FloatArray
@@ -43,6 +44,17 @@ class State:
     def normal(self) -> FloatArray:
         """Gauss–Newton matrix (p, p)."""
         return np.asarray(self.jacobian @ self.jacobian.T)
+
+    @cached_property
+    def size(self) -> FloatArray:
+        """Root of the diagonal (p,) of ``normal``, 1 where nothing is told."""
+        diagonal = np.diag(self.normal)
+        return np.asarray(np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0)))
+
+    @cached_property
+    def scaled(self) -> FloatArray:
+        """``normal`` (p, p) in units of ``size``."""
+        return np.asarray(self.normal / (self.size[:, None] * self.size))
 
     @cached_property
     def gradient(self) -> FloatArray:
@@ -87,31 +99,46 @@ class Weighting:
         """Finite-difference steps: from the last Jacobian, or from natural sizes."""
         if state is None:
             return self.problem.first_steps()
-        mean = max(float(np.mean([np.mean(root**2) for root in self.roots])), 1e-300)
-        return self.problem.steps(state.normal / mean)
+        return self.problem.steps(state.normal / self._mean)
+
+    @cached_property
+    def _mean(self) -> float:
+        """Mean weight of a sample."""
+        return max(float(np.mean([np.mean(root**2) for root in self.roots])), 1e-300)
 
 
 def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, float]:
     """Damped step inside the bounds and the fall of chi² that it promises; entries at a bound are held there."""
     matrix, gradient = state.normal, state.gradient
-    diagonal = np.diag(matrix)
-    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    move = np.zeros(state.point.size)
-    free = np.ones(state.point.size, dtype=bool)
-    for _ in range(state.point.size):
+    scaled = state.scaled.copy()
+    scaled.reshape(-1)[:: gradient.size + 1] += damping
+    move = _solve(scaled, -gradient / state.size) / state.size
+    outside = _outside(problem, state.point + move)
+    if outside.any():
+        move = _held(problem, state, scaled, move, outside)
+    return move, -2.0 * float(gradient @ move) - float(move @ matrix @ move)
+
+
+def _outside(problem: Problem, point: FloatArray) -> npt.NDArray[np.bool_]:
+    return (point < problem.lower) | (point > problem.upper)
+
+
+def _held(
+    problem: Problem, state: State, scaled: FloatArray, move: FloatArray, outside: npt.NDArray[np.bool_]
+) -> FloatArray:
+    """The step with the entries that it would take outside held at their bounds, one after the other."""
+    move, free = np.where(outside, move, 0.0), np.ones(move.size, dtype=bool)
+    while outside.any():
+        at = np.minimum(np.maximum(state.point + move, problem.lower), problem.upper) - state.point
+        move[outside] = at[outside]
+        free &= ~outside
         index = np.flatnonzero(free)
         if index.size == 0:
             break
-        scaled = matrix[np.ix_(index, index)] / np.outer(size[index], size[index])
-        scaled[np.diag_indices_from(scaled)] += damping
-        right = -(gradient[index] + matrix[np.ix_(index, ~free)] @ move[~free]) / size[index]
-        move[index] = _solve(scaled, right) / size[index]
-        outside = free & ((state.point + move < problem.lower) | (state.point + move > problem.upper))
-        if not outside.any():
-            break
-        move[outside] = np.clip(state.point + move, problem.lower, problem.upper)[outside] - state.point[outside]
-        free &= ~outside
-    return move, -2.0 * float(gradient @ move) - float(move @ matrix @ move)
+        right = -(state.gradient[index] + state.normal[np.ix_(index, ~free)] @ move[~free]) / state.size[index]
+        move[index] = _solve(scaled[np.ix_(index, index)], right) / state.size[index]
+        outside = free & _outside(problem, state.point + move)
+    return move
 
 
 def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
@@ -132,7 +159,7 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
                 break
             state = weighting.exact(state.point, weighting.steps(state))
             continue
-        point = np.clip(state.point + move, weighting.problem.lower, weighting.problem.upper)
+        point = np.minimum(np.maximum(state.point + move, weighting.problem.lower), weighting.problem.upper)
         residual = weighting.residual(point)
         gain = state.chi - float(residual @ residual)
         if gain > 0.1 * promised or (gain > 0.0 and state.exact):

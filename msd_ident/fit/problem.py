@@ -116,9 +116,14 @@ class Problem:
 
     def values(self, vector: FloatArray) -> FloatArray:
         """Values of all the model's parameters (in the order of ``model.names``)."""
-        values = np.array(self.model.values, dtype=np.float64)
-        values[list(self.free)] = vector[: len(self.free)]
-        return values
+        values = self.model.values.copy()
+        values[self._places] = vector[: len(self.free)]
+        return np.asarray(values)
+
+    @cached_property
+    def _places(self) -> npt.NDArray[np.intp]:
+        """``free`` as an index."""
+        return np.array(self.free, dtype=np.intp)
 
     def initials(self, vector: FloatArray) -> tuple[Initial, ...]:
         """Initial state and zero of each record."""
@@ -129,8 +134,13 @@ class Problem:
 
     def entries(self, record: int) -> npt.NDArray[np.intp]:
         """Indices of the vector's entries that this record depends on."""
-        own = [len(self.free) + j for j, n in enumerate(self.nuisances) if n.record == record]
-        return np.array([*range(len(self.free)), *own], dtype=np.intp)
+        return self._entries[record]
+
+    @cached_property
+    def _entries(self) -> tuple[npt.NDArray[np.intp], ...]:
+        """``entries`` of each record."""
+        shared = range(len(self.free))
+        return tuple(np.array([*shared, *(entry for _, entry in own)], dtype=np.intp) for own in self._own)
 
     def residual(self, vector: FloatArray, record: int) -> FloatArray:
         """Model − data (n,) of one record; large but finite where the simulation blows up."""
@@ -198,10 +208,10 @@ class Problem:
     def steps(self, matrix: FloatArray) -> FloatArray:
         """Steps that move the positions by ``_RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
         samples = sum(record.samples for record in self.records)
-        effect = np.sqrt(np.maximum(np.diag(matrix), 1e-300) / samples)
-        return np.clip(
-            _RELATIVE_STEP * self.typical.length / effect, 1e-3 * self.first_steps(), 1e3 * self.first_steps()
-        )
+        effect = np.sqrt(np.maximum(matrix.diagonal(), 1e-300) / samples)
+        first = self.first_steps()
+        steps = np.minimum(np.maximum(_RELATIVE_STEP * self.typical.length / effect, 1e-3 * first), 1e3 * first)
+        return np.asarray(steps)
 
     def imbalance(self, vector: FloatArray, balance: Balance) -> tuple[float, FloatArray]:
         """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
@@ -219,22 +229,31 @@ class Problem:
 
     def residuals(self, points: FloatArray, record: int) -> FloatArray:
         """Residuals (q, n) of one record at several points (q, p)."""
-        values = np.repeat(np.array(self.model.values, dtype=np.float64)[None, :], len(points), axis=0)
-        values[:, list(self.free)] = points[:, : len(self.free)]
+        values = np.empty((len(points), self.model.values.size))
+        values[:] = self.model.values
+        values[:, self._places] = points[:, : len(self.free)]
         start = self.initial[record]
-        states = np.repeat(np.array([[start.position, start.velocity, start.zero]]), len(points), axis=0)
-        for j, nuisance in enumerate(self.nuisances):
-            if nuisance.record == record:
-                states[:, _KINDS.index(nuisance.kind)] = points[:, len(self.free) + j]
+        states = np.empty((len(points), 3))
+        states[:] = start.position, start.velocity, start.zero
+        for column, entry in self._own[record]:
+            states[:, column] = points[:, entry]
         rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
         rows -= self.records[record].position
-        if np.any(states[:, 2]):
+        if states[:, 2].any():
             rows += states[:, 2:]
         return self._tamed(rows)
 
+    @cached_property
+    def _own(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """For each record: place in (position, velocity, zero) and in the vector, of each of its free entries."""
+        places = [(n.record, (_KINDS.index(n.kind), len(self.free) + j)) for j, n in enumerate(self.nuisances)]
+        return tuple(tuple(place for r, place in places if r == record) for record in range(len(self.records)))
+
     def _tamed(self, rows: FloatArray) -> FloatArray:
         worst = _BLOWN_UP * self.typical.length
-        if rows.max() <= worst and rows.min() >= -worst:  # false for NaN
+        flat = rows.reshape(-1)
+        # No entry is greater than the root of the squares, which cost less than a search; false for NaN.
+        if flat @ flat <= worst**2 or (rows.max() <= worst and rows.min() >= -worst):
             return rows
         np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
         return np.asarray(np.clip(rows, -worst, worst, out=rows))

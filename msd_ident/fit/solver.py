@@ -153,14 +153,15 @@ def _step(normal: Normal, damping: float, point: FloatArray, limits: Limits) -> 
 
 def _solve(normal: Normal, damping: float, step: FloatArray, free: npt.NDArray[np.bool_]) -> FloatArray:
     """Solve the damped normal equations for the free entries, the others' steps given."""
-    index = np.flatnonzero(free)
-    matrix = normal.matrix[np.ix_(index, index)]
-    held = np.flatnonzero(~free)
-    right = -normal.gradient[index] - normal.matrix[np.ix_(index, held)] @ step[held]
+    matrix, right = normal.matrix, -normal.gradient
+    if not free.all():
+        index, held = np.flatnonzero(free), np.flatnonzero(~free)
+        matrix = normal.matrix[np.ix_(index, index)]
+        right = right[index] - normal.matrix[np.ix_(index, held)] @ step[held]
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = matrix / np.outer(size, size)
-    scaled[np.diag_indices_from(scaled)] += damping
+    scaled = matrix / (size[:, None] * size)
+    scaled.reshape(-1)[:: size.size + 1] += damping
     _, solution, info = lapack.dposv(scaled, right / size, lower=1)
     if info != 0:
         solution = np.linalg.lstsq(scaled, right / size, rcond=1e-12)[0]

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 
 import numpy as np
 
@@ -23,7 +26,8 @@ def _factors(product: str) -> dict[str, int]:
     return found
 
 
-def exponents(unit: str) -> dict[str, int]:
+@cache
+def exponents(unit: str) -> Mapping[str, int]:
     """Exponents of the base units in a unit such as ``N·s²/m²``; ``kg`` counts as N·s²/m."""
     numerator, _, denominator = unit.partition("/")
     total = _factors(numerator)
@@ -32,7 +36,7 @@ def exponents(unit: str) -> dict[str, int]:
     mass = total.pop("kg", 0)
     for name, power in (("N", mass), ("s", 2 * mass), ("m", -mass)):
         total[name] = total.get(name, 0) + power
-    return {name: power for name, power in total.items() if power}
+    return MappingProxyType({name: power for name, power in total.items() if power})
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -62,26 +63,28 @@ class Model:
             )
         return replace(self, effects=(*self.effects, effect))
 
-    @property
+    @cached_property
     def effect_names(self) -> tuple[str, ...]:
         """Canonical names of the effects, sorted."""
         return tuple(effect.name for effect in self.effects)
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: mass, damping, stiffness, then those of each effect in turn."""
         return PLANT_PARAMETERS + tuple(p for effect in self.effects for p in effect.parameters)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of ``parameters``."""
         return tuple(parameter.name for parameter in self.parameters)
 
-    @property
+    @cached_property
     def values(self) -> FloatArray:
-        """Values of ``parameters``, (p,)."""
+        """Values of ``parameters``, (p,); not to be written to."""
         own = (self.mass, self.damping, self.stiffness)
-        return np.array(own + tuple(v for effect in self.effects for v in effect.values), dtype=np.float64)
+        values = np.array(own + tuple(v for effect in self.effects for v in effect.values), dtype=np.float64)
+        values.setflags(write=False)
+        return values
 
     def with_values(self, values: Mapping[str, float] | npt.ArrayLike) -> Model:
         """The same model with other values: some by name, or all in the order of ``names``."""
