@@ -230,8 +230,8 @@ class Search:
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
         """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""
-        if not tasks:
-            return []
+        if len(tasks) < 2:
+            return [work(task) for task in tasks]
         with _quick_turns(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
             jobs = {pool.submit(stopping.carried(work), task): i for i, task in enumerate(tasks)}
             results: dict[int, _Done] = {}

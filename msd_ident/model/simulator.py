@@ -62,6 +62,21 @@ def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     simulate(Model(mass=1.0, damping=1.0, stiffness=1.0), record)
 
 
+#: Records of up to this many samples keep what the solver plans for them: many models are tried on one record.
+_KEPT = 50_000
+
+
+def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
+    kept: tuple[Any, ...] | None = record.__dict__.get("_plan")
+    if kept is not None:
+        return kept
+    given = (record.time, record.force_time, record.force, record.hold == "linear")
+    plan = given + tuple(entries.plan(*given))
+    if record.samples <= _KEPT:
+        record.__dict__["_plan"] = plan
+    return plan
+
+
 class Simulator:
     """A model's structure and a record's force, ready to be simulated many times.
 
@@ -78,8 +93,7 @@ class Simulator:
         self._run = entries.run
         self._bits = laws.bits(*model.effect_names)
         self._place: IntArray = np.array([laws.INDEX[name] for name in model.names], dtype=np.int64)
-        given = (record.time, record.force_time, record.force, record.hold == "linear")
-        self._plan = given + tuple(entries.plan(*given))
+        self._plan = _plan(record, entries)
         self._nothing: FloatArray = np.empty((1, 0))
 
     def _row(self, values: npt.ArrayLike, position: float, velocity: float) -> FloatArray:
