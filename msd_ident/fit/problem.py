@@ -6,7 +6,7 @@ record, its own initial position, initial velocity and zero where these are free
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -28,6 +28,7 @@ _RELATIVE_STEP = 1e-5
 _LONG_RECORD = 200_000
 #: Fewest samples a swing, and altogether, that a thinned record keeps.
 _FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
+_BLOCK = 8192
 #: A simulation that blows up counts as an error of this many amplitudes.
 _BLOWN_UP = 1e6
 
@@ -160,8 +161,9 @@ class Problem:
             points[-1] = vector
         rows = self.residuals(points, record)
         jacobian = rows[1:]
-        jacobian -= rows[0]
-        jacobian /= steps[entries][:, None]
+        for block in blocks(rows.shape[1]):
+            jacobian[:, block] -= rows[0, block]
+            jacobian[:, block] /= steps[entries][:, None]
         if zero:
             jacobian[-1] = 1.0
         return rows[0], jacobian
@@ -238,10 +240,13 @@ class Problem:
         for column, entry in self._own[record]:
             states[:, column] = points[:, entry]
         rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
-        rows -= self.records[record].position
-        if states[:, 2].any():
-            rows += states[:, 2:]
-        return self._tamed(rows)
+        for block in blocks(rows.shape[1]):
+            part = rows[:, block]
+            part -= self.records[record].position[block]
+            if states[:, 2].any():
+                part += states[:, 2:]
+            self._tame(part)
+        return rows
 
     @cached_property
     def _own(self) -> tuple[tuple[tuple[int, int], ...], ...]:
@@ -249,14 +254,18 @@ class Problem:
         places = [(n.record, (_KINDS.index(n.kind), len(self.free) + j)) for j, n in enumerate(self.nuisances)]
         return tuple(tuple(place for r, place in places if r == record) for record in range(len(self.records)))
 
-    def _tamed(self, rows: FloatArray) -> FloatArray:
+    def _tame(self, rows: FloatArray) -> None:
         worst = _BLOWN_UP * self.typical.length
-        flat = rows.reshape(-1)
         # No entry is greater than the root of the squares, which cost less than a search; false for NaN.
-        if flat @ flat <= worst**2 or (rows.max() <= worst and rows.min() >= -worst):
-            return rows
+        if np.vdot(rows, rows) <= worst**2 or (rows.max() <= worst and rows.min() >= -worst):
+            return
         np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
-        return np.asarray(np.clip(rows, -worst, worst, out=rows))
+        np.clip(rows, -worst, worst, out=rows)
+
+
+def blocks(samples: int) -> Iterator[slice]:
+    """Slices of all samples, short enough that several passes over a Jacobian's part find it in the cache."""
+    return (slice(begin, begin + _BLOCK) for begin in range(0, samples, _BLOCK))
 
 
 def _thinned(record: Record, every: int) -> Record:
