@@ -21,13 +21,10 @@ _REACH = 4
 
 def _asked_once(what: Callable[[Record], float]) -> Callable[[Record], float]:
     """The same, kept with the record, whose samples never change."""
-    name = f"_{what.__name__}"
 
     @wraps(what)
     def known(record: Record) -> float:
-        if name not in record.__dict__:
-            record.__dict__[name] = what(record)
-        return float(record.__dict__[name])
+        return record.kept(what.__name__, lambda: what(record))
 
     return known
 

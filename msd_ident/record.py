@@ -7,9 +7,10 @@ changes and an encoder value every millisecond. ``time`` belongs to ``position``
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +29,11 @@ SHORTEST_PERIOD, LONGEST_DURATION = 1e-10, 1e12
 
 #: A sample that comes later than this [s] behind a newer one was not merely overtaken on the way.
 LATEST_SECONDS = 1.0
+
+
+_Made = TypeVar("_Made")
+#: Samples of a record up to which it keeps what was found out about it: on these, models are tried by the hundred.
+_ROOM = 50_000
 
 
 def _frozen(values: npt.ArrayLike, what: str) -> FloatArray:
@@ -190,6 +196,22 @@ class Record:
     def shared_clock(self) -> bool:
         """Whether force and position have the very same stamps."""
         return self.time.size == self.force_time.size and bool(np.array_equal(self.time, self.force_time))
+
+    def kept(self, name: Hashable, make: Callable[[], _Made]) -> _Made:
+        """What ``make`` finds out about this record, which never changes; kept where there is room for it."""
+        if self.samples > _ROOM:
+            return make()
+        if name not in self._kept:
+            self._kept[name] = make()
+        made: _Made = self._kept[name]
+        return made
+
+    @cached_property
+    def _kept(self) -> dict[Hashable, Any]:
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def force_at(self, time: npt.ArrayLike) -> FloatArray:
         """Force at any instants [s], as ``hold`` says; 0 before the first stamp."""

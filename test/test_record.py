@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -150,3 +151,17 @@ def test_seconds_count_from_the_first_position() -> None:
 def test_batches_are_stamped_by_their_period() -> None:
     assert batch_stamps(10**18 + 1, 33, 4).tolist() == [10**18 + 1 + 33 * i for i in range(4)]
     assert batch_stamps(5, 33, 0).size == 0
+
+
+def test_what_was_found_out_is_kept_with_this_very_record_alone() -> None:
+    record = from_samples(np.arange(30.0), np.ones(30), np.arange(30.0))
+    asked: list[int] = []
+
+    def find() -> int:
+        asked.append(1)
+        return 7
+
+    assert [record.kept("size", find), record.kept("size", find)] == [7, 7] and len(asked) == 1
+    copied = pickle.loads(pickle.dumps(record))
+    assert copied.kept("size", lambda: 8) == 8
+    assert dataclasses.replace(record, name="other").kept("size", lambda: 9) == 9

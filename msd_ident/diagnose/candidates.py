@@ -120,9 +120,9 @@ def posed(
 
 def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
     """A problem in units of the noise, each run of equal readings counted once; samples with mask 0 left out."""
-    factors = [part.factor for part in readings]
-    if masks is not None:
-        factors = [factor * mask for factor, mask in zip(factors, masks, strict=True)]
+    if masks is None:
+        return Weighting(problem, tuple(part.root for part in readings))
+    factors = [part.factor * mask for part, mask in zip(readings, masks, strict=True)]
     return Weighting(problem, tuple(np.sqrt(factor) for factor in factors))
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +44,7 @@ class Readings:
     runs: npt.NDArray[np.intp]
     step: float = 0.0
 
-    @property
+    @cached_property
     def evidence(self) -> float:
         """Pieces of evidence in all samples."""
         return float(self.weight.sum())
@@ -53,10 +54,15 @@ class Readings:
         """Whether rounding rules: readings repeat far more often than noise would let them, or it is all the noise."""
         return self.evidence < 0.8 * self.record.samples or self.noise < _ALL_ROUNDING * self.step
 
-    @property
+    @cached_property
     def factor(self) -> FloatArray:
         """(n,) weight over noise squared: what a squared residual is multiplied by."""
         return self.weight / self.noise**2
+
+    @cached_property
+    def root(self) -> FloatArray:
+        """(n,) root of ``factor``: what turns a residual into units of the noise."""
+        return np.asarray(np.sqrt(self.factor))
 
     def thinned(self, keep: int) -> Readings:
         """Every so many samples, about ``keep`` of them, the force left as it is; itself when it has no more."""

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -32,6 +33,8 @@ LINEAR = (
     "quadratic_stiffness",
     "stop_stiffness",
 )
+#: Those of them that every regression has: the integrals of x by parts, and the constant.
+_MOTION = ("mass", "damping", "stiffness", "offset_force")
 _NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient", "stop_stiffness")
 _WIDTHS = (6, 16, 42, 110, 290)
 _MOST_PLACES = 4000
@@ -78,15 +81,15 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
     # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
     held = [steady and relaxed for relaxed in regression.relaxed]
     levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
-    grids = [_uniform(record, level) for record, level in zip(records, levels, strict=True)]
-    states = [starting_state(record) for record in records]
+    states = [record.kept("starting state", partial(starting_state, record)) for record in records]
     names = [name for name in LINEAR if name in regression.given]
     found = []
     for half in _WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
         stop = regression.given.get("stop_position", 0.0)
-        values = _regress([_rows(grid, half, names, stop) for grid in grids], regression, held)
+        parts = zip(records, levels, strict=True)
+        values = _regress([_rows(record, level, half, names, stop) for record, level in parts], regression, held)
         if values is None:
             continue
         zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
@@ -129,32 +132,50 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     return np.asarray((position[after] - position[before]) / (period * (after - before)))
 
 
-def _rows(grid: _Grid, half: int, names: Collection[str], stop: float) -> _Rows:
-    period, position = grid.period, grid.position
-    velocity = _velocity(position, period, max(half // 2, 2))
-    slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
-    direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
-    s = np.linspace(-1.0, 1.0, 2 * half + 1)
-    bump = (1.0 - s**2) ** 3
-    # Derivatives of the bump as differences: then the sums by parts hold exactly for the differences of x.
-    padded = np.concatenate(([0.0], bump, [0.0]))
-    slope = (padded[2:] - padded[:-2]) / (2.0 * period)
-    bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
-    stride = max(half // 2, -(-position.size // _MOST_PLACES))
+class _Means:
+    """A record's signals times a smooth bump, summed at places where the cart moves: columns (r,) of a regression.
 
-    def over(signal: FloatArray, *weights: FloatArray) -> FloatArray:
-        return np.asarray(sliding_window_view(signal, 2 * half + 1)[::stride] @ np.stack(weights, axis=1))
+    Attributes:
+        constant, force: of 1 and of the force.
+    """
 
-    # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-    moving = over(np.abs(direction), bump)[:, 0] > 0.7 * float(bump.sum())
-    motion = over(position, bend, -slope, bump)[moving]
-    columns = {"mass": motion[:, 0], "damping": motion[:, 1], "stiffness": motion[:, 2]}
-    constant = np.full(motion.shape[0], float(bump.sum()))
-    columns["offset_force"] = constant
-    for name in names:
-        if name not in columns:
-            columns[name] = over(_signal(name, position, velocity, direction, stop), bump)[moving, 0]
-    return _Rows(columns, constant, over(grid.force, bump)[moving, 0])
+    def __init__(self, grid: _Grid, half: int) -> None:
+        period, position = grid.period, grid.position
+        self._grid, self._half = grid, half
+        self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
+        slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
+        self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
+        s = np.linspace(-1.0, 1.0, 2 * half + 1)
+        self._bump = bump = (1.0 - s**2) ** 3
+        # Derivatives of the bump as differences: then the sums by parts hold exactly for the differences of x.
+        padded = np.concatenate(([0.0], bump, [0.0]))
+        slope = (padded[2:] - padded[:-2]) / (2.0 * period)
+        bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
+        self._stride = max(half // 2, -(-position.size // _MOST_PLACES))
+        # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
+        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > 0.7 * float(bump.sum())
+        motion = self._over(position, bend, -slope, bump)[self._moving]
+        self.constant = np.full(motion.shape[0], float(bump.sum()))
+        self.force = self._over(grid.force, bump)[self._moving, 0]
+        self._columns = {("mass", 0.0): motion[:, 0], ("damping", 0.0): motion[:, 1], ("stiffness", 0.0): motion[:, 2]}
+        self._columns["offset_force", 0.0] = self.constant
+
+    def _over(self, signal: FloatArray, *weights: FloatArray) -> FloatArray:
+        windows = sliding_window_view(signal, 2 * self._half + 1)[:: self._stride]
+        return np.asarray(windows @ np.stack(weights, axis=1))
+
+    def column(self, name: str, stop: float) -> FloatArray:
+        """Of what a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
+        key = name, stop if name == "stop_stiffness" else 0.0
+        if key not in self._columns:
+            signal = _signal(name, self._grid.position, self._velocity, self._direction, stop)
+            self._columns[key] = self._over(signal, self._bump)[self._moving, 0]
+        return self._columns[key]
+
+
+def _rows(record: Record, level: float, half: int, names: Collection[str], stop: float) -> _Rows:
+    means = record.kept(("means", level, half), lambda: _Means(_uniform(record, level), half))
+    return _Rows({name: means.column(name, stop) for name in (*_MOTION, *names)}, means.constant, means.force)
 
 
 def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float) -> FloatArray:

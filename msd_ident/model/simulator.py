@@ -62,19 +62,13 @@ def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     simulate(Model(mass=1.0, damping=1.0, stiffness=1.0), record)
 
 
-#: Records of up to this many samples keep what the solver plans for them: many models are tried on one record.
-_KEPT = 50_000
-
-
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
-    kept: tuple[Any, ...] | None = record.__dict__.get("_plan")
-    if kept is not None:
-        return kept
     given = (record.time, record.force_time, record.force, record.hold == "linear")
-    plan = given + tuple(entries.plan(*given))
-    if record.samples <= _KEPT:
-        record.__dict__["_plan"] = plan
-    return plan
+
+    def made() -> tuple[Any, ...]:
+        return given + tuple(entries.plan(*given))
+
+    return record.kept("plan", made)
 
 
 class Simulator:
