@@ -121,7 +121,7 @@ class _Search:
 
     def model(self, point: FloatArray) -> Model:
         """The model at a point (k,), which is clipped to the bounds."""
-        values = self.start.values
+        values = self.start.values.copy()
         values[self.free] = np.clip(point, self.lower, self.upper) * self.scale
         return self.start.with_values(values)
 
