@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -173,6 +174,20 @@ def test_command_starts_without_heavy_libraries() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "Usage" in done.stdout
     assert heavy & {name.split(".")[0] for name in done.stdout.splitlines()[-1].split()} == set()
+
+
+@pytest.mark.parametrize(("own", "found"), [(None, "1"), ("3", "3")])
+def test_blas_has_one_thread_unless_the_user_says_otherwise(own: str | None, found: str) -> None:
+    """Known before numpy is loaded, or it would not hear of it."""
+    code = (
+        "import os, sys, msd_ident; print('numpy' in sys.modules, os.environ['OPENBLAS_NUM_THREADS']); "
+        "import msd_ident.cli.main, numpy"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    if own is not None:
+        environment["OPENBLAS_NUM_THREADS"] = own
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.split() == ["False", found]
 
 
 @pytest.mark.xdist_group("house")

@@ -15,6 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
+import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one thread of BLAS
 from bench.blind import plan, told
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.picture import draw
