@@ -7,11 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from msd_ident.fit.problem import Problem, blocks
+from msd_ident.fit.problem import Problem
 from msd_ident.fit.solver import Normal
 from msd_ident.record import FloatArray
 
 Loss = Literal["linear", "soft_l1"]
+_BLOCK = 65_536
 
 
 @dataclass
@@ -51,10 +52,8 @@ class SquaredError:
             cost += self._cost(residual, r)
             entries = problem.entries(r)
             weight = self._weight(residual, r)
-            for block in blocks(residual.size):
-                part, own = jacobian[:, block], None if weight is None else weight[block]
-                gradient[entries] += part @ (residual[block] if own is None else own * residual[block])
-                matrix[np.ix_(entries, entries)] += gram(part, own)
+            gradient[entries] += jacobian @ (residual if weight is None else weight * residual)
+            matrix[np.ix_(entries, entries)] += gram(jacobian, weight)
         self._steps = self.coarse * problem.steps(matrix)
         for balance in problem.balances:
             value, slope = problem.imbalance(point, balance)
@@ -84,9 +83,9 @@ class SquaredError:
 def gram(jacobian: FloatArray, weight: FloatArray | None = None) -> FloatArray:
     """J W Jᵀ (p, p) of a Jacobian (p, n), block by block so that no second Jacobian is made."""
     total = np.zeros((jacobian.shape[0], jacobian.shape[0]))
-    for block in blocks(jacobian.shape[1]):
-        part = jacobian[:, block]
-        total += (part if weight is None else part * weight[block]) @ part.T
+    for start in range(0, jacobian.shape[1], _BLOCK):
+        block = jacobian[:, start : start + _BLOCK]
+        total += (block if weight is None else block * weight[start : start + _BLOCK]) @ block.T
     return total
 
 

@@ -6,7 +6,7 @@ record, its own initial position, initial velocity and zero where these are free
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -28,7 +28,6 @@ _RELATIVE_STEP = 1e-5
 _LONG_RECORD = 200_000
 #: Fewest samples a swing, and altogether, that a thinned record keeps.
 _FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
-_BLOCK = 8192
 #: A simulation that blows up counts as an error of this many amplitudes.
 _BLOWN_UP = 1e6
 
@@ -161,9 +160,8 @@ class Problem:
             points[-1] = vector
         rows = self.residuals(points, record)
         jacobian = rows[1:]
-        for block in blocks(rows.shape[1]):
-            jacobian[:, block] -= rows[0, block]
-            jacobian[:, block] /= steps[entries][:, None]
+        jacobian -= rows[0]
+        jacobian /= steps[entries][:, None]
         if zero:
             jacobian[-1] = 1.0
         return rows[0], jacobian
@@ -240,12 +238,10 @@ class Problem:
         for column, entry in self._own[record]:
             states[:, column] = points[:, entry]
         rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
-        for block in blocks(rows.shape[1]):
-            part = rows[:, block]
-            part -= self.records[record].position[block]
-            if states[:, 2].any():
-                part += states[:, 2:]
-            self._tame(part)
+        rows -= self.records[record].position
+        if states[:, 2].any():
+            rows += states[:, 2:]
+        self._tame(rows)
         return rows
 
     @cached_property
@@ -261,11 +257,6 @@ class Problem:
             return
         np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
         np.clip(rows, -worst, worst, out=rows)
-
-
-def blocks(samples: int) -> Iterator[slice]:
-    """Slices of all samples, short enough that several passes over a Jacobian's part find it in the cache."""
-    return (slice(begin, begin + _BLOCK) for begin in range(0, samples, _BLOCK))
 
 
 def _thinned(record: Record, every: int) -> Record:
