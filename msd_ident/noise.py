@@ -24,7 +24,7 @@ def _asked_once(what: Callable[[Record], float]) -> Callable[[Record], float]:
 
     @wraps(what)
     def known(record: Record) -> float:
-        return record.kept(what.__name__, lambda: what(record))
+        return record.kept(what.__name__, lambda: what(record), small=True)
 
     return known
 

@@ -197,9 +197,9 @@ class Record:
         """Whether force and position have the very same stamps."""
         return self.time.size == self.force_time.size and bool(np.array_equal(self.time, self.force_time))
 
-    def kept(self, name: Hashable, make: Callable[[], _Made]) -> _Made:
-        """What ``make`` finds out about this record, which never changes; kept where there is room for it."""
-        if self.samples > _ROOM:
+    def kept(self, name: Hashable, make: Callable[[], _Made], *, small: bool = False) -> _Made:
+        """What ``make`` finds out about this record, which never changes; kept where it is small or there is room."""
+        if self.samples > _ROOM and not small:
             return make()
         if name not in self._kept:
             self._kept[name] = make()

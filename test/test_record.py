@@ -162,6 +162,9 @@ def test_what_was_found_out_is_kept_with_this_very_record_alone() -> None:
         return 7
 
     assert [record.kept("size", find), record.kept("size", find)] == [7, 7] and len(asked) == 1
+    long = from_samples(np.arange(60_000.0), np.ones(60_000), np.arange(60_000.0))
+    assert [long.kept("size", find, small=True) for _ in range(2)] == [7, 7] and len(asked) == 2
+    assert [long.kept("curve", find) for _ in range(2)] == [7, 7] and len(asked) == 4
     copied = pickle.loads(pickle.dumps(record))
     assert copied.kept("size", lambda: 8) == 8
     assert dataclasses.replace(record, name="other").kept("size", lambda: 9) == 9
