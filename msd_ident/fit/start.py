@@ -81,6 +81,10 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
     # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
     held = [steady and relaxed for relaxed in regression.relaxed]
     levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
+    grids = [
+        record.kept(("grid", level), partial(_uniform, record, level))
+        for record, level in zip(records, levels, strict=True)
+    ]
     states = [record.kept("starting state", partial(starting_state, record)) for record in records]
     names = [name for name in LINEAR if name in regression.given]
     found = []
@@ -88,8 +92,11 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
         if 2 * half + 1 > shortest // 3:
             break
         stop = regression.given.get("stop_position", 0.0)
-        parts = zip(records, levels, strict=True)
-        values = _regress([_rows(record, level, half, names, stop) for record, level in parts], regression, held)
+        smoothed = [
+            record.kept(("means", level, half), partial(_Means, grid, half))
+            for record, grid, level in zip(records, grids, levels, strict=True)
+        ]
+        values = _regress([means.rows(names, stop) for means in smoothed], regression, held)
         if values is None:
             continue
         zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
@@ -172,10 +179,9 @@ class _Means:
             self._columns[key] = self._over(signal, self._bump)[self._moving, 0]
         return self._columns[key]
 
-
-def _rows(record: Record, level: float, half: int, names: Collection[str], stop: float) -> _Rows:
-    means = record.kept(("means", level, half), lambda: _Means(_uniform(record, level), half))
-    return _Rows({name: means.column(name, stop) for name in (*_MOTION, *names)}, means.constant, means.force)
+    def rows(self, names: Collection[str], stop: float) -> _Rows:
+        """The rows of a regression on these parameters."""
+        return _Rows({name: self.column(name, stop) for name in (*_MOTION, *names)}, self.constant, self.force)
 
 
 def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float) -> FloatArray:
