@@ -7,6 +7,7 @@ begin to object, with the plant refitted around it; those that may be of any siz
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -27,6 +28,8 @@ from msd_ident.record import FloatArray, Record
 #: Sizes against the library's own guess that are worth a test.
 _SMALLEST = 0.1
 _SHRINKS = 4
+#: Rise of chi² from which on an effect does not hide at the smallest of these sizes either, by far.
+_HOPELESS = 100.0 * SILENT / _SMALLEST**2
 #: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
 _PLAYS = (1.0, 0.5, 0.25, 0.12)
 _SAMPLES = 1200
@@ -104,7 +107,7 @@ def _largest(lead: Contender, guess: Effect, shrinking: str, data: Measured) -> 
     for _ in range(_SHRINKS):
         values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
         effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
-        rival, rise = _refitted(lead, effect, data)
+        rival, rise = _refitted(lead, effect, data, _HOPELESS)
         if rise <= SILENT:
             return share, rival
         share *= float(np.clip(0.9 * np.sqrt(SILENT / rise), 0.02, 0.7))
@@ -113,16 +116,16 @@ def _largest(lead: Contender, guess: Effect, shrinking: str, data: Measured) -> 
     return None
 
 
-def _refitted(lead: Contender, effect: Effect, data: Measured) -> tuple[Contender, float]:
+def _refitted(lead: Contender, effect: Effect, data: Measured, hopeless: float = math.inf) -> tuple[Contender, float]:
     """The rival with the lead's parameters refitted around the effect, and the rise of chi² that is left.
 
     The lead's readings stand for the data, so that the rise is the effect's own, without the noise.
     """
-    tries = [_around(lead, lead.model + effect, effect, data)]
+    tries = [_around(lead, lead.model + effect, effect, data, hopeless)]
     gain = _gain(effect, data.records)
     if gain > 0.0 and gain != 1.0:  # another gain is another unit of force: no small step from one to the other
         model = lead.model.with_values(in_force_unit(lead.model, gain)) + effect
-        tries.append(_around(lead, model, effect, data))
+        tries.append(_around(lead, model, effect, data, hopeless))
     return min(tries, key=lambda one: one[1])
 
 
@@ -144,11 +147,11 @@ def _playing(kind: type[Effect], lead: Contender, record: Record, shrinking: str
             if not any(spread > known[r] + 0.5 * share * least for r, spread in wider.items() if r in known):
                 return None  # the cart begins where it would without the effect
             held = tuple(len(lead.free) + 2 * r for r in range(len(data.records)))
-            found.append(settled(lead, trial, len(lead.free), data, held))
+            found.append(settled(lead, trial, len(lead.free), data, held, _HOPELESS))
     if not found:
         return None
     nearest = min(found, key=lambda one: one[1])[0]
-    rival, rise, information = settled(lead, nearest, len(nearest.free), data)
+    rival, rise, information = settled(lead, nearest, len(nearest.free), data, hopeless=_HOPELESS)
     if rise > SILENT or rival.model[shrinking] < _SMALLEST * least:
         return None
     return _told(lead, rival, rise, information)
@@ -170,9 +173,9 @@ def _gain(effect: Effect, records: Sequence[Record]) -> float:
     return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0
 
 
-def _around(lead: Contender, model: Model, effect: Effect, data: Measured) -> tuple[Contender, float]:
+def _around(lead: Contender, model: Model, effect: Effect, data: Measured, hopeless: float) -> tuple[Contender, float]:
     """The same from one start."""
-    trial, rise, information = settled(lead, _trial(lead, model, effect, data), len(lead.free), data)
+    trial, rise, information = settled(lead, _trial(lead, model, effect, data), len(lead.free), data, hopeless=hopeless)
     return _told(lead, trial, rise, information), rise
 
 

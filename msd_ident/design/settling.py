@@ -5,6 +5,7 @@ The lead's own readings stand for the data, so that what is left is the differen
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -19,8 +20,8 @@ from msd_ident.record import FloatArray, Record
 
 #: Rise of chi² below which the data cannot object.
 SILENT = 12.0
-#: Steps; rises that no step so far promised to fall below after so many: the rival is given up.
-_ROUNDS, _HOPELESS, _ENOUGH = 14, 1e4 * SILENT, 4
+#: Steps, and those after which a rival may be given up as hopeless.
+_ROUNDS, _ENOUGH = 14, 4
 #: Damping at which a fit gives up.
 _STUCK = 1e6
 
@@ -47,7 +48,12 @@ class Measured:
 
 
 def settled(
-    lead: Contender, trial: Contender, moving: int, data: Measured, held: Sequence[int] = ()
+    lead: Contender,
+    trial: Contender,
+    moving: int,
+    data: Measured,
+    held: Sequence[int] = (),
+    hopeless: float = math.inf,
 ) -> tuple[Contender, float, FloatArray]:
     """A trial moved to where it leaves least: the trial there, the rise of chi² over the lead's own, information.
 
@@ -59,6 +65,7 @@ def settled(
         moving: how many of its free parameters are fitted, the first ones.
         data: what was measured.
         held: entries that stay: after the parameters come each record's start position and zero.
+        hopeless: rise beyond which the trial is of no use: given up where no step so far promises less.
     """
     resting, own = data.resting(trial), data.resting(lead)
     base = sum((_imbalance(lead, r)[0] / spread) ** 2 for r, spread in own.items())
@@ -77,8 +84,8 @@ def settled(
         move, left = best.step(damping, held)
         trial, rise = _shifted(best.trial, move, moving), left - base
         promised = min(promised, rise)
-        hopeless = turn + 1 >= _ENOUGH and promised > _HOPELESS
-        if slow or hopeless or rise < 0.2 * SILENT or damping > _STUCK:
+        vain = turn + 1 >= _ENOUGH and promised > hopeless
+        if slow or vain or rise < 0.2 * SILENT or damping > _STUCK:
             break
     assert best is not None
     return trial, rise, best.information

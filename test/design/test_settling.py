@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from designrigs import stepped
 
+from msd_ident.design import latent, settling
 from msd_ident.design.latent import beside
+from msd_ident.design.prediction import sensing
 from msd_ident.model import Model
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
@@ -27,3 +31,25 @@ def test_what_no_reading_holds_stays_where_it_was() -> None:
     rival = beside(replace(diagnosis, contenders=(shaken,)), CubicSpring(2e5))
     sizes = dict(zip(shaken.free, scale, strict=True))
     assert all(abs(rival.model[name] - value) < 30.0 * sizes[name] for name, value in faint.items())
+
+
+def test_what_can_not_hide_is_given_up_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A spring bent so much that no step brings it near: looked at to the end only for whoever asks for this size."""
+    diagnosis = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
+    lead, effect = diagnosis.contenders[0], CubicSpring(-3.2e5)
+    data = latent._measured(diagnosis, sensing(diagnosis.records, diagnosis.noise_floor))
+    trial = latent._trial(lead, lead.model + effect, effect, data)
+    looks: list[int] = []
+    real = settling._linearised
+
+    def counted(*args: object) -> object:
+        looks[-1] += 1
+        return real(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(settling, "_linearised", counted)
+    rises = []
+    for hopeless in (latent._HOPELESS, math.inf):
+        looks.append(0)
+        rises.append(settling.settled(lead, trial, len(lead.free), data, hopeless=hopeless)[1])
+    assert looks[0] == settling._ENOUGH < looks[1]
+    assert min(rises) > latent._HOPELESS
