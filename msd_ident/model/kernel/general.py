@@ -1,7 +1,8 @@
 """The general path: any smooth law, integrated step by step between located events.
 
-While nothing happens each segment is one step of fourth order; a segment with an event in it, or one that needs smaller
-steps, is left to ``passage``. Names: see ``rk``.
+While nothing happens each segment is one step: from the accelerations of the steps before where the force has gone on
+as it was, else of fourth order. A segment with an event in it, or one that needs smaller steps, is left to ``passage``.
+Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -12,14 +13,17 @@ from __future__ import annotations
 import numpy as np
 
 from msd_ident.model.kernel import laws
+from msd_ident.model.kernel.adams import PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
-from msd_ident.model.kernel.passage import RETRY, calm, needs_fifth, passage, place_of
+from msd_ident.model.kernel.passage import RETRY, calm, near_turn, passage, place_of
 from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, applied_first, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
 #: an order below the step's own, so the motion is better than this by far.
-TOLERANCE4, TOLERANCE5 = 2e-7, 2e-8
+TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
+#: Steps are even when their lengths differ by no more than this part.
+_EVEN = 1e-7
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
 STEPS_A_SEGMENT, STEPS = 120, 100_000
 
@@ -29,6 +33,19 @@ def _drive(start, level, slope, transient, decay, j):
     """Force on segment j, see ``rk``."""
     rise = slope[j] if slope.size > 0 else 0.0
     return start[j], level[j], rise, transient[j] if transient.size > 0 else 0.0, decay
+
+
+@inlined
+def _goes_on(j, length, level, slope):
+    """Whether segment j is as long as the one before, and the force on it the same held one."""
+    held = slope.size == 0 or (slope[j] == 0.0 and slope[j - 1] == 0.0)
+    return held and level[j] == level[j - 1] and abs(length[j] - length[j - 1]) <= _EVEN * length[j]
+
+
+@inlined
+def _later(value, past):
+    """The past values one step later."""
+    return value, past[0], past[1], past[2], past[3]
 
 
 # fmt: off
@@ -44,13 +61,27 @@ def _cruise(
     force just before it.
     """
     keep = out_v.size > 0
+    known = 0
+    past, past_c = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
     while j < length.size:
         left = length[j]
         drive = _drive(start, level, slope, transient, decay, j)
         # Position and velocity go on smoothly, so only the force can have jumped.
         a0 = a + (applied_first(drive) - before) * world[1]
-        fifth = needs_fifth(quick, left, longest4, v, a0)
-        if fifth:
+        turning = quick and near_turn(left, v, a0)
+        fifth = turning or left > longest4
+        known = known if known > 0 and _goes_on(j, length, level, slope) else 0
+        accurate = False
+        if known == PAST and not turning:
+            x1, v1, a1, y1, u1, c1, error = step_adams(
+                world, p, w, place, drive, s, left, x, v, a0, y, u, c, past, past_c, tolerances[4]
+            )
+            accurate = error <= tolerances[4]
+            if accurate:
+                longest4 *= RETRY
+            elif not fifth:
+                known = -1
+        if not accurate and fifth:
             if left > longest5:
                 break
             x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
@@ -58,7 +89,7 @@ def _cruise(
             )
             accurate = error_x <= tolerances[2] and error_v <= tolerances[3]
             longest4 *= RETRY
-        else:
+        elif not accurate:
             x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, 0.0, left, x, v, a0, y, u, c)
             accurate = error_x <= tolerances[0] and error_v <= tolerances[1]
             if not accurate:
@@ -67,6 +98,8 @@ def _cruise(
             break
         if eventful and not calm(s, low, high, a0, x1, v1, a1):
             break
+        past, past_c = _later(a0, past), _later(c, past_c)
+        known = min(known + 1, PAST)
         x, v, a, y, u, c = x1, v1, a1, y1, u1, c1
         before = applied(drive, left)
         j += 1
@@ -109,7 +142,10 @@ def general(
     quick = (active & laws.QUICK_BITS) != 0
     world = (active, 1.0 / m, b, constant, second[0], second[1], second[2])
     held = (active, 0.0, b, constant, second[0], second[1], second[2])
-    tolerances = (TOLERANCE4 * scales[0], TOLERANCE4 * scales[1], TOLERANCE5 * scales[0], TOLERANCE5 * scales[1])
+    tolerances = (
+        TOLERANCE4 * scales[0], TOLERANCE4 * scales[1], TOLERANCE5 * scales[0], TOLERANCE5 * scales[1],
+        TOLERANCE_ADAMS * scales[1],
+    )  # fmt: skip
     k = np.zeros(STAGES)
     out_x[0] = x
     if keep:

@@ -56,9 +56,9 @@ def calm(s, low, high, a, x1, v1, a1):
 
 
 @inlined
-def needs_fifth(quick, left, longest4, v, a):
-    """Whether a step to the end of the segment must be of fifth order: next to a turn where a law is ``quick``."""
-    return left > longest4 or (quick and abs(v) < 2.0 * abs(a) * left)
+def near_turn(left, v, a):
+    """Whether the cart turns about within the segment: there a ``quick`` law asks for fifth order."""
+    return abs(v) < 2.0 * abs(a) * left
 
 
 @lean
@@ -178,7 +178,7 @@ def passage(world, held, p, w, edges, springs, drive, length, eventful, restless
             continue
         left = length - t
         place = place_of(springs, i)
-        fifth = needs_fifth(quick, left, longest4, v, a)
+        fifth = left > longest4 or (quick and near_turn(left, v, a))
         h, error, x1, v1, a1, y1, u1, c1 = _attempt(
             world, p, w, place, drive, s, t, left, fifth, longest5, x, v, a, y, u, c, tolerances, k
         )

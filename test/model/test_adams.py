@@ -1,0 +1,52 @@
+"""Steps from the accelerations of the steps before."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.hysteresis import Hysteresis
+from msd_ident.model.effects.second_mode import SecondMode
+from msd_ident.model.kernel.adams import _weights
+from msd_ident.model.model import Model
+from msd_ident.record import Record
+
+PLANT = Plant(0.94, 3.9, 694.0)
+
+
+@pytest.mark.parametrize("nodes", [(0, -1, -2, -3, -4), (1, 0, -1, -2, -3, -4)])
+def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
+    once, twice = _weights(nodes)
+    random = np.random.default_rng(1)
+    for degree in range(len(nodes)):
+        acceleration = Polynomial(random.normal(size=degree + 1))
+        values = acceleration(np.array(nodes))
+        velocity = acceleration.integ()
+        assert once @ values == pytest.approx(velocity(1.0), rel=1e-12)
+        assert twice @ values == pytest.approx(velocity.integ()(1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        PLANT + CubicSpring(2e5),
+        PLANT + Cogging(0.3, 0.01, 0.4),
+        PLANT + Hysteresis(0.4, 0.003),
+        PLANT + SecondMode(0.2, 800.0, 0.5) + CubicSpring(2e5),
+    ],
+    ids=lambda model: "+".join(model.effect_names),
+)
+def test_even_samples_give_the_motion_that_odd_ones_give(model: Model) -> None:
+    """Between even samples one more at an odd place, so that every step is made from itself alone."""
+    even = np.arange(3000) / 1000.0
+    both = np.sort(np.concatenate([even, even[:-1] + 0.00037]))
+    at, force = np.array([0.0, 0.7, 1.4, 2.2]), np.array([10.0, -10.0, 5.0, -3.0])
+    motions = [
+        simulate(model, Record(time=time, position=0.0 * time, force_time=at, force=force)) for time in (even, both)
+    ]
+    apart = motions[0].position - motions[1].position[np.searchsorted(both, even)]
+    assert np.max(np.abs(apart)) < 2e-7 * np.max(np.abs(motions[1].position))
