@@ -21,7 +21,7 @@ from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
 #: an order below the step's own, so the motion is better than this by far.
-TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
+TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 1.5e-8
 #: Steps are even when their lengths differ by no more than this part.
 _EVEN = 1e-7
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
