@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any
 
 
@@ -57,3 +58,26 @@ def median_seconds(call: Callable[[], object], *, budget: float = 0.5, fewest: i
         call()
         runs.append(time.perf_counter() - begun)
     return statistics.median(runs)
+
+
+def linearity(figure: str, sizes: Sequence[int], prepare: Callable[[int], Callable[[], object]], rounds: int) -> Row:
+    """Cost of the same work on records of several lengths: departure of the added cost a sample from its median.
+
+    All lengths are measured in turn, round after round, so that a machine that changes its pace does so for all of
+    them. Short work is repeated within a round. ``prepare`` makes what is to be timed, anew for each time.
+    """
+    seconds: list[list[float]] = [[] for _ in sizes]
+    for turn in range(rounds + 1):
+        for runs, size in zip(seconds, sizes, strict=True):
+            for _ in range(1 if turn == 0 else max(1, min(50, sizes[-1] // (10 * size)))):
+                call = prepare(size)
+                begun = time.perf_counter()
+                call()
+                if turn > 0:
+                    runs.append(time.perf_counter() - begun)
+    medians = [statistics.median(runs) for runs in seconds]
+    slopes = [(b - a) / (m - n) for (a, b), (n, m) in zip(pairwise(medians), pairwise(sizes), strict=True)]
+    usual = statistics.median(slopes)
+    departure = 100.0 * max(abs(slope / usual - 1.0) for slope in slopes)
+    detail = ", ".join(f"{1e3 * s:.4g} ms" for s in medians)
+    return Row(figure, departure, "%", must=20.0, detail=detail)

@@ -10,11 +10,12 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
 
-from bench.measure import Row, median_seconds
+from bench.measure import Row, linearity, median_seconds
 from msd_ident.errors import UsageError
 from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects import LIBRARY
@@ -194,13 +195,14 @@ def against_linear() -> list[Row]:
 
 
 def length_row() -> Row:
-    """Cost of one simulation against length: the largest departure from a straight line, 1e3 to 1e6 samples."""
-    lengths = np.array([1e3, 1e4, 1e5, 1e6])
-    seconds = np.array([simulation_seconds(RUBBING, record(int(n)), budget=0.3) for n in lengths])
-    slopes = np.diff(seconds) / np.diff(lengths)
-    departure = 100.0 * float(np.max(np.abs(slopes / np.median(slopes) - 1.0)))
-    detail = ", ".join(f"{1e6 * s:.4g} µs" for s in seconds)
-    return Row("simulation against length 1e3..1e6, departure from linear", departure, "%", must=20.0, detail=detail)
+    """Cost of one simulation against length."""
+    lengths = (1_000, 10_000, 100_000, 1_000_000)
+    simulators = {n: Simulator(RUBBING, record(n)) for n in lengths}
+
+    def prepare(samples: int) -> Callable[[], object]:
+        return lambda: simulators[samples].positions(RUBBING.values)
+
+    return linearity("simulation against length 1e3..1e6, departure from linear", lengths, prepare, rounds=15)
 
 
 _COLD = """

@@ -49,15 +49,17 @@ def _short(name: str) -> str:
 
 
 def _reliability(axes: plt.Axes, outcomes: Sequence[Outcome]) -> None:
-    rows = score.reliability(outcomes)
-    stated = np.array([row[3] for row in rows])
-    observed = np.array([row[4] for row in rows])
-    count = np.array([row[2] for row in rows])
-    spread = np.sqrt(np.maximum(stated * (1.0 - stated), 0.25 / (count + 1.0)) / count)
+    bins = score.reliability(outcomes)
+    stated, observed = np.array([b.stated for b in bins]), np.array([b.observed for b in bins])
+    spread = np.abs(np.transpose([b.range for b in bins]) - observed)
     axes.plot([0, 1], [0, 1], color="0.7", linewidth=1)
     axes.fill_between([0, 1], [-0.1, 0.9], [0.1, 1.1], color="0.93", linewidth=0)
     axes.errorbar(stated, observed, yerr=spread, fmt="o", color="tab:blue", capsize=3)
-    for x, y, n in zip(stated, observed, count, strict=True):
+    for x, y, n in zip(stated, observed, [b.count for b in bins], strict=True):
         axes.annotate(f"{n}", (x, y), textcoords="offset points", xytext=(7, -11), fontsize=8)
     axes.set(xlim=(-0.03, 1.03), ylim=(0.0, 1.05), xlabel="stated probability of a cause", ylabel="share right")
-    axes.set_title("Are the probabilities true?\n(number of causes beside each point; band: ± 0.1)", fontsize=10)
+    axes.set_title(
+        "Are the probabilities true?\n(all experiments; number of causes beside each point;\n"
+        "95 % range of the share right; band: ± 0.1)",
+        fontsize=10,
+    )

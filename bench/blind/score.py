@@ -6,8 +6,10 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from scipy.stats import binomtest
 
 from bench.blind.cases import Outcome
 
@@ -15,8 +17,8 @@ from bench.blind.cases import Outcome
 VISIBLE = 3.0
 FAINT = 20.0
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
-#: Least probability of a cause that counts as stated.
-NEGLIGIBLE = 0.01
+#: Least probability of a cause that counts as stated, and causes from which on a bin says something.
+NEGLIGIBLE, POPULATED = 0.01, 10
 
 
 @dataclass(frozen=True)
@@ -104,8 +106,30 @@ def removed(outcomes: Sequence[Outcome]) -> float:
     return float(np.median(shares)) if shares else math.nan
 
 
-def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int, float, float]]:
-    """Rows (low, high, count, mean stated probability, share that was right), oddities and unexplained ones aside.
+@dataclass(frozen=True)
+class Bin:
+    """Causes whose stated probability lies in [low, high): how many, their mean, and how many of them act."""
+
+    low: float
+    high: float
+    count: int
+    stated: float
+    right: int
+
+    @property
+    def observed(self) -> float:
+        """Share that acts."""
+        return self.right / self.count
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """95 % interval (Wilson) of the share, of which so many causes are a sample."""
+        interval = binomtest(self.right, self.count).proportion_ci(method="wilson")
+        return float(interval.low), float(interval.high)
+
+
+def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
+    """Bins with any cause in them, oddities and unexplained ones aside.
 
     Over all causes that a diagnosis states a probability for: those named, and those of rival sets beside them. A cause
     is right when it itself acts; that another one tied with it does, does not count.
@@ -117,14 +141,18 @@ def reliability(outcomes: Sequence[Outcome]) -> list[tuple[float, float, int, fl
         for cause in (*((name, p) for name, p, _ in o.named), *o.beside)
     ]
     pairs = [(p, name in o.truth) for o, (name, p) in stated_causes if p >= NEGLIGIBLE]
-    rows = []
-    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+    bins = []
+    for low, high in pairwise(BINS):
         inside = [(p, right) for p, right in pairs if low <= p < high]
         if inside:
             stated = float(np.mean([p for p, _ in inside]))
-            observed = float(np.mean([right for _, right in inside]))
-            rows.append((low, min(high, 1.0), len(inside), stated, observed))
-    return rows
+            bins.append(Bin(low, min(high, 1.0), len(inside), stated, sum(right for _, right in inside)))
+    return bins
+
+
+def miscalibration(outcomes: Sequence[Outcome]) -> float:
+    """Largest difference of stated and observed in a populated bin."""
+    return max((abs(b.stated - b.observed) for b in reliability(outcomes) if b.count >= POPULATED), default=math.nan)
 
 
 def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:

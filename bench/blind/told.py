@@ -26,10 +26,14 @@ def _figures(outcomes: Sequence[Outcome]) -> list[str]:
     lines = ["| figure | got | of | must | aim |", "|---|---|---|---|---|"]
     for item in score.figures(outcomes):
         lines.append(f"| {item.what} | {item.percent:.1f} % | {item.total} | {item.must} | {item.aim} |")
+    main = score.visible(score.main_experiment(outcomes))
     seconds = [o.seconds for o in score.main_experiment(outcomes)] or [float("nan")]
     processor = [o.processor_seconds for o in score.main_experiment(outcomes)] or [float("nan")]
     lines += [
         f"| held-out SEE over noise, median when right | {score.heldout(outcomes):.3f} | | <= 1.2 | 1.05 |",
+        f"| largest difference of a stated probability from what was observed, {score.POPULATED} causes and more "
+        f"| {score.miscalibration(main):.3f} | | <= 0.10 | 0.05 |",
+        f"| the same over all experiments | {score.miscalibration(outcomes):.3f} | | | |",
         f"| removable error removed, median | {100.0 * score.removed(outcomes):.1f} % | | | |",
         f"| seconds a diagnosis, median | {np.median(seconds):.2f} | {len(seconds)} | <= 2 | 0.5 |",
         f"| seconds a diagnosis, longest | {max(seconds):.2f} | {len(seconds)} | | |",
@@ -57,9 +61,20 @@ def _other_experiments(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def _reliability(outcomes: Sequence[Outcome]) -> list[str]:
-    lines = ["| stated probability | causes | mean stated | observed |", "|---|---|---|---|"]
-    for low, high, count, stated, observed in score.reliability(outcomes):
-        lines.append(f"| {low:.2f} to {high:.2f} | {count} | {stated:.3f} | {observed:.3f} |")
+    """Of the figures' own cases, and of all experiments and sizes together, where more is open."""
+    main = score.visible(score.main_experiment(outcomes))
+    return [
+        "Visible effects, two amplitudes in both directions, 1 kHz:", "", *_bins(main), "",
+        "All experiments, visible or not, and nothing hidden:", "", *_bins(outcomes),
+    ]  # fmt: skip
+
+
+def _bins(outcomes: Sequence[Outcome]) -> list[str]:
+    lines = ["| stated probability | causes | mean stated | observed | 95 % range |", "|---|---|---|---|---|"]
+    for b in score.reliability(outcomes):
+        low, high = b.range
+        shares = f"{b.stated:.3f} | {b.observed:.3f} | {low:.2f} to {high:.2f}"
+        lines.append(f"| {b.low:.2f} to {b.high:.2f} | {b.count} | {shares} |")
     return lines
 
 
