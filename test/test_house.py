@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 STOREYS = (
     ("errors", "quantity", "stopping"),
     ("record", "provenance"),
-    ("motion", "noise"),
+    ("streams", "motion", "noise"),
     ("quality",),
     ("datasheet",),
     ("model",),
@@ -38,7 +38,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "record"}
+BAG_KNOWS = {"errors", "record", "streams"}
 KNOW_BAG = {"ros", "cli"}
 
 ROS = (

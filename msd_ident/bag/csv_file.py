@@ -12,7 +12,8 @@ from msd_ident.bag import units
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.table import Table
 from msd_ident.errors import DataError, SetupError, UsageError
-from msd_ident.record import FloatArray, Record, from_seconds
+from msd_ident.record import FloatArray, Record
+from msd_ident.streams import from_seconds
 
 _TIME_NAMES = ("time", "t", "stamp", "timestamp")
 _FORCE_NAMES = ("force",)

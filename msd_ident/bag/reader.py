@@ -19,7 +19,8 @@ from msd_ident.bag.fields import joint_names
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.topic import RawMessage
 from msd_ident.errors import DataError
-from msd_ident.record import FloatArray, Origin, Record, batch_stamps, from_stamps
+from msd_ident.record import FloatArray, Origin, Record
+from msd_ident.streams import batch_stamps, from_stamps
 
 #: Entries of a bag's custom data that give the units of /msd/force and /msd/encoder; newtons and metres without.
 FORCE_UNIT, POSITION_UNIT = "msd_force_unit", "msd_position_unit"

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import LATEST_SECONDS, FloatArray, Hold, Record, from_stamps
+from msd_ident.record import FloatArray, Hold, Record
 from msd_ident.ros.ring import Ring, StampArray
 from msd_ident.ros.watch import Watch
+from msd_ident.streams import LATEST_SECONDS, from_stamps
 
 __all__ = ["Counts", "LiveBuffer", "Ring", "StampArray"]
 
@@ -153,7 +154,7 @@ class LiveBuffer:
         """All that is in the buffer, made into a record as the bag reader does it.
 
         Raises:
-            DataError: as ``record.from_stamps``.
+            DataError: as ``streams.from_stamps``.
         """
         with self._lock:
             ns_x, x = self.position.samples()

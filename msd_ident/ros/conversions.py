@@ -13,8 +13,9 @@ from builtin_interfaces.msg import Time
 from msd_ident.bag.choose import BATCH, FORCE_FIELDS, POSITION_FIELDS
 from msd_ident.bag.fields import joint_names, parse_field
 from msd_ident.errors import DataError, SetupError
-from msd_ident.record import FloatArray, batch_stamps
+from msd_ident.record import FloatArray
 from msd_ident.ros.buffer import StampArray
+from msd_ident.streams import batch_stamps
 
 
 def message_class(type_name: str) -> Any:

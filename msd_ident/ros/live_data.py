@@ -14,12 +14,13 @@ from rclpy.subscription import Subscription
 
 from msd_ident.errors import MsdError
 from msd_ident.live import Scope
-from msd_ident.record import LATEST_SECONDS, FloatArray
+from msd_ident.record import FloatArray
 from msd_ident.ros import names
 from msd_ident.ros.conversions import Signal, message_class
 from msd_ident.ros.draining import waiting
 from msd_ident.ros.inputs import Wanted, wanted
 from msd_ident.ros.parameters import Settings
+from msd_ident.streams import LATEST_SECONDS
 
 #: Silence of the encoder after which the page says so [s].
 SILENCE = 2.0

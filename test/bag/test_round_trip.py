@@ -14,7 +14,8 @@ from rosbags.highlevel import AnyReader
 
 from msd_ident.bag import SourceOptions, read, write_bag, write_csv
 from msd_ident.errors import DataError, UsageError
-from msd_ident.record import LARGEST, SMALLEST, Record, from_samples, from_stamps
+from msd_ident.record import LARGEST, SMALLEST, Record, from_samples
+from msd_ident.streams import from_stamps
 
 SETTINGS = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 VALUES = st.floats(-LARGEST, LARGEST)

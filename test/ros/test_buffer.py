@@ -12,9 +12,9 @@ from hypothesis import given  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
 from msd_ident.errors import DataError, UsageError  # noqa: E402
-from msd_ident.record import from_stamps  # noqa: E402
 from msd_ident.ros.buffer import LiveBuffer, Ring  # noqa: E402
 from msd_ident.ros.watch import Watch  # noqa: E402
+from msd_ident.streams import from_stamps  # noqa: E402
 
 chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
 
