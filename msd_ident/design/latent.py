@@ -15,8 +15,8 @@ import numpy as np
 
 from msd_ident.design.cores import each
 from msd_ident.design.discrimination import occam
+from msd_ident.design.nearest import SILENT, Measured, settled
 from msd_ident.design.prediction import Predictor, Sensing, sensing
-from msd_ident.design.settling import SILENT, Measured, settled
 from msd_ident.diagnose import Contender, Diagnosis
 from msd_ident.diagnose.evidence import PRIOR_ODDS
 from msd_ident.errors import UsageError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from designrigs import stepped
 
-from msd_ident.design import latent, settling
+from msd_ident.design import latent, nearest
 from msd_ident.design.latent import beside
 from msd_ident.design.prediction import sensing
 from msd_ident.model import Model
@@ -40,16 +40,16 @@ def test_what_can_not_hide_is_given_up_early(monkeypatch: pytest.MonkeyPatch) ->
     data = latent._measured(diagnosis, sensing(diagnosis.records, diagnosis.noise_floor))
     trial = latent._trial(lead, lead.model + effect, effect, data)
     looks: list[int] = []
-    real = settling._linearised
+    real = nearest._linearised
 
     def counted(*args: object) -> object:
         looks[-1] += 1
         return real(*args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(settling, "_linearised", counted)
+    monkeypatch.setattr(nearest, "_linearised", counted)
     rises = []
     for hopeless in (latent._HOPELESS, math.inf):
         looks.append(0)
-        rises.append(settling.settled(lead, trial, len(lead.free), data, hopeless=hopeless)[1])
-    assert looks[0] == settling._ENOUGH < looks[1]
+        rises.append(nearest.settled(lead, trial, len(lead.free), data, hopeless=hopeless)[1])
+    assert looks[0] == nearest._ENOUGH < looks[1]
     assert min(rises) > latent._HOPELESS
