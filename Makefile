@@ -67,6 +67,7 @@ blind-design: setup
 blind: setup
 	@$(PY) -m bench.blind --docs docs $(ARGS)
 
+study: export OPENBLAS_NUM_THREADS = 1
 study: setup
 	@mkdir -p out/study
 	@for seed in 0 1000; do $(PY) bench/study_coverage.py --seed $$seed --json out/study/coverage_$$seed.json || true; done

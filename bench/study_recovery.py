@@ -5,7 +5,7 @@ amplitudes, a sweep, a release) by ``msd_sim``; readings get noise of 0.1 % of t
 starts 30 % wrong in every parameter. A trial succeeds when every parameter lies within three standard deviations of
 the truth. The target is 98 of 100.
 
-    python bench/study_recovery.py [--trials 100] [--seed 0] [--json FILE] [EFFECT ...]
+    python bench/study_recovery.py [--trials 100] [--seed 0] [--jobs 2] [--json FILE] [EFFECT ...]
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ import json
 import math
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -156,33 +158,42 @@ def trial(effect: str, seed: int) -> Trial:
     return Trial(effect, seed, deviations, result.see / result.noise_floor, seconds, result.message)
 
 
+def _tell(effect: str, trials: Sequence[Trial], verbose: bool) -> bool:
+    """Print an effect's row; whether it misses the target."""
+    good = sum(one.recovered for one in trials)
+    worst = max((abs(z), name) for one in trials for name, z in one.deviations.items())
+    see = np.median([one.see_over_floor for one in trials])
+    seconds = np.median([one.seconds for one in trials])
+    print(
+        f"{effect:30s} {good:6d}/{len(trials):3d} {see:10.2f} {seconds:7.2f}  {worst[1]} {worst[0]:.1f} std",
+        flush=True,
+    )
+    for one in trials if verbose else []:
+        if not one.recovered:
+            shown = ", ".join(f"{name} {z:.1f}" for name, z in one.deviations.items())
+            print(f"    seed {one.seed}: SEE/floor {one.see_over_floor:.2f}, {shown}; {one.message}")
+    return good < math.floor(0.98 * len(trials))
+
+
 def main() -> int:
     """Run the study and print the table; exit code 1 when an effect misses the target."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("effects", nargs="*", default=[effect.name for effect in LIBRARY])
     parser.add_argument("--trials", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0, help="first seed")
+    parser.add_argument("--jobs", type=int, default=2, help="fits at once")
     parser.add_argument("--json", help="write all trials to this file")
     parser.add_argument("--verbose", action="store_true", help="show the trials that failed")
     given = parser.parse_args()
     everything, missed = [], 0
     print(f"{'effect':30s} {'recovered':>10s} {'SEE/floor':>10s} {'s/fit':>7s}  worst parameter")
-    for effect in given.effects:
-        trials = [trial(effect, seed) for seed in range(given.seed, given.seed + given.trials)]
-        everything += trials
-        good = sum(one.recovered for one in trials)
-        missed += good < math.floor(0.98 * given.trials)
-        worst = max((abs(z), name) for one in trials for name, z in one.deviations.items())
-        see = np.median([one.see_over_floor for one in trials])
-        seconds = np.median([one.seconds for one in trials])
-        print(
-            f"{effect:30s} {good:6d}/{len(trials):3d} {see:10.2f} {seconds:7.2f}  {worst[1]} {worst[0]:.1f} std",
-            flush=True,
-        )
-        for one in trials if given.verbose else []:
-            if not one.recovered:
-                shown = ", ".join(f"{name} {z:.1f}" for name, z in one.deviations.items())
-                print(f"    seed {one.seed}: SEE/floor {one.see_over_floor:.2f}, {shown}; {one.message}")
+    seeds = range(given.seed, given.seed + given.trials)
+    with ProcessPoolExecutor(given.jobs) as pool:
+        studies = [(effect, pool.map(partial(trial, effect), seeds, chunksize=5)) for effect in given.effects]
+        for effect, running in studies:
+            trials = list(running)
+            everything += trials
+            missed += _tell(effect, trials, given.verbose)
     if given.json:
         with open(given.json, "w", encoding="utf-8") as file:
             json.dump([{**vars(one), "recovered": one.recovered} for one in everything], file, indent=1)
