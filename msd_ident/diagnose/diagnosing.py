@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident.diagnose import curves, dependence, evidence, identities, readings, settling, spread, verdict
+from msd_ident.diagnose import ahead, curves, dependence, evidence, identities, readings, settling, spread, verdict
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
 from msd_ident.diagnose.contenders import Contender, standing
@@ -18,7 +18,7 @@ from msd_ident.diagnose.guesses import plain_axes
 from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
 from msd_ident.diagnose.ringdown import RingDown
-from msd_ident.diagnose.search import NOTHING, Progress, Remembered, Search
+from msd_ident.diagnose.search import NOTHING, Progress, Remembered
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, fit, see, see_reduction
@@ -34,13 +34,6 @@ from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 
 _RIVALS = 8
-#: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
-_MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
-#: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
-#: change the motion by this part of what is left of it.
-_FAR, _COARSE = 300.0**2, 0.03
-#: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
-_COMPARABLE = 10.0
 #: Explanations of an earlier diagnosis that are tried again.
 _REMEMBERED = 3
 #: Rivals with less than this probability are not worth a line.
@@ -111,7 +104,7 @@ def diagnose_records(
     if left.consistent:
         ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
     else:
-        ranking = _search(experiment, (base, friction), progress, _remembered(earlier, task.records))
+        ranking = ahead.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, base, ranking, progress)
 
 
@@ -137,7 +130,7 @@ def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
     The base starts from a regression, and from what is left of a fit with friction and offset: a careless start ends
     anywhere.
     """
-    fixed, few = tuple(experiment.fixed), experiment.thinned(_MOST_SAMPLES).records
+    fixed, few = tuple(experiment.fixed), experiment.thinned(ahead.MOST_SAMPLES).records
     plain = fit(experiment.base, few, fixed=fixed)
     helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), few, fixed=fixed, zero="known")
     near = fit(helped.model.without("coulomb_friction", "force_offset"), few, fixed=fixed, search="near")
@@ -166,62 +159,6 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
         for one in earlier.contenders[:_REMEMBERED]
         if one.causes
     ]
-
-
-def _search(
-    experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress, remembered: Sequence[Remembered] = ()
-) -> Ranking:
-    """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
-
-    A set far behind on a part of the data is further behind on all of it; but where mean forces between few samples
-    keep all sets from the noise, another cause may only have helped against them, and what is simpler is judged too.
-    Where the part saw nothing wrong any more and the whole does, the search goes on with the whole.
-    """
-    thin = experiment.thinned(_MOST_SAMPLES)
-    if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
-        return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
-    thin = _coarser(thin, known[1], known[1].chi / experiment.evidence)
-    start = tuple(refine(thin, one.causes, one.model, one.initial) for one in known)
-    ahead = _searching(thin, progress).run(start[0], start[1:], remembered)
-    sets = {one.causes: one for one in known}
-    clear = judge(ahead.best.residuals(), thin.readings).consistent
-    for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
-        sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
-    whole = _searching(experiment, progress)
-    ranking = whole.compared(list(sets.values()))
-    if whole.at_floor(ranking.best) or not clear:
-        return noted(ranking, experiment, (ahead, thin))
-    return noted(whole.resume(list(whole.sets.values())), experiment, (ahead, thin))
-
-
-def _simpler(ahead: Ranking) -> list[Fitted]:
-    """Sets of fewer causes than the leader that leave not many times as much, the best first."""
-    best = ahead.best
-    found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < _COMPARABLE * best.chi]
-    return sorted(found, key=lambda one: one.chi)[:_LEADERS]
-
-
-def _coarser(thin: Experiment, friction: Fitted, left: float) -> Experiment:
-    """With mean forces, where the model with friction is so far off that nothing will reach the noise.
-
-    Args:
-        left: chi² that this model leaves, for each piece of evidence.
-    """
-    coarse, change = thin.with_mean_force(), 0.0
-    exact, mean = (one.problem(friction.model) for one in (thin, coarse))
-    values = dict(zip(friction.model.names, friction.model.values.tolist(), strict=True))
-    # Fewer samples may show otherwise whether a record begins at rest: the entries of the vector differ then.
-    points = [problem.vector(values, friction.initial) for problem in (exact, mean)]
-    for r, part in enumerate(thin.readings):
-        change += part.chi(exact.residual(points[0], r) - mean.residual(points[1], r))
-    return coarse if left > _FAR and change < _COARSE**2 * left * thin.evidence else thin
-
-
-def _searching(experiment: Experiment, progress: Progress) -> Search:
-    def at_floor(fitted: Fitted) -> bool:
-        return judge(fitted.residuals(), experiment.readings).consistent
-
-    return Search(experiment, at_floor, progress)
 
 
 def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:
