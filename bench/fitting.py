@@ -60,7 +60,7 @@ def length_row() -> Row:
         fresh = replace(measured[samples])
         return lambda: fit(START, fresh)
 
-    return linearity("fit against length 1e3..1e6, departure from linear", lengths, prepare, rounds=5)
+    return linearity("fit against length 1e3..1e6, departure from linear", lengths, prepare, rounds=9)
 
 
 _MEMORY = """

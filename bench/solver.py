@@ -26,6 +26,8 @@ from msd_ident.record import Record
 
 FloatArray = npt.NDArray[np.float64]
 SAMPLES, RATE = 3000, 1000.0
+#: Slowest combinations of a first look that are measured again.
+_AGAIN = 60
 PLANT = Plant(0.9407, 3.927, 694.1)
 RUBBING = PLANT + CoulombFriction(0.3) + ForceOffset(0.1)
 
@@ -98,8 +100,11 @@ def simulation_seconds(model: Model, measured: Record, budget: float = 0.5) -> f
 
 
 def three_effects() -> list[Row]:
-    """Every sensible combination of three effects: the median and the slowest."""
-    measured, nanoseconds = record(), {}
+    """Every sensible combination of three effects: the median and the slowest, which is measured again at length.
+
+    The largest of so many short measurements is where the machine was busy with something else.
+    """
+    measured, models = record(), {}
     for names in itertools.combinations(sorted(STRENGTHS), 3):
         try:
             model = PLANT
@@ -108,14 +113,20 @@ def three_effects() -> list[Row]:
                     model = model + effect(**STRENGTHS[effect.name])
         except UsageError:
             continue
-        nanoseconds[names] = 1e9 * simulation_seconds(model, measured, budget=0.004) / SAMPLES
-    slowest = max(nanoseconds, key=lambda names: nanoseconds[names])
-    middle = statistics.median(nanoseconds.values())
-    within = sum(value <= 120.0 for value in nanoseconds.values())
+        models[names] = model
+
+    def nanoseconds(names: tuple[str, ...], budget: float) -> float:
+        return 1e9 * simulation_seconds(models[names], measured, budget=budget) / SAMPLES
+
+    first = {names: nanoseconds(names, 0.004) for names in models}
+    slow = sorted(models, key=lambda names: -first[names])[:_AGAIN]
+    long = {names: nanoseconds(names, 0.1) for names in slow}
+    slowest = max(slow, key=lambda names: long[names])
+    middle = statistics.median(first.values())
     return [
         Row("any three effects, median of all combinations", middle, "ns/sample", must=120.0, aim=50.0,
-            detail=f"{len(nanoseconds)} combinations, {within} of them within 120 ns"),
-        Row("any three effects, slowest combination", nanoseconds[slowest], "ns/sample", must=120.0, aim=50.0,
+            detail=f"{len(models)} combinations"),
+        Row("any three effects, slowest combination", long[slowest], "ns/sample", must=120.0, aim=50.0,
             detail=" + ".join(slowest)),
     ]  # fmt: skip
 
@@ -202,7 +213,7 @@ def length_row() -> Row:
     def prepare(samples: int) -> Callable[[], object]:
         return lambda: simulators[samples].positions(RUBBING.values)
 
-    return linearity("simulation against length 1e3..1e6, departure from linear", lengths, prepare, rounds=15)
+    return linearity("simulation against length 1e3..1e6, departure from linear", lengths, prepare, rounds=60)
 
 
 _COLD = """
