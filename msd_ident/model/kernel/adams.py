@@ -16,11 +16,11 @@ from math import prod
 from msd_ident.model.kernel.compiled import inlined
 from msd_ident.model.kernel.rk import acceleration, outer, second_acceleration
 
-#: Accelerations before the present one that a step needs: four to be made from, one more for its error.
-PAST = 5
-#: Error of the velocity in parts of the sixth difference of the accelerations, times the length of the step; and part
-#: of the fifth that the sixth is taken for at least: a difference may pass through zero.
-_ERROR, _LEAST = 863 / 60480, 0.3
+#: Accelerations before the present one that a step needs: six to be made from, one more for its error.
+PAST = 7
+#: Error of the velocity in parts of the eighth difference of the accelerations, times the length of the step; and part
+#: of the seventh that the eighth is taken for at least: a difference may pass through zero.
+_ERROR, _LEAST = 33953 / 3628800, 0.3
 
 
 def _weights(nodes: tuple[int, ...]) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -40,30 +40,36 @@ def _weights(nodes: tuple[int, ...]) -> tuple[tuple[float, ...], tuple[float, ..
     return tuple(once), tuple(twice)
 
 
-_V0, _X0 = _weights((0, -1, -2, -3, -4))
-_V1, _X1 = _weights((1, 0, -1, -2, -3, -4))
+_V0, _X0 = _weights(tuple(range(0, -PAST, -1)))
+_V1, _X1 = _weights(tuple(range(1, -PAST, -1)))
+
+
+@inlined
+def _sum(weights, first, second, past):
+    """Weighted sum of two accelerations and the five before them."""
+    late = (weights[0] * first + weights[1] * second) + (weights[2] * past[0] + weights[3] * past[1])
+    return late + (weights[4] * past[2] + weights[5] * past[3]) + weights[6] * past[4]
 
 
 @inlined
 def _foreseen(weights, a, past):
-    """Weighted sum of the present acceleration and the past ones."""
-    late = weights[0] * a + weights[1] * past[0]
-    return late + (weights[2] * past[1] + weights[3] * past[2]) + weights[4] * past[3]
+    """Of the present acceleration and the six past ones."""
+    return _sum(weights, a, past[0], past[1:])
 
 
 @inlined
 def _found(weights, a1, a, past):
-    """The same with the one at the end first."""
-    late = (weights[0] * a1 + weights[1] * a) + (weights[2] * past[0] + weights[3] * past[1])
-    return late + (weights[4] * past[2] + weights[5] * past[3])
+    """Of the acceleration at the end, the present one and the six past ones."""
+    return _sum(weights, a1, a, past) + weights[7] * past[5]
 
 
 @inlined
 def _roughness(a1, a, past):
     """Of the accelerations up to the one at the end: what the error of a step is a multiple of."""
-    fifth = (a1 - past[3]) - 5.0 * (a - past[2]) + 10.0 * (past[0] - past[1])
-    sixth = (a1 + past[4]) - 6.0 * (a + past[3]) + 15.0 * (past[0] + past[2]) - 20.0 * past[1]
-    return max(abs(sixth), _LEAST * abs(fifth))
+    p0, p1, p2, p3, p4, p5, p6 = past
+    seventh = (a1 - p5) - 7.0 * (a - p4) + 21.0 * (p0 - p3) - 35.0 * (p1 - p2)
+    eighth = (a1 + p6) - 8.0 * (a + p5) + 28.0 * (p0 + p4) - 56.0 * (p1 + p3) + 70.0 * p2
+    return max(abs(eighth), _LEAST * abs(seventh))
 
 
 @inlined

@@ -45,7 +45,7 @@ def _goes_on(j, length, level, slope):
 @inlined
 def _later(value, past):
     """The past values one step later."""
-    return value, past[0], past[1], past[2], past[3]
+    return value, past[0], past[1], past[2], past[3], past[4], past[5]
 
 
 # fmt: off
@@ -62,7 +62,7 @@ def _cruise(
     """
     keep = out_v.size > 0
     known = 0
-    past, past_c = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+    past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     while j < length.size:
         left = length[j]
         drive = _drive(start, level, slope, transient, decay, j)
