@@ -12,7 +12,16 @@ from msd_ident.errors import UsageError
 from msd_ident.fit.concluding import conclude
 from msd_ident.fit.noise import noise_floor
 from msd_ident.fit.objective import Loss, SquaredError
-from msd_ident.fit.posing import Zero, guess_vectors, own_vectors, pose, regressed, starting_states, wide_vectors
+from msd_ident.fit.posing import (
+    Zero,
+    guess_vectors,
+    neighbour_vectors,
+    own_vectors,
+    pose,
+    regressed,
+    starting_states,
+    wide_vectors,
+)
 from msd_ident.fit.problem import Initial, Problem
 from msd_ident.fit.result import FitResult
 from msd_ident.fit.scan import harmonic_vectors
@@ -79,6 +88,7 @@ def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
         wide_vectors(problem, models, regressions),
         [own_vectors(problem, model, regressions) for model in models],
         lambda best: [*harmonic_vectors(problem, best), *guess_vectors(problem, best)],
+        lambda best: neighbour_vectors(problem, best),
     )
 
 

@@ -33,6 +33,9 @@ _PLACED = (
     "position_friction_slope",
 )
 
+#: Play, whose valleys lie close to each other, and the factors by which the next ones are looked for.
+_PLAY, _HOPS = "backlash_half_width", (0.93, 0.965, 1.035, 1.07)
+
 
 def pose(
     model: Model, records: tuple[Record, ...], fixed: Mapping[str, float] | Collection[str] = (), zero: Zero = "free"
@@ -157,6 +160,15 @@ def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
 def _linear(problem: Problem, start: Start) -> dict[str, float]:
     free = {problem.model.names[i] for i in problem.free}
     return {name: start.values[name] for name in LINEAR if name in free and name in start.values}
+
+
+def neighbour_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
+    """``best`` with a little more or less play, each record begun anew: in a wrong valley their states went along."""
+    if _PLAY not in problem.names:
+        return []
+    values = dict(zip(problem.model.names, problem.values(best).tolist(), strict=True))
+    states = starting_states(problem)
+    return [_vector(problem, Start(values | {_PLAY: factor * values[_PLAY]}, states)) for factor in _HOPS]
 
 
 def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:

@@ -4,9 +4,10 @@ Starts come from the linear regression (which has no local minima), from the val
 whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
 first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
 valley too, and is then the end. If not, the other starts are explored; then the parameters of dry friction and backlash
-jump, for their surface has a valley for every number of half-swings; and where even the best fits badly, the horizon
-is grown: over the first few swings a wrong frequency cannot yet slip by a whole cycle. Exploring is rough: long records
-are thinned for it, and a valley that others undercut is not followed to its bottom.
+jump, for their surface has a valley for every number of half-swings, and hop to the next where these lie close; and
+where even the best fits badly, the horizon is grown: over the first few swings a wrong frequency cannot yet slip by a
+whole cycle. Exploring is rough: long records are thinned for it, and a valley that others undercut is not followed to
+its bottom.
 """
 
 from __future__ import annotations
@@ -48,6 +49,7 @@ _MULTISTABLE = ("cogging_amplitude", "second_mass")
 #: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
 _KINKED = ("coulomb_force", "static_force", "backlash_half_width", "stop_position")
 _JUMPS = (0.55, 0.8, 1.25, 1.8)
+_MOST_HOPS = 4
 
 
 def limits(problem: Problem, iterations: int = _LONG) -> Limits:
@@ -70,6 +72,7 @@ class Valleys:
         starts: Sequence[FloatArray],
         given: Sequence[Sequence[FloatArray]],
         guesses: Callable[[FloatArray], Sequence[FloatArray]],
+        neighbours: Callable[[FloatArray], Sequence[FloatArray]],
     ) -> Outcome:
         """The deepest valley found.
 
@@ -78,6 +81,7 @@ class Valleys:
             given: for each model that the caller gave, its values with several initial states, the best of which is
                 always followed.
             guesses: further starts around the best found so far.
+            neighbours: where the valleys next to the best are looked for.
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
         likely = sorted([*starts, *own], key=self.weighted.cost)[:_REFINED]
@@ -85,7 +89,7 @@ class Valleys:
         if not self.at_floor(best):
             others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
             best = self._deepest_of(best, [*others, *guesses(best.point)])
-        best = self._jump(best, all_entries=not self.at_floor(best))
+        best = self._hop(self._jump(best, all_entries=not self.at_floor(best)), neighbours)
         if self._relative(best) > _SLIPPED:
             best = _deeper(best, self._grow(likely))
         return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
@@ -138,6 +142,16 @@ class Valleys:
             kinked = [entry for entry in kinked if spread[entry] > _VAGUE * abs(best.point[entry])]
         for entry in kinked:
             best = self._jump_one(best, entry)
+        return best
+
+    def _hop(self, best: Outcome, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
+        """From valley to valley, as long as it leads down and there is something left to find."""
+        for _ in range(_MOST_HOPS):
+            before = best.cost
+            for vector in [] if self.at_floor(best) else neighbours(best.point):
+                best = _deeper(best, minimise(self.plain, vector, self._roughly()))
+            if best.cost > 0.9 * before:
+                break
         return best
 
     def _jump_one(self, best: Outcome, entry: int) -> Outcome:

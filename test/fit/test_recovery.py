@@ -32,6 +32,13 @@ def test_every_effect_is_found_again(effect: str, repository: Path) -> None:
     assert one.see_over_floor < 1.2
 
 
+@pytest.mark.parametrize("seed", [216, 222])
+def test_a_play_is_not_left_in_the_valley_next_to_its_own(seed: int, repository: Path) -> None:
+    """A few per cent off, with the records begun aside: 12 and 16 noise floors, and no jump leads out."""
+    one = _study(repository, "study_recovery").trial("backlash", seed)
+    assert one.recovered and one.see_over_floor < 1.1
+
+
 def test_intervals_cover_the_truth(repository: Path) -> None:
     study = _study(repository, "study_coverage")
     deviations = np.array([study.trial(seed).deviations for seed in range(60)])
