@@ -47,7 +47,7 @@ def summary(
     left = f"Without {them} the model is wrong by {base.ratio:.3g} noise floors, with {them} by {extended.ratio:.2f}"
     opened = f"{left}; {gain}."
     if verdict == "ambiguous":
-        ties = "; ".join(f"{c.name} or {' or '.join(c.tied_with)}" for c in causes if c.tied_with)
+        ties = "; ".join(f"{c.name} from {' or '.join(c.tied_with)}" for c in causes if c.tied_with)
         return f"The model lacks {named}, but this data cannot tell {ties}. {opened}"
     return f"The model lacks {named}. {opened}"
 

@@ -105,3 +105,4 @@ def test_what_the_record_cannot_separate_stands_together(
     (cause,) = found.causes
     assert {cause.name, *cause.tied_with} == {"sensor_drift", "force_offset"}
     assert 0.2 < cause.probability < 0.8
+    assert f"this data cannot tell {cause.name} from {cause.tied_with[0]}. Without it" in found.summary
