@@ -17,6 +17,8 @@ _UNIFORM = 1.0 / math.sqrt(12.0)
 _MAD = 1.482602218505602
 #: Neighbours on each side from which a sample is interpolated.
 _REACH = 4
+#: Samples that are interpolated at once: few enough to stay in the cache.
+_BLOCK = 16_384
 
 
 def _asked_once(what: Callable[[Record], float]) -> Callable[[Record], float]:
@@ -75,11 +77,19 @@ def noise_floor(record: Record) -> float:
 
 
 def _interpolation_error(record: Record, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Error of interpolating each sample from its neighbours, in units of the noise of one sample, and who moves.
+    """Error of interpolating each sample from its neighbours, in units of the noise of one sample, and who moves."""
+    time, position = record.time, record.position
+    begins = range(0, max(time.size - 2 * _REACH, 1), _BLOCK)
+    parts = [slice(begin, begin + _BLOCK + 2 * _REACH) for begin in begins]
+    found = [_interpolated(time[part], position[part], step) for part in parts]
+    return np.concatenate([error for error, _ in found]), np.concatenate([moves for _, moves in found])
+
+
+def _interpolated(time: FloatArray, position: FloatArray, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """The same of a stretch of samples, all but the first and last few.
 
     Lagrange's formula with the true stamps; the noise of neighbours and sample adds up to the factor divided by.
     """
-    time, position = record.time, record.position
     middle = slice(_REACH, time.size - _REACH)
     offsets = [k for k in range(-_REACH, _REACH + 1) if k != 0]
 

@@ -133,10 +133,14 @@ def _uniform(record: Record, level: float) -> _Grid:
 
 def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     """Central differences over ``span`` samples either side, shorter at the ends."""
-    index = np.arange(position.size)
-    after = np.minimum(index + span, position.size - 1)
-    before = np.maximum(index - span, 0)
-    return np.asarray((position[after] - position[before]) / (period * (after - before)))
+    span = min(span, position.size - 1)
+    held = np.concatenate((np.full(span, position[0]), position, np.full(span, position[-1])))
+    way: FloatArray = held[2 * span :] - held[: -2 * span]
+    steps = np.full(position.size, 2.0 * span)
+    steps[:span] -= np.arange(span, 0, -1)
+    steps[-span:] -= np.arange(1, span + 1)
+    way /= period * steps
+    return way
 
 
 class _Means:

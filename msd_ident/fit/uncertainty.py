@@ -89,14 +89,17 @@ def evidence(sensed: Sensed) -> Evidence:
 
 def _local_size(residual: FloatArray) -> FloatArray:
     """Running root mean square over a fifteenth of the record, never below a twentieth of the overall one."""
-    width = max(residual.size // 15, 20)
-    padded = np.concatenate(([0.0], np.cumsum(residual**2)))
-    centre = np.arange(residual.size)
-    low = np.clip(centre - width // 2, 0, residual.size)
-    high = np.clip(centre + width // 2 + 1, 0, residual.size)
-    mean = (padded[high] - padded[low]) / (high - low)
-    floor = 0.0025 * float(padded[-1]) / residual.size or 1e-300
-    return np.asarray(np.sqrt(np.maximum(mean, floor)))
+    reach = max(residual.size // 15, 20) // 2
+    squares = np.cumsum(residual**2)
+    sums = np.concatenate((np.zeros(reach + 1), squares, np.full(reach, squares[-1])))
+    mean = sums[2 * reach + 1 :] - sums[: -2 * reach - 1]
+    # Fewer samples at either end.
+    count = np.full(residual.size, 2.0 * reach + 1.0)
+    count[:reach] -= np.arange(reach, 0, -1)[: residual.size]
+    count[-reach:] -= np.arange(1, reach + 1)[-residual.size :]
+    mean /= count
+    floor = 0.0025 * float(squares[-1]) / residual.size or 1e-300
+    return np.asarray(np.sqrt(np.maximum(mean, floor, out=mean), out=mean))
 
 
 def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
