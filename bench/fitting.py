@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.measure import Row, linearity, median_seconds
+from bench.measure import LENGTHS, Row, linearity, median_seconds
 from msd_ident.fit import fit
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -53,14 +53,13 @@ def joint_row() -> Row:
 
 def length_row() -> Row:
     """Cost of the whole fit against length, each time of a record that nothing is known about yet."""
-    lengths = (1_000, 10_000, 100_000, 1_000_000)
-    measured = {n: record(n) for n in lengths}
+    measured = {n: record(n) for n in LENGTHS}
 
     def prepare(samples: int) -> Callable[[], object]:
         fresh = replace(measured[samples])
         return lambda: fit(START, fresh)
 
-    return linearity("fit against length 1e3..1e6, departure from linear", lengths, prepare, rounds=9)
+    return linearity("fit", prepare, rounds=9)
 
 
 _MEMORY = """

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
+
+#: Samples of the records on which cost against length is measured.
+LENGTHS = (1_000, 10_000, 100_000, 1_000_000)
 
 
 @dataclass(frozen=True)
@@ -60,24 +63,24 @@ def median_seconds(call: Callable[[], object], *, budget: float = 0.5, fewest: i
     return statistics.median(runs)
 
 
-def linearity(figure: str, sizes: Sequence[int], prepare: Callable[[int], Callable[[], object]], rounds: int) -> Row:
-    """Cost of the same work on records of several lengths: departure of the added cost a sample from its median.
+def linearity(what: str, prepare: Callable[[int], Callable[[], object]], rounds: int) -> Row:
+    """Cost of the same work on records of all ``LENGTHS``: departure of the added cost a sample from its median.
 
     All lengths are measured in turn, round after round, so that a machine that changes its pace does so for all of
     them. Short work is repeated within a round. ``prepare`` makes what is to be timed, anew for each time.
     """
-    seconds: list[list[float]] = [[] for _ in sizes]
+    seconds: list[list[float]] = [[] for _ in LENGTHS]
     for turn in range(rounds + 1):
-        for runs, size in zip(seconds, sizes, strict=True):
-            for _ in range(1 if turn == 0 else max(1, min(50, sizes[-1] // (10 * size)))):
+        for runs, size in zip(seconds, LENGTHS, strict=True):
+            for _ in range(1 if turn == 0 else max(1, min(50, LENGTHS[-1] // (10 * size)))):
                 call = prepare(size)
                 begun = time.perf_counter()
                 call()
                 if turn > 0:
                     runs.append(time.perf_counter() - begun)
     medians = [statistics.median(runs) for runs in seconds]
-    slopes = [(b - a) / (m - n) for (a, b), (n, m) in zip(pairwise(medians), pairwise(sizes), strict=True)]
+    slopes = [(b - a) / (m - n) for (a, b), (n, m) in zip(pairwise(medians), pairwise(LENGTHS), strict=True)]
     usual = statistics.median(slopes)
     departure = 100.0 * max(abs(slope / usual - 1.0) for slope in slopes)
     detail = ", ".join(f"{1e3 * s:.4g} ms" for s in medians)
-    return Row(figure, departure, "%", must=20.0, detail=detail)
+    return Row(f"{what} against length 1e3..1e6, departure from linear", departure, "%", must=20.0, detail=detail)
