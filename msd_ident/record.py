@@ -213,8 +213,6 @@ class Record:
     def force_at(self, time: npt.ArrayLike) -> FloatArray:
         """Force at any instants [s], as ``hold`` says; 0 before the first stamp."""
         at = np.asarray(time, dtype=np.float64)
-        if at is self.time and self.shared_clock:
-            return np.array(self.force)
         if self.hold == "linear":
             return np.asarray(np.interp(at, self.force_time, self.force, left=0.0), dtype=np.float64)
         index = np.searchsorted(self.force_time, at, side="right") - 1

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from msd_ident.errors import DataError
-from msd_ident.record import Hold, Record, from_samples
+from msd_ident.record import Record, from_samples
 
 T = np.arange(30) / 10
 X = np.sin(T)
@@ -69,14 +69,6 @@ def test_the_force_between_its_stamps() -> None:
     at = [-1.0, 0.0, 0.5, 1.0, 9.0]
     assert build(force=np.array([1.0, 2.0])).force_at(at).tolist() == [0.0, 1.0, 1.0, 2.0, 2.0]
     assert build(force=np.array([1.0, 2.0]), hold="linear").force_at(at).tolist() == [0.0, 1.0, 1.5, 2.0, 2.0]
-
-
-@pytest.mark.parametrize("hold", ["zero", "linear"])
-def test_the_force_at_the_samples_is_the_one_beside_them(hold: Hold) -> None:
-    record = from_samples(T, np.sin(3.0 * T), X, hold=hold)
-    np.testing.assert_array_equal(record.force_at(record.time), record.force_at(record.time.copy()))
-    record.force_at(record.time)[:] = 7.0
-    assert np.max(record.force) < 1.0
 
 
 @given(start=st.floats(-1, 2.0), length=st.floats(1.95, 5), hold=st.sampled_from(["zero", "linear"]))
