@@ -88,7 +88,7 @@ def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
         wide_vectors(problem, models, regressions),
         [own_vectors(problem, model, regressions) for model in models],
         lambda best: [*harmonic_vectors(problem, best), *guess_vectors(problem, best)],
-        lambda best: neighbour_vectors(problem, best),
+        lambda best: neighbour_vectors(problem, best, regressions),
     )
 
 

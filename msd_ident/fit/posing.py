@@ -162,18 +162,21 @@ def _linear(problem: Problem, start: Start) -> dict[str, float]:
     return {name: start.values[name] for name in LINEAR if name in free and name in start.values}
 
 
-def neighbour_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
+def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start]) -> list[FloatArray]:
     """``best`` with a little more or less play, each record begun anew: in a wrong valley their states went along."""
     if _PLAY not in problem.names:
         return []
     values = dict(zip(problem.model.names, problem.values(best).tolist(), strict=True))
-    states = starting_states(problem)
+    states = _states(problem, starts)
     return [_vector(problem, Start(values | {_PLAY: factor * values[_PLAY]}, states)) for factor in _HOPS]
 
 
 def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:
     """Position, velocity and zero of each record at its first sample, as the regression tells or the first reading."""
-    starts = regressed(problem)
+    return _states(problem, regressed(problem))
+
+
+def _states(problem: Problem, starts: Sequence[Start]) -> tuple[tuple[float, float, float], ...]:
     return starts[0].initial if starts else _first_readings(problem)
 
 

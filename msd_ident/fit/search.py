@@ -147,8 +147,10 @@ class Valleys:
     def _hop(self, best: Outcome, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
         """From valley to valley, as long as it leads down and there is something left to find."""
         for _ in range(_MOST_HOPS):
-            before = best.cost
-            for vector in [] if self.at_floor(best) else neighbours(best.point):
+            before, near = best.cost, neighbours(best.point)
+            if not near or self.at_floor(best):
+                break
+            for vector in near:
                 best = _deeper(best, minimise(self.plain, vector, self._roughly()))
             if best.cost > 0.9 * before:
                 break

@@ -19,6 +19,7 @@ from functools import partial
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from msd_ident.fit.windows import breadths
 from msd_ident.record import FloatArray, Record
 
 #: Parameters that enter the equation of motion linearly through something that x and v tell.
@@ -136,10 +137,7 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     span = min(span, position.size - 1)
     held = np.concatenate((np.full(span, position[0]), position, np.full(span, position[-1])))
     way: FloatArray = held[2 * span :] - held[: -2 * span]
-    steps = np.full(position.size, 2.0 * span)
-    steps[:span] -= np.arange(span, 0, -1)
-    steps[-span:] -= np.arange(1, span + 1)
-    way /= period * steps
+    way /= period * breadths(position.size, span)
     return way
 
 

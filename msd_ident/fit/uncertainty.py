@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.signal
 
+from msd_ident.fit.windows import breadths
 from msd_ident.record import FloatArray
 
 _MAX_ORDER = 30
@@ -93,11 +94,7 @@ def _local_size(residual: FloatArray) -> FloatArray:
     squares = np.cumsum(residual**2)
     sums = np.concatenate((np.zeros(reach + 1), squares, np.full(reach, squares[-1])))
     mean = sums[2 * reach + 1 :] - sums[: -2 * reach - 1]
-    # Fewer samples at either end.
-    count = np.full(residual.size, 2.0 * reach + 1.0)
-    count[:reach] -= np.arange(reach, 0, -1)[: residual.size]
-    count[-reach:] -= np.arange(1, reach + 1)[-residual.size :]
-    mean /= count
+    mean /= breadths(residual.size, reach) + 1.0
     floor = 0.0025 * float(squares[-1]) / residual.size or 1e-300
     return np.asarray(np.sqrt(np.maximum(mean, floor, out=mean), out=mean))
 

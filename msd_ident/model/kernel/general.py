@@ -19,8 +19,8 @@ from msd_ident.model.kernel.passage import RETRY, calm, near_turn, passage, plac
 from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, applied_first, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
 
-#: Estimated error of a step that is accepted, relative to the scales of position and velocity. The estimates are of
-#: an order below the step's own, so the motion is better than this by far.
+#: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
+#: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
 TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 1.5e-8
 #: Steps are even when their lengths differ by no more than this part.
 _EVEN = 1e-7
