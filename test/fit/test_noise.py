@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from fitrigs import COUNTS_PER_METRE, DEMO, demo_record, measured
 
+from msd_ident import noise
 from msd_ident.fit.noise import noise_floor, repeat_scatter
+from msd_ident.record import from_samples
 
 
 def test_an_encoder_without_noise_has_its_rounding_as_floor() -> None:
@@ -19,6 +21,18 @@ def test_an_encoder_without_noise_has_its_rounding_as_floor() -> None:
 def test_white_noise_is_found() -> None:
     record = demo_record(encoder={"counts_per_metre": COUNTS_PER_METRE, "noise": 5e-5}, seed=3)
     assert noise_floor((record,)) == pytest.approx(5e-5, rel=0.1)
+
+
+def test_the_floor_of_a_long_record_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Too long a record to keep curves with, but a number takes no room."""
+    asked: list[float] = []
+    real = noise._interpolation_error
+    monkeypatch.setattr(noise, "_interpolation_error", lambda record, step: asked.append(step) or real(record, step))
+    random = np.random.default_rng(4)
+    time = np.arange(60_000) / 1000.0
+    record = from_samples(time, 0.0 * time, np.sin(time) + 1e-3 * random.standard_normal(time.size))
+    assert noise_floor((record,)) == noise_floor((record,)) == pytest.approx(1e-3, rel=0.02)
+    assert len(asked) == 1
 
 
 def test_repeats_tell_the_scatter_of_the_rig() -> None:
