@@ -15,6 +15,7 @@ from msd_ident.fit.objective import SquaredError
 from msd_ident.fit.problem import Balance, Initial, Nuisance, Problem, build
 from msd_ident.fit.start import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
+from msd_ident.model.effects.base import Effect
 from msd_ident.record import FloatArray, Record
 
 Zero = Literal["free", "known"]
@@ -32,9 +33,6 @@ _PLACED = (
     "cogging_amplitude",
     "position_friction_slope",
 )
-
-#: Play, whose valleys lie close to each other, and the factors by which the next ones are looked for.
-_PLAY, _HOPS = "backlash_half_width", (0.93, 0.965, 1.035, 1.07)
 
 
 def pose(
@@ -142,6 +140,10 @@ def _values_of(model: Model) -> dict[str, float]:
     return dict(zip(model.names, model.values.tolist(), strict=True))
 
 
+def _own(effect: Effect) -> dict[str, float]:
+    return dict(zip((p.name for p in effect.parameters), effect.values, strict=True))
+
+
 def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
     """``best`` with each effect of the model in turn replaced by the guesses that it makes from the data."""
     model = problem.model.with_values(problem.values(best))
@@ -149,10 +151,12 @@ def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
     for effect in model.effects:
         for record in problem.records:
             for guess in effect.guess(record, model.without(effect.name)):
-                guessed = dict(zip((p.name for p in guess.parameters), guess.values, strict=True))
+                guessed = _own(guess)
                 vector = best.copy()
                 for place, index in enumerate(problem.free):
-                    vector[place] = guessed.get(model.names[index], vector[place])
+                    value = guessed.get(model.names[index], math.nan)
+                    if math.isfinite(value):  # an infinite limit is none, and nothing to start from
+                        vector[place] = value
                 vectors.append(vector)
     return vectors
 
@@ -163,12 +167,14 @@ def _linear(problem: Problem, start: Start) -> dict[str, float]:
 
 
 def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start]) -> list[FloatArray]:
-    """``best`` with a little more or less play, each record begun anew: in a wrong valley their states went along."""
-    if _PLAY not in problem.names:
-        return []
-    values = dict(zip(problem.model.names, problem.values(best).tolist(), strict=True))
-    states = _states(problem, starts)
-    return [_vector(problem, Start(values | {_PLAY: factor * values[_PLAY]}, states)) for factor in _HOPS]
+    """``best`` with an effect in a valley next to its own, each record begun anew: in a wrong one their states went
+    along.
+    """
+    model = problem.model.with_values(problem.values(best))
+    values, states = _values_of(model), _states(problem, starts)
+    free = [effect for effect in model.effects if not {p.name for p in effect.parameters}.isdisjoint(problem.names)]
+    others = [_own(other) for effect in free for other in effect.neighbours(problem.records)]
+    return [_vector(problem, Start({**values, **other}, states)) for other in others]
 
 
 def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:

@@ -16,6 +16,7 @@ import numpy as np
 from msd_ident.fit.objective import SquaredError
 from msd_ident.fit.problem import Problem
 from msd_ident.fit.solver import Limits, minimise
+from msd_ident.model.effects import typical
 from msd_ident.record import FloatArray
 
 #: Harmonic terms of the library: names of amplitude, of what is scanned, and of the phase.
@@ -79,7 +80,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
-    span = max(float(np.ptp(record.position)) for record in problem.records)
+    span = 2.0 * max(typical.amplitude(record) for record in problem.records)
     return np.asarray(np.geomspace(0.02 * span, 2.0 * span, _PITCHES))
 
 

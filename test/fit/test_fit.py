@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.optimize
+from effect_examples import EXAMPLES
 from fitrigs import COUNTS_PER_METRE, DEMO, demo_record, measured, wrong
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,6 +18,7 @@ from msd_ident.errors import UsageError
 from msd_ident.fit import FitResult, Initial, fit
 from msd_ident.fit.posing import pose
 from msd_ident.model import Model, Plant
+from msd_ident.model.effects import by_name
 from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
@@ -162,6 +164,17 @@ def test_a_still_record_ends_in_words_not_in_an_error() -> None:
     assert all(math.isnan(result.quantities[name].std) for name in ("mass", "damping", "stiffness"))
     assert result.open_directions
     assert result.message
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_a_still_record_beside_another_stops_no_effect(name: str) -> None:
+    """A cart that did not move has no size that a guess could be a share of."""
+    whole = Plant(DEMO["mass"], DEMO["damping"], DEMO["stiffness"]) + by_name(name)(**EXAMPLES[name])
+    time = np.arange(400) * 1e-3
+    still = from_samples(time, np.zeros(400), np.full(400, 0.1))
+    sine = from_samples(time, 5.0 * np.sin(9.0 * time), 0.01 * np.sin(9.0 * time) + 1e-3 * np.sin(70.0 * time))
+    assert fit(whole, [sine, still]).message
+    assert fit(whole, still).message
 
 
 def test_noise_alone_ends_in_words_not_in_an_error() -> None:

@@ -172,6 +172,23 @@ def test_guesses_are_usable_starts(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_neighbours_are_other_effects_of_the_kind(name: str) -> None:
+    effect = by_name(name)(**EXAMPLES[name])
+    assert all(type(other) is type(effect) and other != effect for other in effect.neighbours([record()]))
+
+
+def test_a_friction_without_its_peak_has_one_begun_anew() -> None:
+    flat = by_name("stribeck_friction")(coulomb_force=0.4, static_force=0.1, stribeck_velocity=0.02)
+    peaks = flat.neighbours([record()])
+    assert peaks
+    for peak in peaks:
+        values = dict(zip((p.name for p in peak.parameters), peak.values, strict=True))
+        assert values["coulomb_force"] == 0.4
+        assert values["static_force"] > 0.4
+        assert not peak.neighbours([record()])
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_values_outside_their_bounds_are_refused_in_words(name: str) -> None:
     effect = by_name(name)
     for parameter in effect.parameters:

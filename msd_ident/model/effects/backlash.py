@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,9 @@ from msd_ident.model.effects.base import Effect, Parameter
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
     from msd_ident.record import Record
+
+#: How far away, in parts of the play, its next valleys are looked for.
+_HOPS = (0.93, 0.965, 1.035, 1.07)
 
 
 @dataclass(frozen=True)
@@ -33,3 +37,8 @@ class Backlash(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[Backlash, ...]:
         """Several widths: the surface has a knee wherever the motion ends within the play."""
         return tuple(cls(share * typical.amplitude(record)) for share in (0.02, 0.08, 0.25))
+
+    def neighbours(self, records: Sequence[Record]) -> tuple[Backlash, ...]:
+        """A little more or less play: there is a valley for every number of swings that ended within it."""
+        del records
+        return tuple(Backlash(factor * self.backlash_half_width) for factor in _HOPS)

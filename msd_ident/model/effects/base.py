@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
@@ -115,6 +115,15 @@ class Effect:
             plant: a fitted or roughly known model without this effect.
         """
         raise NotImplementedError
+
+    def neighbours(self, records: Sequence[Record]) -> tuple[Self, ...]:
+        """Where a fit that ended here may find deeper valleys next to its own; none unless the effect is known for it.
+
+        Args:
+            records: the measurements that it was fitted to.
+        """
+        del records
+        return ()
 
     @classmethod
     def laws(cls) -> dict[str, Callable[..., float]]:

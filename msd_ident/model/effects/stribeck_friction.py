@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -56,3 +57,10 @@ class StribeckFriction(Effect):
         """A tenth and a third of the top speed as the velocity scale, little and much friction."""
         force, speed = typical.force(record, plant), typical.speed(record)
         return tuple(cls(0.02 * force * n, 0.04 * force * n, speed * s) for n in (1.0, 4.0) for s in (0.1, 0.4))
+
+    def neighbours(self, records: Sequence[Record]) -> tuple[StribeckFriction, ...]:
+        """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
+        if self.static_force > self.coulomb_force:
+            return ()
+        kinetic, speed = self.coulomb_force, max(typical.speed(record) for record in records)
+        return tuple(StribeckFriction(kinetic, 1.5 * kinetic, share * speed) for share in (0.03, 0.1, 0.3))
