@@ -11,7 +11,7 @@ from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.second_mode import SecondMode
-from msd_ident.model.kernel.adams import _weights
+from msd_ident.model.kernel.adams import _ONWARD, _V0, _V1, _X0, _X1, _sum, _weights
 from msd_ident.model.model import Model
 from msd_ident.record import Record
 
@@ -28,6 +28,20 @@ def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
         velocity = acceleration.integ()
         assert once @ values == pytest.approx(velocity(1.0), rel=1e-12)
         assert twice @ values == pytest.approx(velocity.integ()(1.0), rel=1e-12)
+
+
+def test_the_seventh_difference_puts_a_step_right() -> None:
+    """With it a step is exact one degree further: the polynomial through the acceleration at the end as well."""
+    random = np.random.default_rng(2)
+    acceleration = Polynomial(random.normal(size=8))
+    a, *past = acceleration(np.arange(0.0, -8.0, -1.0))
+    seventh = acceleration(1.0) - _sum.py_func(_ONWARD, a, past)
+    assert seventh == pytest.approx(acceleration.deriv(7)(0.0), rel=1e-8)
+    velocity = acceleration.integ()
+    for weights, one, exact in ((_V0, _V1, velocity(1.0)), (_X0, _X1, velocity.integ()(1.0))):
+        foreseen = _sum.py_func(weights, a, past)
+        assert foreseen + one * seventh == pytest.approx(exact, rel=1e-8)
+        assert foreseen != pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -10,18 +10,20 @@ Names: see ``rk``.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.adams import PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
 from msd_ident.model.kernel.passage import RETRY, calm, near_turn, passage, place_of
-from msd_ident.model.kernel.rk import STAGES, acceleration_at, applied, applied_first, second_acceleration, step4, step5
+from msd_ident.model.kernel.rk import STAGES, acceleration_at, beside, second_acceleration, step4, step5
 from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
 #: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
-TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 1.5e-8
+TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
 #: Steps are even when their lengths differ by no more than this part.
 _EVEN = 1e-7
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
@@ -36,10 +38,47 @@ def _drive(start, level, slope, transient, decay, j):
 
 
 @inlined
+def _jump(length, level, slope, transient, j):
+    """Change of the force [N] as segment j begins; a lagged one has none."""
+    if j == 0 or transient.size > 0:
+        return 0.0
+    return level[j] - (level[j - 1] + (slope[j - 1] * length[j - 1] if slope.size > 0 else 0.0))
+
+
+@inlined
 def _goes_on(j, length, level, slope):
     """Whether segment j is as long as the one before, and the force on it the same held one."""
     held = slope.size == 0 or (slope[j] == 0.0 and slope[j - 1] == 0.0)
     return held and level[j] == level[j - 1] and abs(length[j] - length[j - 1]) <= _EVEN * length[j]
+
+
+@inlined
+def _outside(world, p, w, drive, t, fade):
+    """What ``outer`` gives, where exp(-decay t) is known."""
+    start, f, r, e, _ = drive
+    return beside(world, p, w, f + r * t + e * fade, start + t)
+
+
+# fmt: off
+@inlined
+def _alone(
+    fifth, world, p, w, place, drive, half, last, s, h, x, v, a, y, u, c, longest4, longest5, tolerances, k,
+):
+    # fmt: on
+    """(accurate, x, v, a, y, u, c, longest4): a step made from its start alone, of fourth order or else of fifth."""
+    if not fifth:
+        middle = _outside(world, p, w, drive, 0.5 * h, half)
+        x1, v1, a1, y1, u1, c1, error_x, error_v = step4(
+            world, p, w, place, drive, middle, last, s, 0.0, h, x, v, a, y, u, c
+        )
+        if error_x <= tolerances[0] and error_v <= tolerances[1]:
+            return True, x1, v1, a1, y1, u1, c1, longest4
+        longest4 = 0.5 * h
+    if h > longest5:
+        return False, x, v, a, y, u, c, longest4
+    x1, v1, a1, y1, u1, c1, error_x, error_v = step5(world, p, w, place, drive, s, 0.0, h, x, v, a, y, u, c, k)
+    accurate = error_x <= tolerances[2] and error_v <= tolerances[3]
+    return accurate, x1, v1, a1, y1, u1, c1, longest4 * RETRY
 
 
 @inlined
@@ -52,61 +91,56 @@ def _later(value, past):
 @lean
 def _cruise(
     j, world, p, w, place, low, high, eventful, quick, start, length, level, slope, transient, decay,
-    x, v, a, y, u, c, s, before, longest4, longest5, tolerances, k, out_x, out_v,
+    x, v, a, y, u, c, s, longest4, longest5, tolerances, k, out_x, out_v,
 ):
     # fmt: on
     """Segment after segment in one step each, while nothing happens and the step is accurate.
 
-    Returns (j, x, v, a, y, u, c, before, longest4) in front of the first segment of another kind; ``before`` [N] is the
-    force just before it.
+    Returns (j, x, v, a, y, u, c, longest4) in front of the first segment of another kind.
     """
-    keep = out_v.size > 0
-    known = 0
+    keep, second = out_v.size > 0, world[4] > 0.0
+    known, even, half = 0, 0.0, 1.0
     past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     while j < length.size:
         left = length[j]
         drive = _drive(start, level, slope, transient, decay, j)
+        if decay > 0.0 and left != even:
+            even, half = left, math.exp(-0.5 * decay * left)
+        last = _outside(world, p, w, drive, left, half * half)
         # Position and velocity go on smoothly, so only the force can have jumped.
-        a0 = a + (applied_first(drive) - before) * world[1]
+        a0 = a + _jump(length, level, slope, transient, j) * world[1]
         turning = quick and near_turn(left, v, a0)
         fifth = turning or left > longest4
         known = known if known > 0 and _goes_on(j, length, level, slope) else 0
         accurate = False
         if known == PAST and not turning:
             x1, v1, a1, y1, u1, c1, error = step_adams(
-                world, p, w, place, drive, s, left, x, v, a0, y, u, c, past, past_c, tolerances[4]
+                world, p, w, place, drive, last, s, left, x, v, a0, y, u, c, past, past_c, tolerances[4]
             )
             accurate = error <= tolerances[4]
             if accurate:
                 longest4 *= RETRY
             elif not fifth:
-                known = -1
-        if not accurate and fifth:
-            if left > longest5:
-                break
-            x1, v1, a1, y1, u1, c1, error_x, error_v = step5(
-                world, p, w, place, drive, s, 0.0, left, x, v, a0, y, u, c, k
-            )
-            accurate = error_x <= tolerances[2] and error_v <= tolerances[3]
-            longest4 *= RETRY
-        elif not accurate:
-            x1, v1, a1, y1, u1, c1, error_x, error_v = step4(world, p, w, place, drive, s, 0.0, left, x, v, a0, y, u, c)
-            accurate = error_x <= tolerances[0] and error_v <= tolerances[1]
-            if not accurate:
-                longest4 = 0.5 * left
+                known = PAST - 3
+        if not accurate:
+            accurate, x1, v1, a1, y1, u1, c1, longest4 = _alone(
+                fifth, world, p, w, place, drive, half, last, s, left, x, v, a0, y, u, c,
+                longest4, longest5, tolerances, k,
+            )  # fmt: skip
         if not accurate:
             break
         if eventful and not calm(s, low, high, a0, x1, v1, a1):
             break
-        past, past_c = _later(a0, past), _later(c, past_c)
+        past = _later(a0, past)
+        if second:
+            past_c = _later(c, past_c)
         known = min(known + 1, PAST)
         x, v, a, y, u, c = x1, v1, a1, y1, u1, c1
-        before = applied(drive, left)
         j += 1
         out_x[j] = x
         if keep:
             out_v[j] = v
-    return j, x, v, a, y, u, c, before, longest4
+    return j, x, v, a, y, u, c, longest4
 
 
 @joined
@@ -154,25 +188,23 @@ def general(
     drive = _drive(start, level, slope, transient, decay, j)
     s, i, a = _begin(world, p, w, edges, springs, drive, eventful, x, v)
     y, u, c = x, v, second_acceleration(world, x, v, x, v)
-    before = applied_first(drive)
     longest4, longest5, budget = 2.0 * length[0], 2.0 * length[0], STEPS + STEPS_A_SEGMENT * length.size
     while True:
         if s != 0.0 or not eventful:
-            j, x, v, a, y, u, c, before, longest4 = _cruise(
+            j, x, v, a, y, u, c, longest4 = _cruise(
                 j, world, p, w, place_of(springs, i), edges[i], edges[i + 1], eventful, quick,
                 start, length, level, slope, transient, decay,
-                x, v, a, y, u, c, s, before, longest4, longest5, tolerances, k, out_x, out_v,
+                x, v, a, y, u, c, s, longest4, longest5, tolerances, k, out_x, out_v,
             )  # fmt: skip
         if j == length.size:
             break
         drive = _drive(start, level, slope, transient, decay, j)
         if s != 0.0 or not eventful:
-            a += (applied_first(drive) - before) / m
+            a += _jump(length, level, slope, transient, j) / m
         x, v, a, y, u, c, s, i, longest4, longest5, budget = passage(
             world, held, p, w, edges, springs, drive, length[j], eventful, restless, quick,
             (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,
         )  # fmt: skip
-        before = applied(drive, length[j])
         j += 1
         out_x[j] = x
         if keep:

@@ -51,16 +51,16 @@ def applied(drive, t):
 
 
 @inlined
-def applied_first(drive):
-    """The same as the segment begins."""
-    return drive[1] + drive[3]
+def beside(world, p, w, force, time):
+    """The forces [N] on the cart that do not depend on its motion, at this time [s], with this one applied."""
+    active, _, _, constant, _, _, _ = world
+    return force - constant - laws.disturbance(active, p, w, time)
 
 
 @inlined
 def outer(world, p, w, drive, t):
-    """The forces [N] on the cart that do not depend on its motion."""
-    active, _, _, constant, _, _, _ = world
-    return applied(drive, t) - constant - laws.disturbance(active, p, w, drive[0] + t)
+    """The same a time t [s] after the segment began."""
+    return beside(world, p, w, applied(drive, t), drive[0] + t)
 
 
 @inlined
@@ -105,16 +105,17 @@ def acceleration_at(world, p, w, piece, drive, s, t, x, v, y, u):
 
 
 @inlined
-def step4(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c):
-    """(x, v, a, y, u, c) a time h later by the classic method, and the errors of position [m] and velocity [m/s]."""
+def step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c):
+    """(x, v, a, y, u, c) a time h later by the classic method, and the errors of position [m] and velocity [m/s].
+
+    middle, last: what ``outer`` gives half-way and at the end.
+    """
     vn, an, un, cn = v, a, u, c
     sum_v, sum_a, sum_u, sum_c = v, a, u, c
-    reach, weight = 0.5 * h, 2.0
-    outside = outer(world, p, w, drive, t + reach)
+    reach, weight, outside = 0.5 * h, 2.0, middle
     for stage in range(3):
         if stage == 2:
-            reach, weight = h, 1.0
-            outside = outer(world, p, w, drive, t + h)
+            reach, weight, outside = h, 1.0, last
         xn, yn = x + reach * vn, y + reach * un
         vn, un = v + reach * an, u + reach * cn
         an = acceleration(world, p, w, piece, drive, outside, s, t + reach, xn, vn, yn, un)
@@ -175,4 +176,5 @@ def step_to(fifth, world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
     """A step of either method, for the search of events."""
     if fifth:
         return step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k)
-    return step4(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c)
+    middle, last = outer(world, p, w, drive, t + 0.5 * h), outer(world, p, w, drive, t + h)
+    return step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c)
