@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.measure import LENGTHS, Row, linearity, median_seconds
+from bench.measure import Row, linearity, median_seconds
 from msd_ident.fit import fit
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -52,11 +52,16 @@ def joint_row() -> Row:
 
 
 def length_row() -> Row:
-    """Cost of the whole fit against length, each time of a record that nothing is known about yet."""
-    measured = {n: record(n) for n in LENGTHS}
+    """Cost of the whole fit against length, each time of a record that nothing is known about yet.
 
-    def prepare(samples: int) -> Callable[[], object]:
-        fresh = replace(measured[samples])
+    Each round has records of its own: how many steps a fit takes differs from one to the next.
+    """
+    measured: dict[tuple[int, int], Record] = {}
+
+    def prepare(samples: int, turn: int) -> Callable[[], object]:
+        if (samples, turn) not in measured:
+            measured[samples, turn] = record(samples, seed=turn)
+        fresh = replace(measured[samples, turn])
         return lambda: fit(START, fresh)
 
     return linearity("fit", prepare, rounds=9)

@@ -63,24 +63,31 @@ def median_seconds(call: Callable[[], object], *, budget: float = 0.5, fewest: i
     return statistics.median(runs)
 
 
-def linearity(what: str, prepare: Callable[[int], Callable[[], object]], rounds: int) -> Row:
-    """Cost of the same work on records of all ``LENGTHS``: departure of the added cost a sample from its median.
+def linearity(what: str, prepare: Callable[[int, int], Callable[[], object]], rounds: int) -> Row:
+    """Cost of the same work on records of all ``LENGTHS``: how far the added cost a sample departs from its median.
 
-    All lengths are measured in turn, round after round, so that a machine that changes its pace does so for all of
-    them. Short work is repeated within a round. ``prepare`` makes what is to be timed, anew for each time.
+    All lengths are measured in turn, round after round, and compared within each round: a machine that changes its pace
+    does so for all of them. Short work is repeated within a round. ``prepare(samples, round)`` makes what is to be
+    timed, anew for each time.
     """
-    seconds: list[list[float]] = [[] for _ in LENGTHS]
-    for turn in range(rounds + 1):
-        for runs, size in zip(seconds, LENGTHS, strict=True):
-            for _ in range(1 if turn == 0 else max(1, min(50, LENGTHS[-1] // (10 * size)))):
-                call = prepare(size)
-                begun = time.perf_counter()
-                call()
-                if turn > 0:
-                    runs.append(time.perf_counter() - begun)
-    medians = [statistics.median(runs) for runs in seconds]
-    slopes = [(b - a) / (m - n) for (a, b), (n, m) in zip(pairwise(medians), pairwise(LENGTHS), strict=True)]
-    usual = statistics.median(slopes)
-    departure = 100.0 * max(abs(slope / usual - 1.0) for slope in slopes)
+    seconds = [[_one_round(prepare, size, turn) for size in LENGTHS] for turn in range(rounds + 1)][1:]
+    steps = list(enumerate(pairwise(LENGTHS)))
+    slopes = [[(one[i + 1] - one[i]) / (longer - shorter) for i, (shorter, longer) in steps] for one in seconds]
+    at_one_pace = [[slope / statistics.mean(own) for slope in own] for own in slopes]
+    added = [statistics.median(slope) for slope in zip(*at_one_pace, strict=True)]
+    usual = statistics.median(added)
+    departure = 100.0 * max(abs(slope / usual - 1.0) for slope in added)
+    medians = [statistics.median(one) for one in zip(*seconds, strict=True)]
     detail = ", ".join(f"{1e3 * s:.4g} ms" for s in medians)
     return Row(f"{what} against length 1e3..1e6, departure from linear", departure, "%", must=20.0, detail=detail)
+
+
+def _one_round(prepare: Callable[[int, int], Callable[[], object]], size: int, turn: int) -> float:
+    """Median duration [s] of work on a record of this size, repeated the more often the shorter it is."""
+    runs = []
+    for _ in range(max(3, min(50, LENGTHS[-1] // (10 * size)))):
+        call = prepare(size, turn)
+        begun = time.perf_counter()
+        call()
+        runs.append(time.perf_counter() - begun)
+    return statistics.median(runs)

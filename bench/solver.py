@@ -210,7 +210,7 @@ def length_row() -> Row:
     """Cost of one simulation against length."""
     simulators = {n: Simulator(RUBBING, record(n)) for n in LENGTHS}
 
-    def prepare(samples: int) -> Callable[[], object]:
+    def prepare(samples: int, _: int) -> Callable[[], object]:
         return lambda: simulators[samples].positions(RUBBING.values)
 
     return linearity("simulation", prepare, rounds=60)
