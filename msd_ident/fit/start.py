@@ -38,7 +38,7 @@ LINEAR = (
 _MOTION = ("mass", "damping", "stiffness", "offset_force")
 _NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient", "stop_stiffness")
 _WIDTHS = (6, 16, 42, 110, 290)
-_MOST_PLACES = 4000
+_MOST_PLACES = 2000
 
 
 @dataclass(frozen=True)
