@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -50,16 +51,40 @@ def _kernel() -> Any:
 def _load(say: Callable[[str], None]) -> Any:
     from msd_ident.model.kernel import cache
 
-    return cache.load(say)
+    told: list[str] = []
+
+    def tell(line: str) -> None:
+        told.append(line)
+        say(line)
+
+    entries = cache.load(tell)
+    if told:
+        _compile(entries)
+    return entries
+
+
+def _compile(entries: Any) -> None:
+    """Compile the entries by a first run of theirs.
+
+    The collector of garbage rests meanwhile: it would look through the compiler's millions of objects again and again,
+    a tenth of the time, and find little.
+    """
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        time = np.linspace(0.0, 1.0, 20)
+        plan = _plan(Record(time=time, position=time, force_time=time, force=time), entries)
+        entries.run(0, np.ones((1, 5)), np.arange(3), plan, np.empty((1, time.size)), np.empty((1, 0)))
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     """Make sure that the solver is compiled; ``say`` is told, in one line, if that takes a while."""
     if not _kernel.cache_info().currsize and say is not _to_stderr:
         _load(say)
-    time = np.linspace(0.0, 1.0, 20)
-    record = Record(time=time, position=time, force_time=time, force=time)
-    simulate(Model(mass=1.0, damping=1.0, stiffness=1.0), record)
+    _kernel()
 
 
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
