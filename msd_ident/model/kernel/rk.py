@@ -112,24 +112,27 @@ def step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c):
     """
     vn, an, un, cn = v, a, u, c
     sum_v, sum_a, sum_u, sum_c = v, a, u, c
-    reach, weight, outside = 0.5 * h, 2.0, middle
-    for stage in range(3):
+    v4, a4, u4, c4 = v, a, u, c
+    sixth, outside = h / 6.0, middle
+    for stage in range(4):  # one loop, so that the laws are compiled once: three slopes, then the end
+        if stage < 3:
+            reach = h if stage == 2 else 0.5 * h
+            xn, yn = x + reach * vn, y + reach * un
+            vn, un = v + reach * an, u + reach * cn
+        else:
+            v4, a4, u4, c4 = vn, an, un, cn
+            xn, yn = x + sixth * sum_v, y + sixth * sum_u
+            vn, un = v + sixth * sum_a, u + sixth * sum_c
         if stage == 2:
-            reach, weight, outside = h, 1.0, last
-        xn, yn = x + reach * vn, y + reach * un
-        vn, un = v + reach * an, u + reach * cn
-        an = acceleration(world, p, w, piece, drive, outside, s, t + reach, xn, vn, yn, un)
+            outside = last
+        an = acceleration(world, p, w, piece, drive, outside, s, t + (h if stage >= 2 else 0.5 * h), xn, vn, yn, un)
         cn = second_acceleration(world, xn, vn, yn, un)
+        weight = 2.0 if stage < 2 else 1.0
         sum_v, sum_a = sum_v + weight * vn, sum_a + weight * an
         sum_u, sum_c = sum_u + weight * un, sum_c + weight * cn
-    sixth = h / 6.0
-    x1, v1 = x + sixth * sum_v, v + sixth * sum_a
-    y1, u1 = y + sixth * sum_u, u + sixth * sum_c
-    a1 = acceleration(world, p, w, piece, drive, outside, s, t + h, x1, v1, y1, u1)
-    c1 = second_acceleration(world, x1, v1, y1, u1)
-    error_x = sixth * (abs(vn - v1) + abs(un - u1))
-    error_v = sixth * (abs(an - a1) + abs(cn - c1))
-    return x1, v1, a1, y1, u1, c1, error_x, error_v
+    error_x = sixth * (abs(v4 - vn) + abs(u4 - un))
+    error_v = sixth * (abs(a4 - an) + abs(c4 - cn))
+    return xn, vn, an, yn, un, cn, error_x, error_v
 
 
 @lean
