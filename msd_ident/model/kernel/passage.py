@@ -203,6 +203,8 @@ def passage(world, held, p, w, edges, springs, drive, length, eventful, restless
         t = length if h >= left else t + h
         if event != _NONE:
             s, i, a = _after(event, world, p, w, edges, springs, drive, s, i, t, x, v, y, u)
+            if event == _KNEE:  # beyond it the motion may be slower
+                longest4 = 2.0 * length
     if budget <= 0:
         x = math.nan
     return x, v, a, y, u, c, s, i, longest4, longest5, budget
