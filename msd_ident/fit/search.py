@@ -220,14 +220,15 @@ def _deeper(one: Outcome, other: Outcome) -> Outcome:
 
 def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
-    plain, weighted = SquaredError(problem), _weighted(problem)
+    steps = problem.encoder_steps
+    plain, weighted = SquaredError(problem), _weighted(problem, steps)
     thin = problem.thinned(_ENOUGH)
-    return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin), floor)
+    return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)
 
 
-def _weighted(problem: Problem) -> SquaredError:
-    """Squared error with rests weighted down, differentiated by wide steps."""
-    pairs = zip(problem.records, problem.encoder_steps, strict=True)
+def _weighted(problem: Problem, steps: Sequence[float]) -> SquaredError:
+    """Squared error with rests weighted down, differentiated by wide steps; ``steps`` are the encoders' [m]."""
+    pairs = zip(problem.records, steps, strict=True)
     weights = tuple(motion_weights(record.position, step, _part_of_a_swing(problem, record)) for record, step in pairs)
     resting = any(bool(np.any(weight < 1.0)) for weight in weights)
     return SquaredError(problem, weights if resting else (), coarse=_COARSE)
