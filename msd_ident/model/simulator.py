@@ -44,7 +44,7 @@ def _to_stderr(line: str) -> None:
 
 @lru_cache(maxsize=1)
 def _kernel() -> Any:
-    """The compiled entries, from the cache on disk or to be compiled by the first call; says so on stderr."""
+    """The compiled entries, from the cache on disk or compiled now; says so on stderr."""
     return _load(_to_stderr)
 
 
@@ -59,12 +59,12 @@ def _load(say: Callable[[str], None]) -> Any:
 
     entries = cache.load(tell)
     if told:
-        _compile(entries)
+        _run_once(entries)
     return entries
 
 
-def _compile(entries: Any) -> None:
-    """Compile the entries by a first run of theirs.
+def _run_once(entries: Any) -> None:
+    """A first run, which loads the entries' code or compiles it.
 
     The collector of garbage rests meanwhile: it would look through the compiler's millions of objects again and again,
     a tenth of the time, and find little.
@@ -74,17 +74,17 @@ def _compile(entries: Any) -> None:
     try:
         time = np.linspace(0.0, 1.0, 20)
         plan = _plan(Record(time=time, position=time, force_time=time, force=time), entries)
-        entries.run(0, np.ones((1, 5)), np.arange(3), plan, np.empty((1, time.size)), np.empty((1, 0)))
+        entries.run(0, np.ones((1, 5)), np.arange(3, dtype=np.int64), plan, np.empty((1, time.size)), np.empty((1, 0)))
     finally:
         if collecting:
             gc.enable()
 
 
 def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
-    """Make sure that the solver is compiled; ``say`` is told, in one line, if that takes a while."""
+    """Make sure that the solver is compiled and loaded; ``say`` is told, in one line, if that takes a while."""
     if not _kernel.cache_info().currsize and say is not _to_stderr:
         _load(say)
-    _kernel()
+    _run_once(_kernel())
 
 
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:

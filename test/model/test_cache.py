@@ -7,10 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from msd_ident.model import warm_up
+from msd_ident.model import Plant, simulate, simulator, warm_up
 from msd_ident.model.kernel import cache
+from msd_ident.record import Record
 
 SIMULATE = """
 import numpy as np
@@ -39,6 +41,14 @@ def test_a_cold_start_says_so_in_one_line(tmp_path: Path, monkeypatch: pytest.Mo
     cache.load(said.append)
     assert len(said) == 1 and "compiling the solver, once" in said[0] and "\n" not in said[0]
     assert list(tmp_path.glob("msd_ident/solver-*/msd_solver_entry.py"))
+
+
+def test_warming_up_leaves_nothing_to_load() -> None:
+    warm_up()
+    entries = simulator._kernel()
+    assert len(entries.run.signatures) == len(entries.plan.signatures) == 1
+    simulate(Plant(1.0, 1.0, 100.0), Record(np.arange(30.0), np.zeros(30), np.arange(30.0), np.ones(30)))
+    assert len(entries.run.signatures) == len(entries.plan.signatures) == 1
 
 
 def test_a_warm_start_says_nothing() -> None:
