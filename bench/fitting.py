@@ -60,6 +60,7 @@ def length_row() -> Row:
 
     def prepare(samples: int, turn: int) -> Callable[[], object]:
         if (samples, turn) not in measured:
+            measured.clear()
             measured[samples, turn] = record(samples, seed=turn)
         fresh = replace(measured[samples, turn])
         return lambda: fit(START, fresh)

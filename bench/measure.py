@@ -67,8 +67,8 @@ def linearity(what: str, prepare: Callable[[int, int], Callable[[], object]], ro
     """Cost of the same work on records of all ``LENGTHS``: how far the added cost a sample departs from its median.
 
     All lengths are measured in turn, round after round, and compared within each round: a machine that changes its pace
-    does so for all of them. Short work is repeated within a round. ``prepare(samples, round)`` makes what is to be
-    timed, anew for each time.
+    does so for all of them. The first round is not counted; in the others all work is repeated, short work the more
+    often. ``prepare(samples, round)`` makes what is to be timed, anew for each time.
     """
     seconds = [[_one_round(prepare, size, turn) for size in LENGTHS] for turn in range(rounds + 1)][1:]
     steps = list(enumerate(pairwise(LENGTHS)))
@@ -83,9 +83,9 @@ def linearity(what: str, prepare: Callable[[int, int], Callable[[], object]], ro
 
 
 def _one_round(prepare: Callable[[int, int], Callable[[], object]], size: int, turn: int) -> float:
-    """Median duration [s] of work on a record of this size, repeated the more often the shorter it is."""
+    """Median duration [s] of work on a record of this size."""
     runs = []
-    for _ in range(max(3, min(50, LENGTHS[-1] // (10 * size)))):
+    for _ in range(max(3, min(50, LENGTHS[-1] // (10 * size))) if turn > 0 else 1):
         call = prepare(size, turn)
         begun = time.perf_counter()
         call()
