@@ -1,8 +1,8 @@
 """The general path: any smooth law, integrated step by step between located events.
 
 While nothing happens each segment is one step: from the accelerations of the steps before where the force has gone on
-as it was, else of fourth order. A segment with an event in it, or one that needs smaller steps, is left to ``passage``.
-Names: see ``rk``.
+as it was, else of fourth order or of fifth. A segment with an event in it, or one that needs smaller steps, is left to
+``passage``. Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -24,8 +24,9 @@ from msd_ident.model.kernel.spring import piece
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
 #: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
 TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
-#: Steps are even when their lengths differ by no more than this part.
-_EVEN = 1e-7
+#: Steps are even when their lengths differ by no more than this part; and so little that they are the same but for
+#: rounding.
+_EVEN, _SAME = 1e-7, 1e-11
 #: Steps that a run may take: so many a segment, and so many on top. Beyond, the motion is given up as NaN.
 STEPS_A_SEGMENT, STEPS = 120, 100_000
 
@@ -78,7 +79,7 @@ def _alone(
         return False, x, v, a, y, u, c, longest4
     x1, v1, a1, y1, u1, c1, error_x, error_v = step5(world, p, w, place, drive, s, 0.0, h, x, v, a, y, u, c, k)
     accurate = error_x <= tolerances[2] and error_v <= tolerances[3]
-    return accurate, x1, v1, a1, y1, u1, c1, longest4 * RETRY
+    return accurate, x1, v1, a1, y1, u1, c1, longest4 * RETRY if accurate else longest4
 
 
 @inlined
@@ -104,7 +105,7 @@ def _cruise(
     while j < length.size:
         left = length[j]
         drive = _drive(start, level, slope, transient, decay, j)
-        if decay > 0.0 and left != even:
+        if decay > 0.0 and abs(left - even) > _SAME * left:
             even, half = left, math.exp(-0.5 * decay * left)
         last = _outside(world, p, w, drive, left, half * half)
         # Position and velocity go on smoothly, so only the force can have jumped.
