@@ -174,7 +174,9 @@ def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start
     values, states = _values_of(model), _states(problem, starts)
     free = [effect for effect in model.effects if not {p.name for p in effect.parameters}.isdisjoint(problem.names)]
     others = [_own(other) for effect in free for other in effect.neighbours(problem.records)]
-    return [_vector(problem, Start({**values, **other}, states)) for other in others]
+    vectors = [_vector(problem, Start({**values, **other}, states)) for other in others]
+    # What is fixed keeps its value, so that some may be one and the same.
+    return [one for i, one in enumerate(vectors) if not any(np.array_equal(one, other) for other in vectors[:i])]
 
 
 def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:

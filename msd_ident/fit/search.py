@@ -220,7 +220,7 @@ def _deeper(one: Outcome, other: Outcome) -> Outcome:
 
 def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
-    steps = problem.encoder_steps
+    steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
     plain, weighted = SquaredError(problem), _weighted(problem, steps)
     thin = problem.thinned(_ENOUGH)
     return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)

@@ -173,8 +173,12 @@ def test_guesses_are_usable_starts(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_neighbours_are_other_effects_of_the_kind(name: str) -> None:
+    """A backlash has some, a friction with its peak none, nor has anything of zero strength."""
     effect = by_name(name)(**EXAMPLES[name])
-    assert all(type(other) is type(effect) and other != effect for other in effect.neighbours([record()]))
+    others = effect.neighbours([record()])
+    assert all(type(other) is type(effect) and other != effect for other in others)
+    assert bool(others) == (name == "backlash")
+    assert not by_name(name).from_values(EXAMPLES[name] | dict(effect.neutral)).neighbours([record()])
 
 
 def test_a_friction_without_its_peak_has_one_begun_anew() -> None:

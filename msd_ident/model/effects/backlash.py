@@ -41,4 +41,5 @@ class Backlash(Effect):
     def neighbours(self, records: Sequence[Record]) -> tuple[Backlash, ...]:
         """A little more or less play: there is a valley for every number of swings that ended within it."""
         del records
-        return tuple(Backlash(factor * self.backlash_half_width) for factor in _HOPS)
+        hops = _HOPS if self.backlash_half_width > 0.0 else ()
+        return tuple(Backlash(factor * self.backlash_half_width) for factor in hops)

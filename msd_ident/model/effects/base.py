@@ -107,6 +107,12 @@ class Effect:
         return cls(**{parameter.name: values[parameter.name] for parameter in cls.parameters})
 
     @classmethod
+    def within_bounds(cls, *values: float) -> Self:
+        """The effect with these values, or with the nearest ones that their bounds allow."""
+        pairs = zip(cls.parameters, values, strict=True)
+        return cls(*(min(max(value, parameter.lower), parameter.upper) for parameter, value in pairs))
+
+    @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Self, ...]:
         """Starting values from data: one per valley that a search should visit, the likeliest first.
 

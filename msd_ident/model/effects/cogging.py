@@ -42,4 +42,4 @@ class Cogging(Effect):
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Cogging, ...]:
         """The three pitches that best fit the force that the plant leaves unexplained, with amplitude and phase."""
-        return tuple(cls(a, p, phi) for a, p, phi in typical.ripples(record, plant, count=3))
+        return tuple(cls.within_bounds(a, p, phi) for a, p, phi in typical.ripples(record, plant, count=3))

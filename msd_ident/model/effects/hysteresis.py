@@ -61,4 +61,4 @@ class Hysteresis(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[Hysteresis, ...]:
         """Short and long turning lengths."""
         force, amplitude = 0.05 * typical.force(record, plant), typical.amplitude(record)
-        return tuple(cls(force, share * amplitude) for share in (0.03, 0.2, 0.8))
+        return tuple(cls.within_bounds(force, share * amplitude) for share in (0.03, 0.2, 0.8))

@@ -56,11 +56,13 @@ class StribeckFriction(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
         """A tenth and a third of the top speed as the velocity scale, little and much friction."""
         force, speed = typical.force(record, plant), typical.speed(record)
-        return tuple(cls(0.02 * force * n, 0.04 * force * n, speed * s) for n in (1.0, 4.0) for s in (0.1, 0.4))
+        shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
+        return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[StribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
-        if self.static_force > self.coulomb_force:
+        if self.static_force > self.coulomb_force or self.coulomb_force == 0.0:
             return ()
         kinetic, speed = self.coulomb_force, max(typical.speed(record) for record in records)
-        return tuple(StribeckFriction(kinetic, 1.5 * kinetic, share * speed) for share in (0.03, 0.1, 0.3))
+        velocities = (0.03 * speed, 0.1 * speed, 0.3 * speed)
+        return tuple(StribeckFriction.within_bounds(kinetic, 1.5 * kinetic, velocity) for velocity in velocities)

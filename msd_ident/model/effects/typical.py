@@ -7,13 +7,10 @@ import numpy as np
 from msd_ident.model.model import FloatArray, Model
 from msd_ident.record import Record
 
-#: Least amplitude [m] and speed [m/s] of a motion: a share of it must still be a length that a law can have.
-_LEAST = 1e-7
-
 
 def amplitude(record: Record) -> float:
     """Half the range of the positions [m]; never zero."""
-    return max(0.5 * float(np.ptp(record.position)), _LEAST)
+    return max(0.5 * float(np.ptp(record.position)), 1e-9)
 
 
 def speed(record: Record) -> float:
@@ -26,7 +23,7 @@ def speed(record: Record) -> float:
             break
         stretch *= 2
     run = record.time[stretch:] - record.time[:-stretch]
-    return max(float(np.quantile(rise / run, 0.95)), _LEAST)
+    return max(float(np.quantile(rise / run, 0.95)), 1e-9)
 
 
 def force(record: Record, plant: Model) -> float:
@@ -95,7 +92,7 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     against = left
     keep = slice(None, None, max(1, x.size // 1500))
     x, against = x[keep], against[keep]
-    span = max(float(np.ptp(x)), 2.0 * _LEAST)
+    span = max(float(np.ptp(x)), 1e-9)
     fits = []
     for pitch in np.geomspace(0.02 * span, 2.0 * span, 120):
         angle = 2.0 * np.pi * x / pitch
