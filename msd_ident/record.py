@@ -233,13 +233,11 @@ class Record:
         first = max(int(np.searchsorted(self.force_time, start, side="right")) - 1, 0)
         last = int(np.searchsorted(self.force_time, end, side="right"))
         last = min(last + (self.hold == "linear"), self.force.size)
-        return replace(
-            self,
-            time=self.time[keep],
-            position=self.position[keep],
-            force_time=self.force_time[first : max(last, first + 1)],
-            force=self.force[first : max(last, first + 1)],
-        )
+        force_time, force = self.force_time[first : max(last, first + 1)], self.force[first : max(last, first + 1)]
+        time = self.time[keep]
+        if force_time[0] > time[-1]:  # there is none before the first stamp
+            force_time, force = time[:1], np.zeros(1)
+        return replace(self, time=time, position=self.position[keep], force_time=force_time, force=force)
 
 
 def from_samples(

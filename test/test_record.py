@@ -86,6 +86,13 @@ def test_a_window_keeps_the_force_that_acts_in_it(start: float, length: float, h
     np.testing.assert_allclose(part.force_at(part.time), record.force_at(part.time), rtol=1e-12)
 
 
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_a_window_before_the_first_force_has_none(hold: str) -> None:
+    late = build(force_time=np.array([0.9 * T[-1], T[-1]]), force=np.array([3.0, 1.0]), hold=hold)
+    part = late.window(T[0], 0.8 * T[-1])
+    np.testing.assert_array_equal(part.force_at(part.time), 0.0)
+
+
 def test_what_was_found_out_is_kept_with_this_very_record_alone() -> None:
     record = from_samples(np.arange(30.0), np.ones(30), np.arange(30.0))
     asked: list[int] = []
