@@ -24,8 +24,8 @@ from msd_ident.live.page import Page, Shown
 
 #: Address that only this machine reaches.
 HERE = "127.0.0.1"
-#: Addresses that mean this machine alone.
-LOCAL = (HERE, "localhost", "::1")
+#: Addresses that mean this machine alone, as Bokeh knows them in an origin: none with a colon in it.
+LOCAL = (HERE, "localhost")
 #: What the browser keeps the token in.
 COOKIE = "msd_live_token"
 #: A tab that was closed is forgotten after this time [ms].
@@ -53,7 +53,9 @@ class LiveServer:
 
     def __init__(self, shown: Shown, host: str = HERE, port: int = 0, token: str = "") -> None:
         if host not in LOCAL and not token:
-            raise UsageError(f"the page would be open to everyone who reaches {host}; expected a token with it")
+            raise UsageError(
+                f"the page would be open to everyone who reaches {host}; expected a token with it, or {HERE}"
+            )
         self._token = token
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._serve, name="page", daemon=True)
@@ -101,7 +103,7 @@ class LiveServer:
         try:
             self._server = self._make()
             self._server.start()
-        except (OSError, OverflowError) as error:
+        except (OSError, OverflowError, ValueError) as error:
             self._failure = error
             return
         finally:
@@ -128,7 +130,7 @@ def _server(shown: Shown, host: str, port: int, token: str) -> Server:
         io_loop=IOLoop.current(),
         address=host,
         port=port,
-        allow_websocket_origin=["*"] if token else [f"{name}:{port}" for name in (*LOCAL, host)] if port else None,
+        allow_websocket_origin=["*"] if token else [f"{name}:{port}" for name in LOCAL] if port else None,
         unused_session_lifetime_milliseconds=LINGER,
         check_unused_sessions_milliseconds=LINGER,
         exclude_headers=["Cookie"],

@@ -90,8 +90,15 @@ def test_serves_this_machine_with_scripts_of_its_own() -> None:
         assert answer(f"{made.url}static/js/bokeh.min.js")[0] == 200
 
 
-def test_a_page_of_somebody_else_gets_no_data() -> None:
-    with serving() as made:
+def free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
+@pytest.mark.parametrize("chosen", [False, True])
+def test_a_page_of_somebody_else_gets_no_data(chosen: bool) -> None:
+    with serving(port=free_port() if chosen else 0) as made:
         page = answer(made.url)[1]
         assert joins(made.port, f"http://127.0.0.1:{made.port}", page)
         assert joins(made.port, f"http://localhost:{made.port}", page)
