@@ -51,15 +51,8 @@ def _kernel() -> Any:
 def _load(say: Callable[[str], None]) -> Any:
     from msd_ident.model.kernel import cache
 
-    told: list[str] = []
-
-    def tell(line: str) -> None:
-        told.append(line)
-        say(line)
-
-    entries = cache.load(tell)
-    if told:
-        _run_once(entries)
+    entries = cache.load(say)
+    _run_once(entries)
     return entries
 
 
@@ -84,7 +77,7 @@ def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     """Make sure that the solver is compiled and loaded; ``say`` is told, in one line, if that takes a while."""
     if not _kernel.cache_info().currsize and say is not _to_stderr:
         _load(say)
-    _run_once(_kernel())
+    _kernel()
 
 
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
