@@ -6,6 +6,7 @@
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
+# make real     measured rigs beside the repository (../shared/data), and what is true of them; without the data it says so
 # make blind-design  designed experiments on rigs with a hidden cause, and for µ (long); writes docs/blind-design.md
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
@@ -23,7 +24,7 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design study soak load fuzz audit clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design real study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -66,6 +67,9 @@ blind-design: setup
 
 blind: setup
 	@$(PY) -m bench.blind --docs docs $(ARGS)
+
+real: setup
+	@$(PY) -m bench.real $(ARGS)
 
 study: export OPENBLAS_NUM_THREADS = 1
 study: setup

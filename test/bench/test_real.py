@@ -1,0 +1,120 @@
+"""The table of measured rigs: what counts as right, and where each record is read from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bench.real import __main__ as table
+from bench.real.rigs import DRY, RIGS, Reference, Rig
+from bench.real.score import Row, judgement, line, refused, score, totals
+from msd_ident.bag import SourceOptions
+from msd_ident.model.effects import by_name
+
+RIG = Rig(
+    "real/cart.csv", SourceOptions(), acts=(DRY, frozenset({"force_offset"})), false=frozenset({"end_stop"}),
+    false_findings=frozenset({"missing_samples"}),
+    references=(Reference("ωn [rad/s]", 9.9, 10.0, 0.01, lambda v: (v["stiffness"] / v["mass"]) ** 0.5),),
+    expert_see=1e-4,
+)  # fmt: skip
+
+
+Named = tuple[str, float, tuple[str, ...]]
+
+
+def diagnosis(*causes: Named, see: float = 1.5e-4, k: float = 100.0, code: str = "") -> Any:
+    """What the table reads of a diagnosis, in this schema and later ones."""
+    return SimpleNamespace(
+        verdict="explained",
+        causes=[SimpleNamespace(name=name, probability=p, tied_with=ties) for name, p, ties in causes],
+        findings=[SimpleNamespace(code=code)],
+        extended=SimpleNamespace(
+            quantities={"mass": SimpleNamespace(value=1.0), "stiffness": SimpleNamespace(value=k)}, see=see
+        ),
+        records=[SimpleNamespace(position_unit="m", position=[-3.0, 3.0])],
+    )
+
+
+def row(*causes: Named, **others: Any) -> Row:
+    return score(RIG, diagnosis(*causes, **others), 2.0)
+
+
+RUBS, PUSHED = ("hysteresis", 0.7, ("coulomb_friction",)), ("force_offset", 0.99, ())
+
+
+def test_one_of_each_group_named_is_right() -> None:
+    found = row(RUBS, PUSHED)
+    assert found.right and judgement(found) == "right"
+    assert found.reached is True and "(1.50×)" in line(found)
+    assert row(("cogging", 0.99, ("coulomb_friction",)), PUSHED).right, "a tie with the truth counts"
+    assert row(RUBS, PUSHED, see=1.51e-4).reached is False
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        (row(RUBS), "not named (force_offset)"),
+        (row(), "nothing named"),
+        (row(RUBS, PUSHED, ("end_stop", 0.91, ())), "false cause (end_stop, p 0.910)"),
+        (row(RUBS, PUSHED, k=90.0), "reference missed"),
+        (row(RUBS, PUSHED, k=math.nan), "reference missed"),
+        (row(RUBS, PUSHED, code="missing_samples"), "false finding (missing_samples)"),
+        (refused(RIG, "no column"), "nothing named, reference missed"),
+    ],
+)
+def test_what_is_wrong_is_said(found: Row, said: str) -> None:
+    assert not found.right
+    assert judgement(found) == said
+
+
+def test_a_false_cause_counts_from_its_probability_and_not_from_the_verdict() -> None:
+    doubtful = row(RUBS, PUSHED, ("end_stop", 0.6, ()))
+    assert doubtful.right and not doubtful.surely_false
+    sure = row(RUBS, PUSHED, ("end_stop", 0.95, ()))
+    rows = [doubtful, replace(sure, verdict="unexplained"), replace(sure, extra=True)]
+    real, extra = totals(rows)
+    assert "right 1 of 2; false cause with p > 0.9 in 1; SEE at most 1.5 times the expert's in 2 of 2" in real
+    assert "right 0 of 1; false cause with p > 0.9 in 1" in extra
+
+
+def test_an_expert_s_share_is_one_of_the_signal() -> None:
+    rig = replace(RIG, expert_see=None, expert_share=0.02)
+    assert score(rig, diagnosis(RUBS, PUSHED), 0.0).expert == pytest.approx(0.06)
+    assert score(replace(RIG, expert_see=None), diagnosis(RUBS, PUSHED), 0.0).reached is None
+
+
+def test_rigs_speak_of_effects_that_there_are() -> None:
+    for rig in RIGS:
+        for name in rig.false.union(*rig.acts):
+            by_name(name)
+        assert not rig.false & frozenset().union(*rig.acts), rig.name
+    assert sum(not rig.extra for rig in RIGS) == 12
+
+
+def test_without_the_data_one_line_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("MSD_SHARED_DATA", str(tmp_path / "nowhere"))
+    assert table.main([]) == 0
+    said = capsys.readouterr().out
+    assert said.count("\n") == 1 and "nowhere" in said
+
+
+def test_a_measured_rig_is_read_and_compared(shared_data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    if not (shared_data / "real").is_dir():
+        pytest.skip(f"no real rigs in {shared_data}")
+    assert table.main(["--only", "spring_cart"]) == 0
+    said = capsys.readouterr().out
+    assert "| spring_cart_1 |" in said and "real: right" in said and "of 1" in said
+
+
+def test_every_record_of_the_folder_is_in_the_table(shared_data: Path) -> None:
+    if not (shared_data / "real").is_dir():
+        pytest.skip(f"no real rigs in {shared_data}")
+    there = {f"real/{path.name}" for path in (shared_data / "real").iterdir() if path.suffix in (".csv", ".txt")}
+    assert there == {rig.path for rig in RIGS if not rig.extra}
