@@ -141,7 +141,8 @@ def _decay(record: Record, noise: Noise) -> Features:
     lead = response.onset - float(record.time[0])
     if lead > 0.02 * record.duration:
         remarks = (
-            f"The first {lead:.2f} s, before the cart moved freely, were left out: it was held or pulled by hand.",
+            f"The first {lead:.2f} s, before the cart moved freely, were left out: it was held or pulled by hand. "
+            "Give --start to begin later.",
         )
     route = (
         f"Free decay from {len(response.turns)} turning points, eqs. 3 to 7: without a force there is no static gain, "
