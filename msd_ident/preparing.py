@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,8 @@ from msd_ident.record import Record
 
 #: What quality finds where nothing happens in a record.
 _NOTHING = {"constant_position", "no_excitation"}
+#: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
+_HELD = 0.1
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,12 @@ class Prepared:
 
     Attributes:
         given: as they came.
-        used: without readings that no motion makes, from the release on, the force turned where K is negative.
+        used: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
+            after the motion is a part of it.
+        rest_before: for each of ``used`` the rest before a hand pulled the cart, which ``used`` leaves out with the
+            hand: a record of its own, in the same stamps and with the same zero of the encoder; ``None`` where nothing
+            was left out, or no rest came before it. What holds at rest (no disturbance moves the cart) is tested by it;
+            where it rests is not, as friction holds it anywhere.
         findings: of the data.
         features: of each record.
         form: of all records together; ``None`` where no response gives one.
@@ -36,6 +44,7 @@ class Prepared:
     features: tuple[Features, ...]
     form: StandardForm | None
     warnings: tuple[str, ...]
+    rest_before: tuple[Record | None, ...]
 
 
 def prepared(records: Sequence[Record]) -> Prepared:
@@ -56,7 +65,10 @@ def prepared(records: Sequence[Record]) -> Prepared:
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
-    return Prepared(given, used, findings, features, form, warnings)
+    rests = tuple(
+        _rest_before(one.record, part, one.features, form) for one, part in zip(understood, used, strict=True)
+    )
+    return Prepared(given, used, findings, features, form, warnings, rests)
 
 
 @dataclass(frozen=True)
@@ -129,6 +141,21 @@ def _usable(record: Record, found: Features, turned: bool) -> Record:
         record = record.window(found.responses[0].onset, float(record.time[-1]))
         record = quality.since_before(record) if quality.begins_pushed(record) else record
     return replace(record, force=-record.force) if turned else record
+
+
+def _rest_before(record: Record, used: Record, found: Features, form: StandardForm | None) -> Record | None:
+    """Rest that lies before the part of a record that is used; a period before the first motion may be a hand's.
+
+    Where the cart stands far from where it comes to rest in the end, a hand holds it: that is no rest.
+    """
+    if used.time[0] == record.time[0] or form is None:
+        return None
+    rest = quality.rest_before(record, 2.0 * math.pi / form.natural_frequency.value)
+    if rest is None:
+        return None
+    end = found.responses[0].steady_state.value
+    away = abs(float(np.median(rest.position)) - end)
+    return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
 
 
 def _warnings(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from msd_ident.motion import observe
 from msd_ident.noise import encoder_step, noise_floor
-from msd_ident.quality.begin import begins_pushed, rests_under_force, since_before
+from msd_ident.quality.begin import begins_pushed, rest_before, rests_under_force, since_before
 from msd_ident.quality.cleaning import Cleaned, clean
 from msd_ident.quality.clocks import clocks
 from msd_ident.quality.encoder import frozen_encoder, rate, removed, resolution
@@ -28,6 +28,7 @@ __all__ = [
     "missing_in",
     "missing_samples",
     "noise_floor",
+    "rest_before",
     "rests_under_force",
     "since_before",
 ]

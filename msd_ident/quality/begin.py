@@ -1,4 +1,4 @@
-"""A force that acts in the first line: did it begin there, or had it acted before the record began?
+"""How a record begins: under a force that had acted before it, at rest, or in motion.
 
 A table has no line before its first. Where the cart rests under the force until it changes, it has acted before; where
 it moves at once, it stepped.
@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from msd_ident.record import Record
+from msd_ident.noise import encoder_step, noise_floor
+from msd_ident.record import MINIMUM_SAMPLES, Record
 
 #: A force below this part of its range is a rest and no push.
 _PUSH = 0.3
@@ -18,6 +19,8 @@ _PUSH = 0.3
 _CHANGE = 0.05
 #: Motion per force under the first level, relative to that after the next change, below which the cart rests.
 _RESTS = 0.25
+#: Readings of a cart at rest stay within this many noise floors, and one encoder step, of their median.
+_STILL = 5.0
 
 
 def begins_pushed(record: Record) -> bool:
@@ -57,3 +60,25 @@ def since_before(record: Record) -> Record:
         force_time=np.concatenate(([earliest], time[index + 1 :])),
         force=record.force[index:],
     )
+
+
+def rest_before(record: Record, settling: float) -> Record | None:
+    """The rest that a record begins with, before anything moves the cart; ``None`` where it is too short to tell.
+
+    Friction holds the cart while a hand begins to pull, so that the readings cannot tell when that was: what lies less
+    than ``settling`` before the first motion is left out.
+
+    Args:
+        record: as measured.
+        settling: time before the first motion that is no longer trusted to be free of a hand [s].
+
+    Returns:
+        The first part of the record, with its own stamps: the readings share their zero with what follows.
+    """
+    begin = float(np.median(record.position[:MINIMUM_SAMPLES]))
+    limit = _STILL * noise_floor(record) + encoder_step(record)
+    moved = np.flatnonzero(np.abs(record.position - begin) > limit)
+    end = (float(record.time[moved[0]]) - settling) if moved.size else float(record.time[-1])
+    if np.count_nonzero(record.time <= end) < MINIMUM_SAMPLES:
+        return None
+    return record.window(float(record.time[0]), end)
