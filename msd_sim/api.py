@@ -71,7 +71,7 @@ def simulate(spec: Mapping[str, Any]) -> Simulated:
     rig.drive(experiment.force_time, experiment.force)
     motion = rig.sample(np.maximum(instants - rig_config.encoder.delay, instants[0]))
     reader = EncoderReader(rig_config.encoder, rig_config.seed)
-    position = reader.read(rig_config.truth.sensed(motion.time, motion.position))
+    position = reader.read(rig_config.truth.sensed(motion.time, motion.position), motion.velocity)
     period = float(np.median(np.diff(instants))) if instants.size > 1 else 1.0 / rig_config.rate
     stamps, kept = reader.stamps(instants, period), reader.arrives(instants.size)
     truth = rig_config.truth.as_dict() | {

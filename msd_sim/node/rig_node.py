@@ -193,7 +193,7 @@ class RigNode(Node):
             self._next += count
             return index[:0], ticks[:0], instants[:0]
         self._next += count
-        readings = self._reader.read(self._config.truth.sensed(motion.time, motion.position))
+        readings = self._reader.read(self._config.truth.sensed(motion.time, motion.position), motion.velocity)
         jitter = self._reader.stamps(instants, self._period_ns / NANO) - instants
         stamps = ticks + np.round(jitter * NANO).astype(np.int64)
         kept = self._reader.arrives(count)
