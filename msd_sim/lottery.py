@@ -7,19 +7,23 @@ the plant drawn, from barely to plainly visible.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from msd_sim.effects import ALL, KNOWN, ODD
 from msd_sim.errors import RigError
+from msd_sim.strengths import STRENGTHS, Ranges, Sizes
 
 #: Effects that may be hidden.
 NAMES = tuple(effect.name for effect in KNOWN)
 #: Oddities that may be hidden.
 ODDITIES = tuple(effect.name for effect in ODD)
+
+Noise = Literal["white", "coloured", "speed"]
+NOISES: tuple[str, ...] = get_args(Noise)
 
 EXPERIMENTS = ("steps", "step", "release", "sweep", "ramp")
 
@@ -34,7 +38,8 @@ class Draw:
         hidden: name of the hidden effect, or none.
         beside: whether Coulomb friction acts beside it.
         experiment: name of the experiment.
-        noise: standard deviation of a reading [m], rounding included.
+        noise: standard deviation of a reading at rest [m], rounding included.
+        other: name of a second hidden effect, or none.
     """
 
     seed: int
@@ -43,131 +48,12 @@ class Draw:
     beside: bool
     experiment: str
     noise: float
+    other: str | None = None
 
     @property
     def truth(self) -> frozenset[str]:
         """Names of all effects of the rig."""
         return frozenset(self.spec["effects"])
-
-
-@dataclass(frozen=True)
-class _Sizes:
-    """Sizes of the plant drawn, and the lot."""
-
-    rng: np.random.Generator
-    mass: float
-    stiffness: float
-    force: float
-    duration: float
-
-    @property
-    def reach(self) -> float:
-        return self.force / self.stiffness
-
-    @property
-    def omega(self) -> float:
-        return math.sqrt(self.stiffness / self.mass)
-
-    @property
-    def speed(self) -> float:
-        return self.reach * self.omega
-
-    def log(self, low: float, high: float) -> float:
-        return float(math.exp(self.rng.uniform(math.log(low), math.log(high))))
-
-    def sign(self) -> float:
-        return float(self.rng.choice((-1.0, 1.0)))
-
-    def even(self, low: float, high: float) -> float:
-        return float(self.rng.uniform(low, high))
-
-
-def _stribeck(s: _Sizes) -> dict[str, float]:
-    force, speed = s.force * s.log(0.01, 0.08), s.speed * s.log(0.03, 0.3)
-    return {
-        "coulomb_force": force,
-        "static_force": force * s.even(1.3, 2.2),
-        "stribeck_velocity": speed,
-    }
-
-
-def _gain(s: _Sizes) -> dict[str, float]:
-    if s.rng.random() < 0.3:
-        return {"gain_slope": 0.0, "force_limit": s.force * s.even(0.6, 0.95)}
-    return {"gain_slope": s.sign() * s.log(0.01, 0.3) / s.force}
-
-
-def _cubic(s: _Sizes) -> dict[str, float]:
-    """Hardening, or softening by less than lets the cart run away on its largest swing."""
-    sign = s.sign()
-    return {"cubic_stiffness": sign * s.force * s.log(0.003, 0.08 if sign > 0.0 else 0.03) / s.reach**3}
-
-
-def _mode(s: _Sizes) -> dict[str, float]:
-    mass, omega = s.mass * s.log(0.05, 0.4), s.omega * s.log(1.3, 5.0)
-    return {
-        "second_mass": mass,
-        "second_stiffness": mass * omega**2,
-        "second_damping": 2.0 * s.log(0.01, 0.1) * mass * omega,
-    }
-
-
-_STRENGTHS: Mapping[str, Callable[[_Sizes], dict[str, float]]] = {
-    "coulomb_friction": lambda s: {"coulomb_force": s.force * s.log(0.005, 0.1)},
-    "stribeck_friction": _stribeck,
-    "position_dependent_friction": lambda s: {
-        "coulomb_force": s.force * s.log(0.01, 0.1), "position_friction_slope": s.sign() * s.even(0.2, 0.5) / s.reach,
-    },
-    "quadratic_drag": lambda s: {"drag_coefficient": s.force * s.log(0.01, 0.4) / s.speed**2},
-    "cubic_spring": _cubic,
-    "asymmetric_spring": lambda s: {"quadratic_stiffness": s.sign() * s.force * s.log(0.005, 0.1) / s.reach**2},
-    "backlash": lambda s: {"backlash_half_width": s.reach * s.log(0.003, 0.15)},
-    "end_stop": lambda s: {
-        "stop_position": s.reach * s.even(0.9, 1.3), "stop_stiffness": s.stiffness * s.log(1.0, 20.0),
-    },
-    "force_offset": lambda s: {"offset_force": s.sign() * s.force * s.log(0.005, 0.1)},
-    "force_gain_nonlinearity": _gain,
-    "actuator_lag": lambda s: {"lag_time": s.log(0.02, 0.4) / s.omega},
-    "time_offset": lambda s: {"time_offset": s.sign() * s.log(0.02, 0.3) / s.omega},
-    "hysteresis": lambda s: {
-        "hysteresis_force": s.force * s.log(0.01, 0.15), "hysteresis_length": s.reach * s.log(0.03, 0.6),
-    },
-    "periodic_disturbance": lambda s: {
-        "disturbance_amplitude": s.force * s.log(0.003, 0.1), "disturbance_frequency": s.omega * s.log(0.3, 4.0),
-        "disturbance_phase": s.even(-math.pi, math.pi),
-    },
-    "cogging": lambda s: {
-        "cogging_amplitude": s.force * s.log(0.01, 0.1), "cogging_pitch": s.reach * s.log(0.15, 0.8),
-        "cogging_phase": s.even(-math.pi, math.pi),
-    },
-    "stiffness_drift": lambda s: {"stiffness_drift_rate": s.sign() * s.log(0.005, 0.1) / s.duration},
-    "sensor_drift": lambda s: {"sensor_drift_rate": s.sign() * s.reach * s.log(0.005, 0.1) / s.duration},
-    "second_mode": _mode,
-    "friction_change": lambda s: {
-        "coulomb_force": s.force * 0.01, "later_coulomb_force": s.force * s.log(0.04, 0.15),
-        "change_time": s.duration * s.even(0.3, 0.7),
-    },
-    "fading_friction": lambda s: {
-        "coulomb_force": s.force * s.log(0.04, 0.15), "fading_time": s.duration * s.even(0.2, 0.6),
-    },
-    "eccentric_friction": lambda s: {
-        "coulomb_force": s.force * s.log(0.03, 0.1), "eccentric_ratio": s.even(0.5, 1.0),
-        "eccentric_pitch": s.reach * s.even(0.3, 0.9),
-    },
-    "mass_drop": lambda s: {"dropped_mass": s.mass * s.even(0.1, 0.4), "drop_time": s.duration * s.even(0.3, 0.7)},
-    "magnet": lambda s: {
-        "magnet_strength": 0.1 * s.force * s.reach**2 * s.even(0.1, 0.4), "magnet_position": s.reach * s.even(0.8, 1.5),
-        "magnet_gap": s.reach * s.even(0.3, 0.6),
-    },
-    "loose_cable": lambda s: {
-        "cable_damping": 0.3 * s.mass * s.omega * s.log(0.3, 1.0), "cable_start": 0.2 * s.reach, "cable_end": s.reach,
-    },
-    "creeping_spring": lambda s: {
-        "creep_stiffness": s.stiffness * s.log(0.05, 0.2), "creep_time": s.even(1.0, 6.0) / s.omega,
-    },
-    "coarse_actuator": lambda s: {"force_step": s.force * s.even(0.15, 0.28)},
-    "encoder_slip": lambda s: {"slip_distance": s.reach * s.log(0.02, 0.1), "slip_time": s.duration * s.even(0.3, 0.7)},
-}  # fmt: skip
 
 
 def _experiment(name: str, force: float, omega: float, rate: float) -> tuple[dict[str, float | str], float]:
@@ -185,16 +71,36 @@ def _experiment(name: str, force: float, omega: float, rate: float) -> tuple[dic
     raise RigError(f"no experiment {name!r} in the lottery; expected one of {', '.join(EXPERIMENTS)}")
 
 
-def draw(seed: int, hidden: str | None, beside: bool = False, experiment: str = "steps", rate: float = 1000.0) -> Draw:
+def draw(
+    seed: int,
+    hidden: str | None,
+    beside: bool = False,
+    experiment: str = "steps",
+    rate: float = 1000.0,
+    *,
+    other: str | None = None,
+    ranges: Ranges = "narrow",
+    noise: Noise = "white",
+) -> Draw:
     """A rig by lot with ``hidden`` (a name, or None) in it, ``beside`` Coulomb friction or alone.
 
     Dry friction beside dry friction is one law of dry friction again: such effects always stand alone.
 
+    Args:
+        seed: of everything that is drawn.
+        hidden: the effect to be found.
+        beside: whether Coulomb friction acts too.
+        experiment: one of ``EXPERIMENTS``.
+        rate: samples a second [Hz].
+        other: a second effect to be found.
+        ranges: of the strengths.
+        noise: ``white``; ``coloured``: first-order autoregressive, with a memory of 1 to 20 samples; ``speed``: at top
+            speed 2 to 10 times what it is at rest.
+
     Raises:
-        RigError: no such effect or experiment.
+        RigError: no such effect, experiment or noise, or two laws of dry friction.
     """
-    if hidden is not None and hidden not in _STRENGTHS:
-        raise RigError(f"no effect {hidden!r} in the lottery; expected one of {', '.join(_STRENGTHS)}")
+    _check(hidden, other, noise)
     rng = np.random.default_rng([seed, 20141])
     mass = float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
     omega = 2.0 * math.pi * float(rng.uniform(1.7, 6.0))
@@ -205,17 +111,38 @@ def draw(seed: int, hidden: str | None, beside: bool = False, experiment: str = 
     how, duration = _experiment(experiment, force, omega, rate)
     if experiment == "release":
         how["position"] = 1.5 * reach
-    sizes = _Sizes(rng, mass, stiffness, force, duration)
-    effects = {} if hidden is None else {hidden: _STRENGTHS[hidden](sizes)}
-    beside = beside and not (hidden is not None and ALL[hidden].dry_friction)
+    sizes = Sizes(rng, mass, stiffness, force, duration, ranges)
+    effects = {name: STRENGTHS[name](sizes) for name in (hidden, other) if name is not None}
+    beside = beside and not any(ALL[name].dry_friction for name in effects)
     if beside:
         effects["coulomb_friction"] = {"coulomb_force": force * sizes.log(0.01, 0.08)}
-    encoder, noise = _encoder(rng, reach)
+    encoder, level = _encoder(rng, reach)
+    if noise == "coloured":
+        encoder, level = _coloured(encoder, level, sizes.log(1.0, 20.0, wide=(1.0, 20.0)))
+    elif noise == "speed":
+        encoder["speed_noise"] = level * sizes.log(2.0, 10.0, wide=(2.0, 10.0)) / sizes.speed
     spec = {
         "mass": mass, "damping": damping, "stiffness": stiffness, "friction_coefficient": 0.0, "effects": effects,
         "encoder": encoder, "experiment": how, "rate": rate, "seed": int(rng.integers(1 << 31)),
     }  # fmt: skip
-    return Draw(seed, spec, hidden, beside, experiment, noise)
+    return Draw(seed, spec, hidden, beside, experiment, level, other)
+
+
+def _check(hidden: str | None, other: str | None, noise: str) -> None:
+    for name in (hidden, other):
+        if name is not None and name not in STRENGTHS:
+            raise RigError(f"no effect {name!r} in the lottery; expected one of {', '.join(STRENGTHS)}")
+    dry = [name for name in (hidden, other) if name is not None and ALL[name].dry_friction]
+    if len(dry) > 1:
+        raise RigError(f"{' and '.join(dry)} are two laws of dry friction; expected one at most")
+    if noise not in NOISES:
+        raise RigError(f"no noise {noise!r} in the lottery; expected one of {', '.join(NOISES)}")
+
+
+def _coloured(encoder: dict[str, float], level: float, samples: float) -> tuple[dict[str, float], float]:
+    """The same encoder with noise that forgets itself in so many samples, and its level [m]; counts alone get some."""
+    coloured = encoder | {"noise": encoder["noise"] or level, "noise_correlation": samples}
+    return coloured, level if encoder["noise"] else math.hypot(level, level)
 
 
 def _encoder(rng: np.random.Generator, reach: float) -> tuple[dict[str, float], float]:

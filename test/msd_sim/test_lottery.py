@@ -1,0 +1,67 @@
+"""Rigs by lot: what is drawn, how wide, and that every draw runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msd_sim import api, lottery
+from msd_sim.errors import RigError
+
+
+def strengths(name: str, parameter: str, ranges: lottery.Ranges) -> np.ndarray:
+    """A parameter relative to the narrow draws of the same seeds, whose plants are the same."""
+    return np.array([lottery.draw(seed, name, ranges=ranges).spec["effects"][name][parameter] for seed in range(300)])
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter"), [("quadratic_drag", "drag_coefficient"), ("backlash", "backlash_half_width")]
+)
+def test_wide_ranges_reach_three_times_as_far_to_both_sides(name: str, parameter: str) -> None:
+    ratio = strengths(name, parameter, "wide") / strengths(name, parameter, "narrow")
+    assert ratio.max() / ratio.min() == pytest.approx(3.0, rel=0.05)
+    assert ratio.min() < 0.6 and ratio.max() > 1.65
+
+
+def test_a_stribeck_peak_may_be_narrow_and_high() -> None:
+    """Fs/Fc up to 5, vs down to 2 % of the top speed."""
+    drawn = [lottery.draw(seed, "stribeck_friction", ranges="wide") for seed in range(300)]
+    effects = [draw.spec["effects"]["stribeck_friction"] for draw in drawn]
+    ratios = [effect["static_force"] / effect["coulomb_force"] for effect in effects]
+    forces = [draw.spec["experiment"]["force"] / np.sqrt(draw.spec["mass"] * draw.spec["stiffness"]) for draw in drawn]
+    speeds = [effect["stribeck_velocity"] / speed for effect, speed in zip(effects, forces, strict=True)]
+    assert 4.8 < max(ratios) <= 5.0 and 0.02 <= min(speeds) < 0.022
+
+
+def test_noises_differ_in_what_they_are_and_not_in_the_rig() -> None:
+    white, coloured, growing = (lottery.draw(7, "backlash", noise=noise) for noise in lottery.NOISES)
+    assert white.spec["effects"] == coloured.spec["effects"] == growing.spec["effects"]
+    assert coloured.spec["encoder"]["noise"] > 0.0 and 1.0 <= coloured.spec["encoder"]["noise_correlation"] <= 20.0
+    made = api.simulate(growing.spec)
+    error = np.abs(made.position - made.motion.position)
+    fast = np.abs(made.motion.velocity) > np.quantile(np.abs(made.motion.velocity), 0.9)
+    assert np.mean(error[fast]) > 1.5 * np.mean(error[~fast])
+
+
+def test_the_level_that_a_draw_states_is_that_of_its_readings() -> None:
+    for seed in range(20):
+        draw = lottery.draw(seed, None, noise="coloured", ranges="wide")
+        made = api.simulate({**draw.spec, "experiment": {"name": "rest", "duration": 60.0}})
+        assert np.std(made.position) == pytest.approx(draw.noise, rel=0.1), seed
+
+
+def test_two_effects_are_both_there_and_two_dry_frictions_are_refused() -> None:
+    draw = lottery.draw(3, "quadratic_drag", other="backlash")
+    assert draw.truth == {"quadratic_drag", "backlash"}
+    with pytest.raises(RigError, match="stribeck_friction and coulomb_friction are two laws"):
+        lottery.draw(3, "stribeck_friction", other="coulomb_friction")
+    with pytest.raises(RigError, match="no noise 'pink'"):
+        lottery.draw(3, None, noise="pink")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", lottery.NAMES)
+def test_no_wide_rig_runs_away(name: str) -> None:
+    for seed in range(8):
+        for experiment in lottery.EXPERIMENTS:
+            draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide")
+            assert np.isfinite(api.simulate(draw.spec).position).all()
