@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.blind.truth import allowed, same
 from msd_ident import pipeline
 from msd_ident.bag import SourceOptions, read
 from msd_ident.diagnose import Diagnosis
@@ -22,25 +23,54 @@ from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
 from msd_ident.record import Record
 from msd_sim import api, lottery
+from msd_sim.effects import ALL
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is drawn: seed, hidden effect or none, Coulomb friction beside it, experiment, rate [Hz]."""
+    """What is drawn.
+
+    Attributes:
+        seed: of everything.
+        hidden: the effect, or none.
+        beside: whether Coulomb friction acts beside it.
+        experiment, rate: what is done, samples a second [Hz].
+        other: a second hidden effect, or none.
+        ranges, noise: of the strengths and of the encoder, as the lottery has them.
+    """
 
     seed: int
     hidden: str | None
     beside: bool
     experiment: str = "steps"
     rate: float = 1000.0
+    other: str | None = None
+    ranges: lottery.Ranges = "narrow"
+    noise: lottery.Noise = "white"
+
+    @property
+    def kind(self) -> str:
+        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair`` or ``odd``."""
+        if self.hidden is None:
+            return "clean"
+        if self.hidden in lottery.ODDITIES:
+            return "odd"
+        if self.other is not None:
+            return "pair"
+        return "beside" if self.beside and not ALL[self.hidden].dry_friction else "single"
+
+    @property
+    def words(self) -> frozenset[str]:
+        """What ``--only`` may ask for."""
+        return frozenset({self.kind, self.experiment, self.noise, f"{self.rate:g}", self.hidden or "nothing"})
 
 
 @dataclass(frozen=True)
 class Outcome:
     """What the diagnosis said, and what it cost.
 
-    ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth without the
-    hidden effect leaves when refitted: how visible the effect is. ``removed`` is the share of the removable error that
+    ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth leaves when
+    refitted without that one of its effects which is seen least. ``removed`` is the share of the removable error that
     the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
     probability.
     """
@@ -83,50 +113,75 @@ class Outcome:
 
     @property
     def exact(self) -> bool:
-        """Nothing missing and nothing extra, where a tie with the truth is the truth."""
-        return len(self.named) == len(self.truth) and all(self.counts_as(name) for name in self.truth)
+        """Nothing missing and nothing extra, where a tie with the truth is the truth, and so is what is the same."""
+        return any(
+            len(self.named) == len(one) and all(self.counts_as(name) for name in one)
+            for one in same(frozenset(self.truth))
+        )
+
+    @property
+    def false(self) -> tuple[tuple[str, float], ...]:
+        """Causes named that are not in the rig, with their probability, whatever the verdict."""
+        right = allowed(frozenset(self.truth))
+        return tuple((name, p) for name, p, _ in self.named if name not in right)
 
 
-def write(draw: lottery.Draw, path: Path) -> None:
-    """Run the rig and write its record as CSV, as a lab would."""
+def write(draw: lottery.Draw, path: Path) -> float:
+    """Run the rig and write its record as CSV, as a lab would.
+
+    Returns:
+        Standard deviation of the readings about the truth [m], rounding included.
+    """
     made = api.simulate(draw.spec)
     # A step on a tick acts from this very sample on, whichever way the last digit of its stamp was rounded.
     place = np.searchsorted(made.force_time, made.time + 1e-9, side="right") - 1
     force = np.where(place < 0, 0.0, made.force[np.maximum(place, 0)])
     table = np.stack([made.time, force, made.position], axis=1)
     np.savetxt(path, table, delimiter=",", header="time_s,force_n,position_m", comments="", fmt="%.12g")
+    if draw.spec["encoder"].get("speed_noise", 0.0) == 0.0:
+        return draw.noise
+    exact = api.simulate({**draw.spec, "encoder": {}})
+    return float(np.std(made.position - exact.position))
 
 
 def run(case: Case) -> Outcome:
     """Draw, write, diagnose, open the envelope."""
-    draw = lottery.draw(case.seed, case.hidden, case.beside, case.experiment, case.rate)
+    draw = lottery.draw(
+        case.seed, case.hidden, case.beside, case.experiment, case.rate,
+        other=case.other, ranges=case.ranges, noise=case.noise,
+    )  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "record.csv"
-        write(draw, path)
+        noise = write(draw, path)
         began = time.perf_counter(), time.process_time()
         record = read(path, SourceOptions())
         diagnosis = pipeline.diagnose([record])
         seconds = time.perf_counter() - began[0], time.process_time() - began[1]
-    return _opened(case, draw, record, diagnosis, seconds)
+    return _opened(case, draw, noise, record, diagnosis, seconds)
 
 
 def _opened(
-    case: Case, draw: lottery.Draw, record: Record, diagnosis: Diagnosis, seconds: tuple[float, float]
+    case: Case,
+    draw: lottery.Draw,
+    noise: float,
+    record: Record,
+    diagnosis: Diagnosis,
+    seconds: tuple[float, float],
 ) -> Outcome:
-    floors = (diagnosis.base_adequacy.ratio, diagnosis.adequacy.ratio)
-    removable = diagnosis.heldout.see_base**2 - draw.noise**2
-    left = max(diagnosis.heldout.see_extended**2 - draw.noise**2, 0.0)
+    removable = diagnosis.heldout.see_base**2 - noise**2
+    left = max(diagnosis.heldout.see_extended**2 - noise**2, 0.0)
+    base = diagnosis.base.see / noise
     return Outcome(
         case=case,
         truth=tuple(sorted(draw.truth)),
-        odd=case.hidden in lottery.ODDITIES,
+        odd=case.kind == "odd",
         strength=dict(draw.spec["effects"].get(case.hidden, {})),
         verdict=diagnosis.verdict,
         named=tuple((cause.name, cause.probability, cause.tied_with) for cause in diagnosis.causes),
-        base_floors=floors[0],
-        extended_floors=floors[1],
-        without_floors=_without(draw, record) if draw.beside else floors[0],
-        heldout_floors=diagnosis.heldout.see_extended / draw.noise,
+        base_floors=base,
+        extended_floors=diagnosis.extended.see / noise,
+        without_floors=_least_seen(draw, record) / noise if len(draw.truth) > 1 else base,
+        heldout_floors=diagnosis.heldout.see_extended / noise,
         removed=1.0 - math.sqrt(left / removable) if removable > 0.0 else math.nan,
         seconds=seconds[0],
         processor_seconds=seconds[1],
@@ -141,9 +196,14 @@ def _beside(diagnosis: Diagnosis) -> tuple[tuple[str, float], ...]:
     return tuple((name, sum(r.probability for r in diagnosis.rivals if name in r.causes)) for name in others)
 
 
-def _without(draw: lottery.Draw, record: Record) -> float:
-    """What the truth without the hidden effect leaves when refitted, in noise floors."""
+def _least_seen(draw: lottery.Draw, record: Record) -> float:
+    """SEE [m] of the truth without that one of its effects of which the record shows least."""
+    return min(_without(draw, name, record) for name in draw.truth)
+
+
+def _without(draw: lottery.Draw, missing: str, record: Record) -> float:
+    """SEE [m] of the truth without one of its effects, refitted."""
     model = Plant(draw.spec["mass"], draw.spec["damping"], draw.spec["stiffness"])
-    for name in sorted(draw.truth - {draw.hidden}):
+    for name in sorted(draw.truth - {missing}):
         model = model + by_name(name).from_values(dict(draw.spec["effects"][name]))
-    return fit(model, record).see / draw.noise
+    return fit(model, record).see

@@ -2,34 +2,73 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import count
+
+import numpy as np
+
 from bench.blind.cases import Case
+from bench.blind.truth import DRY
 from msd_sim import lottery
 
 #: Effects of which a spring-mass rig in free decay feels nothing.
 _INPUT = ("actuator_lag", "time_offset", "force_gain_nonlinearity")
 _OTHERS = (("step", 1000.0), ("release", 1000.0), ("sweep", 500.0), ("ramp", 250.0), ("steps", 200.0))
+#: Of a round: clean rigs, pairs without Coulomb friction, effects under noise that is not white.
+_CLEAN, _PAIRS, _NOISY = 6, 12, 8
 
 
 def study(rounds: int, seed: int) -> list[Case]:
-    """``rounds`` of all effects alone and beside friction, of nothing, of all oddities, and of other experiments."""
-    cases: list[Case] = []
+    """``rounds`` of everything: see ``_round``; each case has a seed of its own, from ``seed`` on."""
+    seeds = count(seed)
+    return [
+        Case(next(seeds), hidden, beside, experiment, rate, other, "wide", noise)
+        for turn in range(rounds)
+        for hidden, beside, experiment, rate, other, noise in _round(turn, np.random.default_rng([seed, turn]))
+    ]
 
-    def add(hidden: str | None, beside: bool, experiment: str = "steps", rate: float = 1000.0) -> None:
-        cases.append(Case(seed + len(cases), hidden, beside, experiment, rate))
 
-    for turn in range(rounds):
-        for name in lottery.NAMES:
-            add(name, False)
-            if name not in ("coulomb_friction", "stribeck_friction", "position_dependent_friction"):
-                add(name, True)
-        for _ in range(6):
-            add(None, False)
-        for name in lottery.ODDITIES:
-            add(name, False)
-        for index, name in enumerate(lottery.NAMES):
-            experiment, rate = _OTHERS[(index + turn) % len(_OTHERS)]
-            if experiment != "release" or name not in _INPUT:
-                add(name, turn % 2 == 1, experiment, rate)
-        for experiment, rate in _OTHERS:
-            add(None, False, experiment, rate)
-    return cases
+_Drawn = tuple[str | None, bool, str, float, str | None, lottery.Noise]
+
+
+def _round(turn: int, rng: np.random.Generator) -> Iterator[_Drawn]:
+    """All effects alone and beside friction, pairs, nothing, all oddities, other experiments, other noise."""
+    for name in lottery.NAMES:
+        yield name, False, "steps", 1000.0, None, "white"
+        if name not in DRY - {"hysteresis"}:
+            yield name, True, "steps", 1000.0, None, "white"
+    for one, two in _pairs(rng):
+        yield one, False, "steps", 1000.0, two, "white"
+    for _ in range(_CLEAN):
+        yield None, False, "steps", 1000.0, None, "white"
+    for name in lottery.ODDITIES:
+        yield name, False, "steps", 1000.0, None, "white"
+    yield from _others(turn)
+    for noise in ("coloured", "speed"):
+        yield from _noisy(turn, noise)
+
+
+def _others(turn: int) -> Iterator[_Drawn]:
+    """Each effect in one of the other experiments, another one each turn, and nothing in each of them."""
+    for index, name in enumerate(lottery.NAMES):
+        experiment, rate = _OTHERS[(index + turn) % len(_OTHERS)]
+        if experiment != "release" or name not in _INPUT:
+            yield name, turn % 2 == 1, experiment, rate, None, "white"
+    for experiment, rate in _OTHERS:
+        yield None, False, experiment, rate, None, "white"
+
+
+def _noisy(turn: int, noise: lottery.Noise) -> Iterator[_Drawn]:
+    """Nothing, in all experiments, and some effects, alone and beside friction, under this noise."""
+    for experiment, rate in (("steps", 1000.0), *_OTHERS):
+        yield None, False, experiment, rate, None, noise
+    for index in range(_NOISY):
+        name = lottery.NAMES[(turn * _NOISY + index) % len(lottery.NAMES)]
+        yield name, index % 2 == 1, "steps", 1000.0, None, noise
+
+
+def _pairs(rng: np.random.Generator) -> list[tuple[str, str]]:
+    """Two effects that are not Coulomb friction, and not two laws of dry friction."""
+    names = [name for name in lottery.NAMES if name != "coulomb_friction"]
+    every = [(one, two) for i, one in enumerate(names) for two in names[i + 1 :] if not {one, two} <= DRY]
+    return [every[index] for index in rng.choice(len(every), _PAIRS, replace=False)]

@@ -12,10 +12,13 @@ import numpy as np
 from scipy.stats import binomtest
 
 from bench.blind.cases import Outcome
+from bench.blind.truth import undecidable
 
 #: An effect counts as visible when the truth without it leaves this many noise floors.
 VISIBLE = 3.0
 FAINT = 20.0
+#: Probability above which a cause is stated as certain.
+SURE = 0.9
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
 #: Least probability of a cause that counts as stated, and causes from which on a bin says something.
 NEGLIGIBLE, POPULATED = 0.01, 10
@@ -47,51 +50,58 @@ def visible(outcomes: Iterable[Outcome]) -> list[Outcome]:
     return [o for o in outcomes if o.case.hidden and not o.odd and o.without_floors >= VISIBLE]
 
 
-def named_first(outcome: Outcome) -> bool:
-    """The hidden cause leads, or is tied with the one that does."""
-    if not outcome.named:
-        return False
-    first, _, ties = outcome.named[0]
-    return outcome.case.hidden == first or (outcome.case.hidden in ties and len(ties) <= 2)
-
-
 def found_both(outcome: Outcome) -> bool:
     """All effects of the rig are named, whatever else is."""
     return all(outcome.counts_as(name) for name in outcome.truth)
 
 
-def confident_and_wrong(outcome: Outcome) -> bool:
-    """An explanation is claimed with certainty while what is left says otherwise."""
-    sure = any(p > 0.9 for _, p, _ in outcome.named)
-    return outcome.verdict == "explained" and sure and outcome.extended_floors > 2.0
+def surely_false(outcome: Outcome) -> bool:
+    """A cause that is not in the rig is named with p > 0.9, whatever the verdict, and whatever can be seen."""
+    return any(p > SURE for _, p in outcome.false)
 
 
-def confidently_misnamed(outcome: Outcome) -> bool:
-    """A cause that is not there, and not tied with one that is, is named in an explanation with p > 0.9."""
-    wrong = [p for name, p, ties in outcome.named if name not in outcome.truth and not (set(ties) & set(outcome.truth))]
-    return outcome.verdict == "explained" and max(wrong, default=0.0) > 0.9
+def kinds(outcomes: Sequence[Outcome], experiment: str = "") -> list[Outcome]:
+    """Outcomes of one kind of experiment, at all rates; of all experiments where none is named. Oddities aside."""
+    return [o for o in outcomes if not o.odd and experiment in ("", o.case.experiment)]
 
 
 def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
-    """The issue's table, on the main experiment."""
-    chosen = main_experiment(outcomes)
-    seen = visible(chosen)
-    single = [o for o in seen if not o.case.beside]
-    double = [o for o in seen if o.case.beside]
-    faint = [o for o in seen if o.without_floors <= FAINT]
-    clean = [o for o in outcomes if o.case.hidden is None]
-    odd = [o for o in chosen if o.odd and o.base_floors >= VISIBLE]
-    return [
-        Figure("single cause named first or tied", sum(map(named_first, single)), len(single), ">= 95", "99"),
-        Figure("hidden cause and Coulomb both named", sum(map(found_both, double)), len(double), ">= 90", "97"),
-        Figure("cause invented on clean data", sum(bool(o.named) for o in clean), len(clean), "<= 1", "0.1"),
-        Figure("oddity: confident and wrong", sum(map(confident_and_wrong, odd)), len(odd), "<= 5", "0"),
-        Figure("oddity: called unexplained", sum(o.verdict == "unexplained" for o in odd), len(odd), "", ""),
-        Figure("exact set, single", sum(o.exact for o in single), len(single), ">= 90", "98"),
-        Figure("exact set, beside Coulomb", sum(o.exact for o in double), len(double), ">= 85", "95"),
-        Figure("faint (3 to 20 floors), named", sum(found_both(o) for o in faint), len(faint), ">= 90", "97"),
-        Figure("right and unambiguous", sum(o.exact and o.verdict == "explained" for o in seen), len(seen), "", ""),
+    """The figures that must hold. What is exact is counted where it can be seen, what is false everywhere."""
+    white = [o for o in main_experiment(outcomes) if o.case.noise == "white"]
+    seen, odd = visible(white), [o for o in main_experiment(outcomes) if o.odd and o.base_floors >= VISIBLE]
+    hidden = [o for o in white if o.case.hidden and not o.odd and o.without_floors < VISIBLE]
+    found = [
+        _exact("single", [o for o in seen if o.case.kind == "single"], ">= 98", "99"),
+        _exact("beside Coulomb", [o for o in seen if o.case.kind == "beside"], ">= 97", "98"),
+        _exact("pairs without Coulomb", [o for o in seen if o.case.kind == "pair"], ">= 95", "97"),
+        *(
+            _exact(f"{noise} noise", [o for o in visible(outcomes) if o.case.noise == noise], "", "")
+            for noise in ("coloured", "speed")
+        ),
+        Figure("faint (3 to 20 floors), exact", *_share([o.exact for o in seen if o.without_floors <= FAINT]), "", ""),
+        Figure("invisible (below 3 floors): anything false named", *_share([bool(o.false) for o in hidden]), "", ""),
     ]
+    for experiment in sorted({o.case.experiment for o in outcomes}):
+        share = _share([surely_false(o) for o in kinds(outcomes, experiment)])
+        found.append(Figure(f"a false cause with p > {SURE:g}: {experiment}", *share, "<= 1", "0.1"))
+    share = _share([surely_false(o) for o in kinds(outcomes)])
+    found.append(Figure(f"a false cause with p > {SURE:g}: all experiments", *share, "<= 0.3", "0.1"))
+    for noise in ("white", "coloured", "speed"):
+        clean = [bool(o.false) for o in outcomes if o.case.hidden is None and o.case.noise == noise]
+        found.append(Figure(f"clean, {noise} noise: a cause named", *_share(clean), "<= 0.3", "0"))
+    found += [
+        Figure(f"oddity: a cause of no related law with p > {SURE:g}", *_share([surely_false(o) for o in odd]), "", ""),
+        Figure("oddity: called unexplained", *_share([o.verdict == "unexplained" for o in odd]), "", ""),
+    ]
+    return [figure for figure in found if figure.total]
+
+
+def _share(hits: Sequence[bool]) -> tuple[int, int]:
+    return sum(hits), len(hits)
+
+
+def _exact(what: str, outcomes: Sequence[Outcome], must: str, aim: str) -> Figure:
+    return Figure(f"exact set, {what}", *_share([o.exact for o in outcomes]), must, aim)
 
 
 def heldout(outcomes: Sequence[Outcome]) -> float:
@@ -129,18 +139,19 @@ class Bin:
 
 
 def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
-    """Bins with any cause in them, oddities and unexplained ones aside.
+    """Bins with any cause in them, whatever the verdict; oddities aside, of which the library has no law.
 
     Over all causes that a diagnosis states a probability for: those named, and those of rival sets beside them. A cause
-    is right when it itself acts; that another one tied with it does, does not count.
+    is right when it itself acts; that another one tied with it does, does not count. What no experiment can tell from
+    the truth is neither right nor wrong.
     """
-    stated_causes = [
-        (o, cause)
+    pairs = [
+        (p, name in o.truth)
         for o in outcomes
-        if not o.odd and o.verdict != "unexplained"
-        for cause in (*((name, p) for name, p, _ in o.named), *o.beside)
+        if not o.odd
+        for name, p in (*((name, p) for name, p, _ in o.named), *o.beside)
+        if p >= NEGLIGIBLE and name not in undecidable(frozenset(o.truth))
     ]
-    pairs = [(p, name in o.truth) for o, (name, p) in stated_causes if p >= NEGLIGIBLE]
     bins = []
     for low, high in pairwise(BINS):
         inside = [(p, right) for p, right in pairs if low <= p < high]

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
-from bench.blind import score
-from bench.blind.cases import Case, Outcome
+from bench.blind import plan, score, told
+from bench.blind.__main__ import chosen
+from bench.blind.cases import Case, Outcome, run
+from bench.blind.truth import FAMILIES
+from msd_sim import lottery
+
+Stated = tuple[tuple[str, float], ...]
 
 
-def outcome(named: tuple[tuple[str, float], ...], beside: tuple[tuple[str, float], ...] = ()) -> Outcome:
-    """A diagnosis of a rig with backlash that stated these probabilities."""
-    return Outcome(
-        case=Case(1, "backlash", False), truth=("backlash",), odd=False, strength={}, verdict="explained",
-        named=tuple((name, p, ()) for name, p in named), base_floors=9.0, extended_floors=1.0, without_floors=9.0,
-        heldout_floors=1.0, removed=1.0, seconds=1.0, beside=beside,
+def outcome(named: Stated, beside: Stated = (), truth: Sequence[str] = ("backlash",), **others: object) -> Outcome:
+    """A diagnosis of a rig, one with backlash unless said otherwise, that stated these probabilities."""
+    made = Outcome(
+        case=Case(1, next(iter(truth), None), len(truth) > 1), truth=tuple(truth), odd=False, strength={},
+        verdict="explained", named=tuple((name, p, ()) for name, p in named), base_floors=9.0, extended_floors=1.0,
+        without_floors=9.0, heldout_floors=1.0, removed=1.0, seconds=1.0, beside=beside,
     )  # fmt: skip
+    return replace(made, **others)  # type: ignore[arg-type]
+
+
+def figure(what: str, outcomes: Sequence[Outcome]) -> tuple[int, int]:
+    (found,) = [one for one in score.figures(outcomes) if one.what == what]
+    return found.good, found.total
 
 
 def test_stated_probabilities_are_compared_with_what_acts() -> None:
@@ -28,3 +42,107 @@ def test_stated_probabilities_are_compared_with_what_acts() -> None:
     assert bins[1].observed == 0.6 and bins[1].range == pytest.approx((0.313, 0.832), abs=0.001)
     assert score.miscalibration([*[right] * 6, *[wrong] * 4, thin]) == pytest.approx(0.1)
     assert math.isnan(score.miscalibration([thin]))
+
+
+def test_no_verdict_keeps_a_probability_out_of_the_calibration() -> None:
+    wrong = outcome((("cogging", 0.99),), verdict="unexplained")
+    assert score.miscalibration([wrong] * 10) == pytest.approx(0.99)
+
+
+def test_what_no_experiment_decides_is_not_calibrated() -> None:
+    """With a linear spring a force offset is a shift of the zero, whether it acts or not."""
+    unsaid = outcome((("coulomb_friction", 1.0),), beside=(("force_offset", 0.1),), truth=("coulomb_friction",))
+    hidden = outcome((("force_offset", 0.1),), truth=("force_offset",))
+    seen = outcome((("force_offset", 0.1),), truth=("backlash", "force_offset"))
+    assert [(b.count, b.right) for b in score.reliability([unsaid, hidden])] == [(1, 1)]
+    assert [(b.count, b.right) for b in score.reliability([seen])] == [(1, 1)]
+
+
+@pytest.mark.parametrize("verdict", ["explained", "ambiguous", "unexplained", "mostly_explained"])
+@pytest.mark.parametrize("floors", [1.0, 9.0])
+def test_a_false_cause_counts_whatever_the_verdict_and_seen_or_not(verdict: str, floors: float) -> None:
+    sure = outcome((("backlash", 1.0), ("cogging", 0.91)), verdict=verdict, without_floors=floors)
+    doubtful = outcome((("backlash", 1.0), ("cogging", 0.9)), verdict=verdict, without_floors=floors)
+    tied = replace(sure, named=(("cogging", 0.95, ("backlash",)),))
+    clean = outcome((("cogging", 0.99),), truth=(), verdict=verdict)
+    assert figure("a false cause with p > 0.9: all experiments", [sure, doubtful, tied, clean]) == (3, 4)
+    assert figure("a false cause with p > 0.9: steps", [sure, doubtful]) == (1, 2)
+    assert "cogging 0.910" in "\n".join(told.report([sure]))
+
+
+def test_false_causes_are_counted_for_each_kind_of_experiment() -> None:
+    def one(experiment: str, p: float, rate: float = 1000.0) -> Outcome:
+        return outcome((("cogging", p),), case=Case(1, "backlash", False, experiment, rate))
+
+    outcomes = [one("release", 0.95), one("release", 0.5), one("ramp", 0.5, 250.0), one("steps", 0.95, 200.0)]
+    assert figure("a false cause with p > 0.9: release", outcomes) == (1, 2)
+    assert figure("a false cause with p > 0.9: ramp", outcomes) == (0, 1)
+    assert figure("a false cause with p > 0.9: steps", outcomes) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("truth", "named", "right"),
+    [
+        (("coulomb_friction",), ("coulomb_friction", "force_offset"), True),
+        (("coulomb_friction", "force_offset"), ("coulomb_friction",), True),
+        (("force_offset",), (), True),
+        (("backlash",), ("backlash", "force_offset"), False),
+        (("backlash", "force_offset"), ("backlash",), False),
+        (("cubic_spring", "force_offset"), ("cubic_spring", "asymmetric_spring"), True),
+        (("cubic_spring",), ("cubic_spring", "asymmetric_spring"), False),
+        (("coulomb_friction",), ("stribeck_friction",), False),
+        ((), ("coulomb_friction",), False),
+    ],
+)
+def test_what_is_the_same_thing_is_right(truth: tuple[str, ...], named: tuple[str, ...], right: bool) -> None:
+    found = outcome(tuple((name, 0.99) for name in named), truth=truth)
+    assert found.exact is right
+
+
+def test_an_oddity_may_be_called_by_its_family_alone() -> None:
+    case = Case(1, "fading_friction", False)
+    related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
+    other = outcome((("quadratic_drag", 0.99),), truth=("fading_friction",), odd=True, case=case)
+    assert figure("oddity: a cause of no related law with p > 0.9", [related, other]) == (1, 2)
+    assert set(FAMILIES) >= set(lottery.ODDITIES)
+
+
+def test_exact_sets_are_told_by_kind_and_noise() -> None:
+    def one(case: Case, truth: tuple[str, ...], floors: float = 9.0) -> Outcome:
+        return outcome((("backlash", 1.0),), truth=truth, case=case, without_floors=floors)
+
+    single = one(Case(1, "backlash", False), ("backlash",))
+    beside = one(Case(1, "backlash", True), ("backlash", "coulomb_friction"))
+    pair = one(Case(1, "backlash", False, other="cogging"), ("backlash", "cogging"))
+    unseen = one(Case(1, "backlash", False, other="cogging"), ("backlash", "cogging"), floors=2.0)
+    coloured = one(Case(1, "backlash", False, noise="coloured"), ("backlash",))
+    outcomes = [single, beside, pair, unseen, coloured]
+    assert figure("exact set, single", outcomes) == (1, 1)
+    assert figure("exact set, beside Coulomb", outcomes) == (0, 1)
+    assert figure("exact set, pairs without Coulomb", outcomes) == (0, 1)
+    assert figure("exact set, coloured noise", outcomes) == (1, 1)
+    assert figure("invisible (below 3 floors): anything false named", outcomes) == (0, 1)
+
+
+def test_a_round_has_all_that_the_figures_need() -> None:
+    cases = plan.study(2, 5000)
+    assert len({case.seed for case in cases}) == len(cases)
+    assert {case.kind for case in cases} == {"clean", "single", "beside", "pair", "odd"}
+    assert all(case.ranges == "wide" for case in cases)
+    pairs = chosen(cases, "pair")
+    assert len(pairs) == 24 and all("coulomb_friction" not in (case.hidden, case.other) for case in pairs)
+    for noise in ("coloured", "speed"):
+        experiments = {case.experiment for case in chosen(cases, f"clean,{noise}")}
+        assert experiments == set(lottery.EXPERIMENTS)
+        assert any(case.hidden for case in chosen(cases, noise))
+    assert chosen(cases, "clean, coloured, ramp") and not chosen(cases, "clean,pair")
+
+
+def test_a_pair_under_noise_is_run_and_told() -> None:
+    """The readings' noise is what the rig made, and the least seen of both effects decides what is visible."""
+    case = Case(6001, "quadratic_drag", False, "steps", 200.0, "force_offset", "wide", "speed")
+    found = run(case)
+    assert set(found.truth) == {"quadratic_drag", "force_offset"} and found.case.kind == "pair"
+    assert found.without_floors == pytest.approx(1.0, abs=0.1), "of a force offset a linear spring shows nothing"
+    assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found
+    assert "speed noise" in "\n".join(told.report([replace(found, without_floors=9.0)]))
