@@ -34,6 +34,7 @@ class Row:
         see: of the extended model, in ``unit``.
         expert: SEE of the expert; NaN where none stands.
         seconds: processor time [s].
+        lacks: the law that the library does not have, or nothing.
     """
 
     rig: str
@@ -48,6 +49,7 @@ class Row:
     expert: float
     unit: str
     seconds: float
+    lacks: str = ""
 
     @property
     def surely_false(self) -> bool:
@@ -83,6 +85,7 @@ def score(rig: Rig, found: Diagnosis, seconds: float) -> Row:
         expert=_expert(rig, found),
         unit=found.records[0].position_unit,
         seconds=seconds,
+        lacks=rig.lacks,
     )
 
 
@@ -91,7 +94,7 @@ def refused(rig: Rig, error: str) -> Row:
     missed = tuple("|".join(sorted(group)) for group in rig.acts) or ("refused",)
     values = tuple((reference.what, math.nan, False) for reference in rig.references)
     expert = math.nan if rig.expert_see is None else rig.expert_see
-    return Row(rig.name, rig.extra, f"refused: {error}", (), missed, (), (), values, math.nan, expert, "", 0.0)
+    return Row(rig.name, rig.extra, f"refused: {error}", (), missed, (), (), values, math.nan, expert, "", 0.0, rig.lacks)
 
 
 def _values(rig: Rig, quantities: Mapping[str, float]) -> tuple[tuple[str, float, bool], ...]:
@@ -117,7 +120,7 @@ def totals(rows: Sequence[Row]) -> list[str]:
     lines = []
     for title, chosen in (("real", [r for r in rows if not r.extra]), ("extra", [r for r in rows if r.extra])):
         if chosen:
-            compared = [row.reached for row in chosen if row.reached is not None]
+            compared = [row.reached for row in chosen if row.reached is not None and not row.lacks]
             lines.append(
                 f"{title}: right {sum(row.right for row in chosen)} of {len(chosen)}; false cause with p > {SURE:g} in "
                 f"{sum(row.surely_false for row in chosen)}; SEE at most {REACHED:g} times the expert's in "

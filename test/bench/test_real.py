@@ -80,6 +80,8 @@ def test_a_false_cause_counts_from_its_probability_and_not_from_the_verdict() ->
     real, extra = totals(rows)
     assert "right 1 of 2; false cause with p > 0.9 in 1; SEE at most 1.5 times the expert's in 2 of 2" in real
     assert "right 0 of 1; false cause with p > 0.9 in 1" in extra
+    (alone,) = totals([replace(doubtful, lacks="gravity")])
+    assert "in 0 of 0" in alone, "what the library has no law for is not compared with one who had it"
 
 
 def test_an_expert_s_share_is_one_of_the_signal() -> None:
