@@ -205,5 +205,6 @@ def _without(draw: lottery.Draw, missing: str, record: Record) -> float:
     """SEE [m] of the truth without one of its effects, refitted."""
     model = Plant(draw.spec["mass"], draw.spec["damping"], draw.spec["stiffness"])
     for name in sorted(draw.truth - {missing}):
-        model = model + by_name(name).from_values(dict(draw.spec["effects"][name]))
+        given = ALL[name].values(draw.spec["effects"][name])
+        model = model + by_name(name).from_values({p.name: given[p.name] for p in by_name(name).parameters})
     return fit(model, record).see

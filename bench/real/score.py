@@ -94,7 +94,8 @@ def refused(rig: Rig, error: str) -> Row:
     missed = tuple("|".join(sorted(group)) for group in rig.acts) or ("refused",)
     values = tuple((reference.what, math.nan, False) for reference in rig.references)
     expert = math.nan if rig.expert_see is None else rig.expert_see
-    return Row(rig.name, rig.extra, f"refused: {error}", (), missed, (), (), values, math.nan, expert, "", 0.0, rig.lacks)
+    said = f"refused: {error}"
+    return Row(rig.name, rig.extra, said, (), missed, (), (), values, math.nan, expert, "", 0.0, rig.lacks)
 
 
 def _values(rig: Rig, quantities: Mapping[str, float]) -> tuple[tuple[str, float, bool], ...]:
