@@ -13,10 +13,10 @@ from typing import Any
 import yaml
 
 from msd_sim import effects as catalogue
-from msd_sim.effects import RigParameter
 from msd_sim.encoder import PARAMETERS as ENCODER_PARAMETERS
 from msd_sim.encoder import Encoder
 from msd_sim.errors import RigError
+from msd_sim.parameter import RigParameter
 from msd_sim.truth import GRAVITY, Truth
 
 #: Dry friction of the rig itself, as in the paper; both give way to an effect with dry friction of its own.

@@ -2,79 +2,18 @@
 
 Laws stand as forces on the left-hand side of m x'' + ... = F unless they say otherwise; the compiled form is in
 ``kernel.py``. ``KNOWN`` are those that an identifier may be expected to name; ``ODD`` are there to see what it says of
-a world that it does not know. Any of them may be combined. An effect that brings dry friction of its own replaces the
-rig's ``friction_coefficient``; several such effects add up.
+a world that it does not know; ``VARIANTS`` are of a known family, with another law. Any of them may be combined. An
+effect that brings dry friction of its own replaces the rig's ``friction_coefficient``; several such effects add up.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from msd_sim.errors import RigError
-
-#: Stands for "no limit" in ranges: a bound that ROS parameter descriptors can carry.
-ANY = 1e12
-
-
-@dataclass(frozen=True)
-class RigParameter:
-    """One number: its name, unit, value when none is given, inclusive range and meaning."""
-
-    name: str
-    unit: str
-    default: float
-    lower: float
-    upper: float
-    meaning: str
-    slot: str = ""  # field of kernel.PARAMETERS, when it is not the name
-
-    def checked(self, value: object, owner: str) -> float:
-        """The value as a float.
-
-        Raises:
-            RigError: it is no number or out of range.
-        """
-        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-            raise RigError(f"{owner} {self.name} is {value!r}; expected a number [{self.unit or '-'}]: {self.meaning}")
-        if not self.lower <= value <= self.upper:
-            raise RigError(f"{owner} {self.name} is {value:g} {self.unit}; expected {self._range()}: {self.meaning}")
-        return float(value)
-
-    def _range(self) -> str:
-        if self.upper >= ANY:
-            return f"{self.lower:g} or more" if self.lower > -ANY else "a finite number"
-        return f"{self.lower:g} to {self.upper:g}"
-
-
-@dataclass(frozen=True)
-class RigEffect:
-    """One thing that may be wrong with a rig; ``place`` is ``force`` (on the cart), ``input`` or ``sensor``."""
-
-    name: str
-    law: str
-    parameters: tuple[RigParameter, ...]
-    place: str = "force"
-    dry_friction: bool = field(default=False)
-
-    def values(self, given: Mapping[str, object]) -> dict[str, float]:
-        """Values of all parameters, defaults filled in.
-
-        Raises:
-            RigError: a parameter that this effect has not, or a value out of range.
-        """
-        known = {parameter.name: parameter for parameter in self.parameters}
-        for name in given:
-            if name not in known:
-                raise RigError(f"{self.name} has no parameter {name!r}; expected one of {', '.join(known)}")
-        return {name: known[name].checked(given.get(name, known[name].default), self.name) for name in known}
-
-
-def _p(
-    name: str, unit: str, default: float, meaning: str, lower: float = -ANY, upper: float = ANY, slot: str = ""
-) -> RigParameter:
-    return RigParameter(name, unit, default, lower, upper, meaning, slot or name)
+from msd_sim.parameter import RigEffect, RigParameter
+from msd_sim.parameter import number as _p
+from msd_sim.variants import VARIANTS
 
 
 def _coulomb(
@@ -266,7 +205,7 @@ ODD = (
     ),
 )
 
-ALL = {effect.name: effect for effect in KNOWN + ODD}
+ALL = {effect.name: effect for effect in KNOWN + ODD + VARIANTS}
 
 
 def by_name(name: str) -> RigEffect:

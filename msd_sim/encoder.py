@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from msd_sim.effects import RigParameter
 from msd_sim.errors import RigError
+from msd_sim.parameter import RigParameter
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -38,7 +38,12 @@ _NAMES = [
     *("cogging_amplitude", "cogging_pitch", "cogging_phase", "stiffness_drift_rate"),
     *("second_mass", "second_stiffness", "second_damping", "creep_stiffness", "creep_time"),
     *("dropped_mass", "drop_time", "magnet_strength", "magnet_position", "magnet_gap"),
-    *("cable_damping", "cable_start", "cable_end", "longest_move", "longest_step"),
+    *("cable_damping", "cable_start", "cable_end", "rational_coulomb", "rational_static", "rational_velocity"),
+    *("exponential_coulomb", "exponential_static", "exponential_velocity", "load_coulomb", "load_ratio"),
+    *("one_stop_position", "one_stop_stiffness", "soft_stop_position", "soft_stop_stiffness", "soft_stop_damping"),
+    *("power_drag", "up_damping", "driven_damping", "bend_position", "bend_stiffness"),
+    *("settling_ratio", "settling_time", "low_tone_amplitude", "low_tone_frequency"),
+    *("high_tone_amplitude", "high_tone_frequency", "longest_move", "longest_step"),
 ]
 PARAMETERS = np.dtype([(name, np.float64) for name in _NAMES])
 _FLOATS = ["t", "step", "direction", "x_side", "t_side", "anchor_x", "anchor_z"]
@@ -119,12 +124,41 @@ def _spring(p: Parameters, m: Mode, t: float, x: float) -> float:
     gap = p.backlash_half_width
     if gap > 0.0:
         stretch = x - gap if m.x_side > gap else (x + gap if m.x_side < -gap else 0.0)
-    force = p.stiffness * (1.0 + p.stiffness_drift_rate * t) * stretch
+    drift = p.stiffness_drift_rate * t
+    if p.settling_ratio != 0.0:
+        drift += p.settling_ratio * math.exp(-t / p.settling_time)
+    force = p.stiffness * (1.0 + drift) * stretch
     force += (p.quadratic_stiffness + p.cubic_stiffness * x) * x * x
     if m.x_side > p.stop_position:
         force += p.stop_stiffness * (x - p.stop_position)
     elif m.x_side < -p.stop_position:
         force += p.stop_stiffness * (x + p.stop_position)
+    if m.x_side > p.one_stop_position:
+        force += p.one_stop_stiffness * (x - p.one_stop_position)
+    if m.x_side > p.bend_position:
+        force += p.bend_stiffness * (x - p.bend_position)
+    return force
+
+
+@njit(cache=True)
+def _variant_losses(w: World, t: float, x: float, v: float) -> float:
+    """Damping of other laws, stops with losses, two tones [N]: on the left-hand side."""
+    p, m = w.p, w.m
+    force = 0.0
+    if m.x_side > p.soft_stop_position:
+        force += p.soft_stop_stiffness * (x - p.soft_stop_position) * (1.0 + p.soft_stop_damping * v)
+    elif m.x_side < -p.soft_stop_position:
+        force += p.soft_stop_stiffness * (x + p.soft_stop_position) * (1.0 - p.soft_stop_damping * v)
+    if p.power_drag != 0.0:
+        force += p.power_drag * m.direction * abs(v) ** 1.5
+    if m.direction > 0.0:
+        force += p.up_damping * v
+    if p.driven_damping != 0.0 and (w.segments[m.segment, 1] != 0.0 or w.segments[m.segment, 2] != 0.0):
+        force += p.driven_damping * v
+    if p.low_tone_amplitude != 0.0:
+        force += p.low_tone_amplitude * math.sin(p.low_tone_frequency * t)
+    if p.high_tone_amplitude != 0.0:
+        force += p.high_tone_amplitude * math.sin(p.high_tone_frequency * t)
     return force
 
 
@@ -143,6 +177,7 @@ def other_forces(w: World, t: float, y: FloatArray) -> float:
     p, m, x, v = w.p, w.m, y[0], y[1]
     force = applied_force(p, w.segments[m.segment], t) - p.offset_force - y[4]
     force -= p.damping * v + _spring(p, m, t, x) + p.drag_coefficient * m.direction * v * v
+    force -= _variant_losses(w, t, x, v)
     if p.hysteresis_force != 0.0:
         force -= p.hysteresis_force * _bouc_wen(p, m, x)
     if p.disturbance_amplitude != 0.0:
@@ -168,6 +203,9 @@ def _uneven_friction(p: Parameters, m: Mode, t: float, x: float) -> float:
         force += p.eccentric_coulomb * (1.0 + p.eccentric_ratio * math.sin(2.0 * math.pi * x / p.eccentric_pitch))
     if p.fading_coulomb > 0.0:
         force += p.fading_coulomb * math.exp(-t / p.fading_time)
+    force += p.load_coulomb
+    if p.load_ratio > 0.0:
+        force += p.load_ratio * p.stiffness * (x if m.x_side > 0.0 else -x)
     return force
 
 
@@ -176,13 +214,18 @@ def _sliding_friction(p: Parameters, m: Mode, t: float, x: float, v: float) -> f
     force = p.coulomb_force + p.stribeck_coulomb + _uneven_friction(p, m, t, x)
     if p.stribeck_static > 0.0:
         force += (p.stribeck_static - p.stribeck_coulomb) * math.exp(-((v / p.stribeck_velocity) ** 2))
+    force += p.rational_coulomb + p.exponential_coulomb
+    if p.rational_static > 0.0:
+        force += (p.rational_static - p.rational_coulomb) / (1.0 + (v / p.rational_velocity) ** 2)
+    if p.exponential_static > 0.0:
+        force += (p.exponential_static - p.exponential_coulomb) * math.exp(-abs(v) / p.exponential_velocity)
     return force
 
 
 @njit(cache=True)
 def _static_friction(p: Parameters, m: Mode, t: float, x: float) -> float:
     """Largest force that dry friction can hold at rest [N]."""
-    return p.static_force + p.stribeck_static + _uneven_friction(p, m, t, x)
+    return p.static_force + p.stribeck_static + p.rational_static + p.exponential_static + _uneven_friction(p, m, t, x)
 
 
 @njit(cache=True)

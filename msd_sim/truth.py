@@ -22,8 +22,13 @@ GRAVITY = 9.81
 _NEUTRAL = {
     "stribeck_velocity": 1.0, "eccentric_pitch": 1.0, "fading_time": 1.0, "hysteresis_length": 1.0,
     "cogging_pitch": 1.0, "creep_time": 1.0, "magnet_gap": 1.0, "stop_position": math.inf, "drop_time": math.inf,
-    "change_time": math.inf, "cable_start": math.inf, "cable_end": math.inf,
+    "change_time": math.inf, "cable_start": math.inf, "cable_end": math.inf, "rational_velocity": 1.0,
+    "exponential_velocity": 1.0, "one_stop_position": math.inf, "soft_stop_position": math.inf,
+    "bend_position": math.inf, "settling_time": 1.0,
 }  # fmt: skip
+
+#: Friction whose breakaway force is at least the sliding one.
+_PEAKED = ("stribeck_friction", "rational_stribeck", "exponential_stribeck")
 
 
 @dataclass(frozen=True)
@@ -51,9 +56,9 @@ class Truth:
         return self.effects[effect][parameter] if effect in self.effects else absent
 
     def _check_sense(self) -> None:
-        for name in ("coulomb_friction", "stribeck_friction"):
+        for name in ("coulomb_friction", *_PEAKED):
             static, kinetic = self.value(name, "static_force"), self.value(name, "coulomb_force")
-            if static < kinetic and (name == "stribeck_friction" or static > 0.0):
+            if static < kinetic and (name in _PEAKED or static > 0.0):
                 raise RigError(
                     f"{name} static_force is {static:g} N, below coulomb_force {kinetic:g} N; "
                     "expected a breakaway force of at least the sliding one"
@@ -94,15 +99,30 @@ class Truth:
         """A fraction of the shortest length [m] and of the shortest time [s] over which a force rises and falls."""
         lengths = (("magnet", "magnet_gap"), ("cogging", "cogging_pitch"), ("eccentric_friction", "eccentric_pitch"))
         finest = min((self.value(effect, length, math.inf) for effect, length in lengths), default=math.inf)
-        turns = self.value("periodic_disturbance", "disturbance_frequency")
+        tones = (
+            ("periodic_disturbance", "disturbance_frequency"),
+            ("two_tone_disturbance", "low_tone_frequency"),
+            ("two_tone_disturbance", "high_tone_frequency"),
+        )
+        turns = max(self.value(effect, frequency) for effect, frequency in tones)
         return 0.5 * finest, 1.0 / turns if turns > 0.0 else math.inf
 
     def edges(self) -> FloatArray:
         """Positions at which a force changes its form [m], rising."""
         found: set[float] = set()
-        for half_width in (self.value("backlash", "backlash_half_width"), self.value("end_stop", "stop_position")):
+        pairs = (
+            ("backlash", "backlash_half_width"),
+            ("end_stop", "stop_position"),
+            ("damped_stop", "soft_stop_position"),
+        )
+        for half_width in (self.value(effect, parameter) for effect, parameter in pairs):
             if half_width > 0.0:
                 found |= {half_width, -half_width}
+        if "load_friction" in self.effects:
+            found.add(0.0)
+        for effect, parameter in (("one_sided_stop", "one_stop_position"), ("two_slope_spring", "bend_position")):
+            if effect in self.effects:
+                found.add(self.value(effect, parameter))
         if "loose_cable" in self.effects:
             found |= {self.value("loose_cable", "cable_start"), self.value("loose_cable", "cable_end")}
         slope = self.value("position_dependent_friction", "position_friction_slope")
@@ -126,11 +146,19 @@ class Truth:
         if "force_gain_nonlinearity" in self.effects:
             gain = self.effects["force_gain_nonlinearity"]
             made = np.clip(made * (1.0 + gain["gain_slope"] * np.abs(made)), -gain["force_limit"], gain["force_limit"])
+        limit = self.value("soft_saturation", "soft_limit")
+        made = limit * np.tanh(made / limit) if limit > 0.0 else made
         return np.asarray(made, dtype=np.float64)
 
     def sensed(self, time: FloatArray, position: FloatArray) -> FloatArray:
-        """What the sensor has before it at ``time`` while the cart is at ``position``: drift and slip added [m]."""
+        """What the sensor has before it at ``time`` [s] with the cart at ``position``: drifts, slip, wheel [m]."""
         seen = position + self.value("sensor_drift", "sensor_drift_rate") * time
+        if "settling_sensor" in self.effects:
+            settling = self.effects["settling_sensor"]
+            seen = seen - settling["sensor_settling"] * np.expm1(-time / settling["sensor_settling_time"])
+        if "sensor_eccentricity" in self.effects:
+            wheel = self.effects["sensor_eccentricity"]
+            seen = seen + wheel["eccentricity"] * np.sin(2.0 * math.pi * position / wheel["wheel_circumference"])
         if "encoder_slip" in self.effects:
             slip = self.effects["encoder_slip"]
             seen = seen + np.where(time >= slip["slip_time"], slip["slip_distance"], 0.0)

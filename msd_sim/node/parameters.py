@@ -9,9 +9,9 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from msd_sim import config, effects, names
-from msd_sim.effects import RigParameter
 from msd_sim.encoder import PARAMETERS as ENCODER_PARAMETERS
 from msd_sim.errors import RigError
+from msd_sim.parameter import RigParameter
 
 #: Defaults of the paper's rig, where those of a simulation without ROS are "none".
 _DEFAULTS = {"friction_coefficient": 0.0133, "encoder.counts_per_metre": 226600.0}

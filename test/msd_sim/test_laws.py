@@ -16,7 +16,8 @@ from msd_sim.truth import Truth
 PLANT = {"mass": 0.9, "damping": 1.5, "stiffness": 700.0}
 #: Effects on which a force acts alike in both directions.
 LOPSIDED = {"asymmetric_spring", "force_offset", "magnet", "loose_cable", "position_dependent_friction", "encoder_slip",
-            "eccentric_friction", "periodic_disturbance", "cogging", "sensor_drift"}  # fmt: skip
+            "eccentric_friction", "periodic_disturbance", "cogging", "sensor_drift", "one_sided_stop",
+            "one_way_damping", "two_slope_spring", "two_tone_disturbance", "settling_sensor"}  # fmt: skip
 FORCE_TIME = np.array([0.0, 0.31, 0.52, 1.1, 1.3])
 FORCE = np.array([6.0, -3.0, 9.0, -8.0, 0.0])
 
@@ -74,6 +75,12 @@ STRENGTH = {
     "friction_change": ("coulomb_force", "later_coulomb_force"),
     "second_mode": ("second_stiffness", "second_damping"),
     "end_stop": ("stop_stiffness",),
+    "rational_stribeck": ("coulomb_force", "static_force"),
+    "exponential_stribeck": ("coulomb_force", "static_force"),
+    "load_friction": ("coulomb_force", "load_ratio"),
+    "one_sided_stop": ("one_stop_stiffness",),
+    "damped_stop": ("soft_stop_stiffness",),
+    "two_tone_disturbance": ("low_tone_amplitude", "high_tone_amplitude"),
 }
 
 
@@ -85,7 +92,8 @@ def test_an_effect_without_strength_is_no_effect(name):
 
 
 DISSIPATIVE = ["coulomb_friction", "stribeck_friction", "position_dependent_friction", "quadratic_drag", "hysteresis",
-               "fading_friction", "eccentric_friction", "loose_cable", "friction_change"]  # fmt: skip
+               "fading_friction", "eccentric_friction", "loose_cable", "friction_change", "rational_stribeck",
+               "exponential_stribeck", "load_friction", "power_drag", "one_way_damping"]  # fmt: skip
 
 
 @settings(max_examples=40, deadline=None)
@@ -155,3 +163,51 @@ def test_all_smooth_effects_together_against_scipy():
     other = solve_ivp(slope, (0.0, 1.0), np.zeros(5), "DOP853", time, rtol=1e-12, atol=1e-14, max_step=1e-3)
     seen = simulate(PLANT | {"effects": p, "time": time, "force_time": [0.0], "force": [5.0]}).motion
     assert np.abs(seen.position - other.y[0]).max() < 1e-9
+
+
+def test_other_laws_of_known_families_against_scipy():
+    """Each alone, pushed and let go, sliding all the time: what the sign of the speed decides is smooth in between."""
+
+    def two_sided(x, v):
+        depth = abs(x) - 0.008
+        return np.sign(x) * 5e3 * depth * (1.0 + np.sign(x) * v) if depth > 0.0 else 0.0
+
+    laws = {
+        "power_drag": lambda t, x, v: 2.0 * abs(v) ** 1.5 * np.sign(v),
+        "one_way_damping": lambda t, x, v: max(v, 0.0),
+        "drive_brake": lambda t, x, v: 2.0 * v * (t < 0.5),
+        "two_slope_spring": lambda t, x, v: 200.0 * max(x - 0.005, 0.0),
+        "one_sided_stop": lambda t, x, v: 5e3 * max(x - 0.008, 0.0),
+        "damped_stop": lambda t, x, v: two_sided(x, v),
+        "settling_stiffness": lambda t, x, v: 700.0 * 0.03 * np.exp(-t / 2.0) * x,
+        "two_tone_disturbance": lambda t, x, v: 0.2 * np.sin(40.0 * t) + 0.2 * np.sin(70.0 * t),
+        "rational_stribeck": lambda t, x, v: np.sign(v) * (0.12 + 0.18 / (1.0 + (v / 0.02) ** 2)),
+        "exponential_stribeck": lambda t, x, v: np.sign(v) * (0.12 + 0.18 * np.exp(-abs(v) / 0.02)),
+        "load_friction": lambda t, x, v: np.sign(v) * (0.05 + 0.03 * abs(700.0 * x)),
+    }
+    places = {"one_sided_stop": {"one_stop_position": 0.008}, "damped_stop": {"soft_stop_position": 0.008}}
+    time = np.linspace(0.0, 0.9, 91)
+    for name, law in laws.items():
+        def slope(t, y, law=law):
+            return [y[1], (6.0 * (t < 0.5) - 1.5 * y[1] - 700.0 * y[0] - law(t, *y)) / 0.9]
+
+        parts, state = [], [0.0, 0.0]
+        for begin, end in ((0.0, 0.5), (0.5, 0.9)):
+            inside = np.append(time[(time >= begin) & (time < end - 1e-12)], end)
+            found = solve_ivp(slope, (begin, end - 1e-12), state, "DOP853", rtol=1e-8, atol=1e-12, max_step=2e-4,
+                              t_eval=np.minimum(inside, end - 1e-12))  # fmt: skip
+            parts.append(found.y[0][:-1])
+            state = found.y[:, -1]
+        spec = {"effects": {name: places.get(name, {})}, "time": time[:-1], "force_time": [0.0, 0.5]}
+        seen = simulate(PLANT | spec | {"force": [6.0, 0.0]}).motion
+        assert np.abs(seen.position - np.concatenate(parts)).max() < 5e-7, name
+
+
+def test_other_laws_of_actuator_and_sensor_are_as_they_say():
+    soft = Truth(**PLANT, effects={"soft_saturation": {"soft_limit": 5.0}})
+    assert soft.actuate(np.array([-20.0, 0.1])) == pytest.approx([-5.0 * np.tanh(4.0), 5.0 * np.tanh(0.02)])
+    wheel = {"eccentricity": 1e-3, "wheel_circumference": 0.04}
+    settling = {"sensor_settling": 2e-3, "sensor_settling_time": 3.0}
+    seen = Truth(**PLANT, effects={"sensor_eccentricity": wheel, "settling_sensor": settling})
+    read = seen.sensed(np.array([0.0, 3.0]), np.array([0.01, 0.02]))
+    assert read == pytest.approx([0.011, 0.02 + 2e-3 * (1.0 - np.exp(-1.0))])
