@@ -15,12 +15,17 @@ import numpy as np
 
 from msd_sim.effects import ALL, KNOWN, ODD
 from msd_sim.errors import RigError
-from msd_sim.strengths import STRENGTHS, Ranges, Sizes
+from msd_sim.strengths import STRENGTHS, VARIANT_STRENGTHS, Ranges, Sizes
 
 #: Effects that may be hidden.
 NAMES = tuple(effect.name for effect in KNOWN)
 #: Oddities that may be hidden.
 ODDITIES = tuple(effect.name for effect in ODD)
+#: Other laws of known families that may be hidden.
+VARIANTS = tuple(VARIANT_STRENGTHS)
+#: The variant that is not in the rig but between two commands: they are joined by straight lines.
+BAND_LIMITED = "band_limited_force"
+_ALL_STRENGTHS = {**STRENGTHS, **VARIANT_STRENGTHS}
 
 Noise = Literal["white", "coloured", "speed"]
 NOISES: tuple[str, ...] = get_args(Noise)
@@ -52,8 +57,8 @@ class Draw:
 
     @property
     def truth(self) -> frozenset[str]:
-        """Names of all effects of the rig."""
-        return frozenset(self.spec["effects"])
+        """Names of all effects of the rig, and of what lies between its commands."""
+        return frozenset(self.spec["effects"]) | ({BAND_LIMITED} & {self.hidden})
 
 
 def _experiment(name: str, force: float, omega: float, rate: float) -> tuple[dict[str, float | str], float]:
@@ -100,7 +105,7 @@ def draw(
     Raises:
         RigError: no such effect, experiment or noise, or two laws of dry friction.
     """
-    _check(hidden, other, noise)
+    _check(hidden, other, noise, experiment)
     rng = np.random.default_rng([seed, 20141])
     mass = float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
     omega = 2.0 * math.pi * float(rng.uniform(1.7, 6.0))
@@ -112,7 +117,8 @@ def draw(
     if experiment == "release":
         how["position"] = 1.5 * reach
     sizes = Sizes(rng, mass, stiffness, force, duration, ranges)
-    effects = {name: STRENGTHS[name](sizes) for name in (hidden, other) if name is not None}
+    hidden_ones = [name for name in (hidden, other) if name is not None]
+    effects = {name: _ALL_STRENGTHS[name](sizes) for name in hidden_ones if name != BAND_LIMITED}
     beside = beside and not any(ALL[name].dry_friction for name in effects)
     if beside:
         effects["coulomb_friction"] = {"coulomb_force": force * sizes.log(0.01, 0.08)}
@@ -121,20 +127,24 @@ def draw(
         encoder, level = _coloured(encoder, level, sizes.log(1.0, 20.0, wide=(1.0, 20.0)))
     elif noise == "speed":
         encoder["speed_noise"] = level * sizes.log(2.0, 10.0, wide=(2.0, 10.0)) / sizes.speed
-    spec = {
+    spec: dict[str, Any] = {
         "mass": mass, "damping": damping, "stiffness": stiffness, "friction_coefficient": 0.0, "effects": effects,
         "encoder": encoder, "experiment": how, "rate": rate, "seed": int(rng.integers(1 << 31)),
     }  # fmt: skip
+    if hidden == BAND_LIMITED:
+        spec["hold"] = "linear"
     return Draw(seed, spec, hidden, beside, experiment, level, other)
 
 
-def _check(hidden: str | None, other: str | None, noise: str) -> None:
+def _check(hidden: str | None, other: str | None, noise: str, experiment: str) -> None:
     for name in (hidden, other):
-        if name is not None and name not in STRENGTHS:
-            raise RigError(f"no effect {name!r} in the lottery; expected one of {', '.join(STRENGTHS)}")
-    dry = [name for name in (hidden, other) if name is not None and ALL[name].dry_friction]
+        if name is not None and name not in _ALL_STRENGTHS:
+            raise RigError(f"no effect {name!r} in the lottery; expected one of {', '.join(_ALL_STRENGTHS)}")
+    dry = [name for name in (hidden, other) if name in ALL and ALL[name].dry_friction]
     if len(dry) > 1:
         raise RigError(f"{' and '.join(dry)} are two laws of dry friction; expected one at most")
+    if hidden == BAND_LIMITED and experiment not in ("sweep", "ramp"):
+        raise RigError(f"{BAND_LIMITED} in {experiment}; expected sweep or ramp, where commands are close together")
     if noise not in NOISES:
         raise RigError(f"no noise {noise!r} in the lottery; expected one of {', '.join(NOISES)}")
 

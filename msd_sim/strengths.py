@@ -151,3 +151,44 @@ STRENGTHS: Mapping[str, Callable[[Sizes], dict[str, float]]] = {
     "coarse_actuator": lambda s: {"force_step": s.force * s.even(0.15, 0.28)},
     "encoder_slip": lambda s: {"slip_distance": s.reach * s.log(0.02, 0.1), "slip_time": s.duration * s.even(0.3, 0.7)},
 }  # fmt: skip
+
+
+def _two_slopes(s: Sizes) -> dict[str, float]:
+    bend = s.stiffness * (s.log(0.1, 0.6) if s.sign() > 0.0 else -s.log(0.05, 0.3))
+    return {"bend_stiffness": bend, "bend_position": s.reach * s.even(0.1, 0.7)}
+
+
+#: Of laws that are variants of known ones.
+VARIANT_STRENGTHS: Mapping[str, Callable[[Sizes], dict[str, float]]] = {
+    "rational_stribeck": _stribeck,
+    "exponential_stribeck": _stribeck,
+    "load_friction": lambda s: {"coulomb_force": s.force * s.log(0.005, 0.03), "load_ratio": s.log(0.01, 0.1)},
+    "one_sided_stop": lambda s: {
+        "one_stop_position": s.reach * s.even(0.7, 1.3), "one_stop_stiffness": s.stiffness * s.log(1.0, 20.0),
+    },
+    "damped_stop": lambda s: {
+        "soft_stop_position": s.reach * s.even(0.7, 1.3), "soft_stop_stiffness": s.stiffness * s.log(1.0, 20.0),
+        "soft_stop_damping": s.log(0.05, 0.4) / s.speed,
+    },
+    "power_drag": lambda s: {"power_drag": s.force * s.log(0.01, 0.4) / s.speed**1.5},
+    "one_way_damping": lambda s: {"up_damping": s.mass * s.omega * s.log(0.01, 0.3)},
+    "drive_brake": lambda s: {"driven_damping": s.mass * s.omega * s.log(0.03, 0.3)},
+    "two_slope_spring": _two_slopes,
+    "settling_stiffness": lambda s: {
+        "settling_ratio": s.sign() * s.log(0.005, 0.1), "settling_time": s.duration * s.even(0.15, 0.6),
+    },
+    "two_tone_disturbance": lambda s: {
+        "low_tone_amplitude": s.force * s.log(0.003, 0.1), "low_tone_frequency": s.omega * s.even(0.3, 0.8),
+        "high_tone_amplitude": s.force * s.log(0.003, 0.1), "high_tone_frequency": s.omega * s.even(1.3, 4.0),
+    },
+    "soft_saturation": lambda s: {"soft_limit": s.force * s.log(1.2, 6.0)},
+    "settling_sensor": lambda s: {
+        "sensor_settling": s.sign() * s.reach * s.log(0.005, 0.1),
+        "sensor_settling_time": s.duration * s.even(0.15, 0.6),
+    },
+    "sensor_eccentricity": lambda s: {
+        "eccentricity": s.reach * s.log(0.002, 0.02), "wheel_circumference": s.reach * s.even(1.0, 6.0),
+    },
+    # No effect of the rig: the commands are joined by straight lines, where the record holds them.
+    "band_limited_force": lambda s: {},
+}  # fmt: skip

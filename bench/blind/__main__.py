@@ -1,6 +1,7 @@
 """``python -m bench.blind``: draw, diagnose, score.
 
 python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only WORD,…] [--every N] [--docs DIR]
+python -m bench.blind --variants [--rounds 2] …: laws that the library does not have, of families that it has
 python -m bench.blind --score FILE... [--docs DIR]
 """
 
@@ -53,8 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--only", default="", metavar="WORD,…",
         help="cases with all of these: an experiment (steps, step, release, sweep, ramp), a rate in Hz, a noise "
-        "(white, coloured, speed), a kind (clean, single, beside, pair, odd), a hidden effect",
+        "(white, coloured, speed), a kind (clean, single, beside, pair, odd, variant), a hidden effect",
     )
+    parser.add_argument("--variants", action="store_true", help="other laws of known families, and nothing else")
     parser.add_argument("--every", type=int, default=1, help="take every so many cases")
     parser.add_argument("--docs", type=Path, help="directory that gets blind-study.md and its picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
@@ -64,16 +66,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         lines = [line for path in given.score for line in path.read_text(encoding="utf-8").splitlines()]
         outcomes = [Outcome.from_json_dict(json.loads(line)) for line in lines]
     else:
-        cases = chosen(plan.study(given.rounds, given.seed), given.only)[:: given.every]
+        drawn = plan.variants if given.variants else plan.study
+        cases = chosen(drawn(given.rounds, given.seed), given.only)[:: given.every]
         outcomes = _all(cases, given.jobs, given.json)
         failed = len(cases) - len(outcomes)
     if not outcomes:
         return 1
     seeds = [outcome.case.seed for outcome in outcomes]
     head = f"{len(outcomes)} blind cases, seeds {min(seeds)} to {max(seeds)}" + f"; {failed} failed" * (failed > 0)
-    text = "\n".join([head, "", *told.report(outcomes)])
+    variants = told.variants(outcomes)
+    text = "\n".join([head, "", *(variants or told.report(outcomes))])
     print(text)
-    if given.docs:
+    if given.docs and not variants:
         draw(outcomes, given.docs / "images" / "blind_study.png")
         (given.docs / "blind-study.md").write_text(_PAGE.format(tables=text), encoding="utf-8")
     return 0

@@ -50,11 +50,13 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair`` or ``odd``."""
+        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``odd`` or ``variant``."""
         if self.hidden is None:
             return "clean"
         if self.hidden in lottery.ODDITIES:
             return "odd"
+        if self.hidden in lottery.VARIANTS:
+            return "variant"
         if self.other is not None:
             return "pair"
         return "beside" if self.beside and not ALL[self.hidden].dry_friction else "single"
@@ -72,7 +74,7 @@ class Outcome:
     ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth leaves when
     refitted without that one of its effects which is seen least. ``removed`` is the share of the removable error that
     the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
-    probability.
+    probability. ``plant_error`` is the larger relative error of mass and stiffness.
     """
 
     case: Case
@@ -89,6 +91,7 @@ class Outcome:
     seconds: float
     processor_seconds: float = math.nan
     beside: tuple[tuple[str, float], ...] = ()
+    plant_error: float = math.nan
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -174,18 +177,19 @@ def _opened(
     return Outcome(
         case=case,
         truth=tuple(sorted(draw.truth)),
-        odd=case.kind == "odd",
+        odd=case.kind in ("odd", "variant"),
         strength=dict(draw.spec["effects"].get(case.hidden, {})),
         verdict=diagnosis.verdict,
         named=tuple((cause.name, cause.probability, cause.tied_with) for cause in diagnosis.causes),
         base_floors=base,
         extended_floors=diagnosis.extended.see / noise,
-        without_floors=_least_seen(draw, record) / noise if len(draw.truth) > 1 else base,
+        without_floors=_least_seen(draw, record) / noise if case.kind in ("beside", "pair") else base,
         heldout_floors=diagnosis.heldout.see_extended / noise,
         removed=1.0 - math.sqrt(left / removable) if removable > 0.0 else math.nan,
         seconds=seconds[0],
         processor_seconds=seconds[1],
         beside=_beside(diagnosis),
+        plant_error=_plant_error(draw, diagnosis),
     )
 
 
@@ -194,6 +198,14 @@ def _beside(diagnosis: Diagnosis) -> tuple[tuple[str, float], ...]:
     named = {cause.name for cause in diagnosis.causes}
     others = sorted({name for rival in diagnosis.rivals for name in rival.causes} - named)
     return tuple((name, sum(r.probability for r in diagnosis.rivals if name in r.causes)) for name in others)
+
+
+def _plant_error(draw: lottery.Draw, diagnosis: Diagnosis) -> float:
+    """Larger relative error of mass and stiffness; a free decay knows their ratio only."""
+    found = {name: diagnosis.extended.quantities[name].value for name in ("mass", "stiffness")}
+    if draw.experiment == "release":
+        return abs(found["stiffness"] / found["mass"] * draw.spec["mass"] / draw.spec["stiffness"] - 1.0)
+    return max(abs(value / draw.spec[name] - 1.0) for name, value in found.items())
 
 
 def _least_seen(draw: lottery.Draw, record: Record) -> float:

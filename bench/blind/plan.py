@@ -28,6 +28,23 @@ def study(rounds: int, seed: int) -> list[Case]:
     ]
 
 
+def variants(rounds: int, seed: int) -> list[Case]:
+    """Each variant of a known law, alone in steps; every other round in a release, where no force is."""
+    seeds = count(seed)
+    return [
+        Case(next(seeds), name, False, *_experiment(name, turn), None, "narrow")
+        for turn in range(rounds)
+        for name in lottery.VARIANTS
+    ]
+
+
+def _experiment(variant: str, turn: int) -> tuple[str, float]:
+    """In which a variant is hidden, and samples a second [Hz]: about twenty a period where the force between counts."""
+    if variant == lottery.BAND_LIMITED:
+        return "sweep", 100.0
+    return ("release", 1000.0) if turn % 2 and variant not in ("soft_saturation", "drive_brake") else ("steps", 1000.0)
+
+
 _Drawn = tuple[str | None, bool, str, float, str | None, lottery.Noise]
 
 

@@ -12,11 +12,13 @@ import numpy as np
 from scipy.stats import binomtest
 
 from bench.blind.cases import Outcome
-from bench.blind.truth import undecidable
+from bench.blind.truth import FAMILIES, UNNAMED, undecidable
 
 #: An effect counts as visible when the truth without it leaves this many noise floors.
 VISIBLE = 3.0
 FAINT = 20.0
+#: Largest relative error of mass and stiffness of a plant that counts as found.
+NEAR = 0.02
 #: Probability above which a cause is stated as certain.
 SURE = 0.9
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
@@ -68,7 +70,8 @@ def kinds(outcomes: Sequence[Outcome], experiment: str = "") -> list[Outcome]:
 def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     """The figures that must hold. What is exact is counted where it can be seen, what is false everywhere."""
     white = [o for o in main_experiment(outcomes) if o.case.noise == "white"]
-    seen, odd = visible(white), [o for o in main_experiment(outcomes) if o.odd and o.base_floors >= VISIBLE]
+    seen = visible(white)
+    odd = [o for o in white if o.case.kind == "odd" and o.base_floors >= VISIBLE]
     hidden = [o for o in white if o.case.hidden and not o.odd and o.without_floors < VISIBLE]
     found = [
         _exact("single", [o for o in seen if o.case.kind == "single"], ">= 98", "99"),
@@ -189,11 +192,29 @@ def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
     return found
 
 
+def family_named(outcome: Outcome) -> bool:
+    """A cause of the family of the hidden law is named, or tied with one that is, or the library has none."""
+    hidden = str(outcome.case.hidden)
+    said = outcome.names | {one for _, _, ties in outcome.named for one in ties}
+    return hidden in UNNAMED or bool(said & FAMILIES[hidden])
+
+
+def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int]]:
+    """For each hidden variant: visible cases, family named, surely false cause (of all), plant within 2 %."""
+    table = {}
+    for name in sorted({str(o.case.hidden) for o in outcomes if o.case.kind == "variant"}):
+        chosen = [o for o in outcomes if o.case.hidden == name]
+        seen = [o for o in chosen if o.base_floors >= VISIBLE]
+        near = sum(o.plant_error <= NEAR for o in chosen)
+        table[name] = (len(seen), sum(map(family_named, seen)), sum(map(surely_false, chosen)), near)
+    return table
+
+
 def oddities(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
     """For each visible oddity of the main experiment, the verdicts."""
     table: dict[str, Counter[str]] = {}
     for o in main_experiment(outcomes):
-        if o.odd and o.base_floors >= VISIBLE:
+        if o.case.kind == "odd" and o.base_floors >= VISIBLE:
             answer = o.verdict + (": " + " + ".join(sorted(o.names)) if o.named else "")
             table.setdefault(str(o.case.hidden), Counter())[answer] += 1
     return table

@@ -23,6 +23,21 @@ def report(outcomes: Sequence[Outcome]) -> list[str]:
     ]  # fmt: skip
 
 
+def variants(outcomes: Sequence[Outcome]) -> list[str]:
+    """The table of laws that the library does not have, of families that it has; the last line is the sum."""
+    lines = [
+        f"| law | cases | visible | family named | a cause of no related law with p > {score.SURE:g} | m and k within "
+        f"{100.0 * score.NEAR:g} % |",
+        "|---|---|---|---|---|---|",
+    ]
+    found = score.variants(outcomes)
+    cases = {name: sum(o.case.hidden == name for o in outcomes) for name in found}
+    for name, row in found.items():
+        lines.append(f"| {name} | {cases[name]} | " + " | ".join(map(str, row)) + " |")
+    total = (sum(cases.values()), *(sum(column) for column in zip(*found.values(), strict=True)))
+    return [*lines, "| all | " + " | ".join(map(str, total)) + " |"] if found else []
+
+
 def _figures(outcomes: Sequence[Outcome]) -> list[str]:
     lines = ["| figure | got | of | must | aim |", "|---|---|---|---|---|"]
     for item in score.figures(outcomes):

@@ -23,7 +23,25 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "creeping_spring": frozenset({"hysteresis"}),
     "coarse_actuator": frozenset({"force_gain_nonlinearity"}),
     "encoder_slip": frozenset({"sensor_drift"}),
+    # Variants: any law of the family, and what stands for a part of it.
+    "rational_stribeck": DRY,
+    "exponential_stribeck": DRY,
+    "load_friction": DRY,
+    "one_sided_stop": frozenset({"end_stop", "asymmetric_spring", "cubic_spring", "force_offset"}),
+    "damped_stop": frozenset({"end_stop", "cubic_spring", "quadratic_drag"}),
+    "power_drag": frozenset({"quadratic_drag"}),
+    "one_way_damping": frozenset({"quadratic_drag", "force_offset"}),
+    "drive_brake": frozenset({"quadratic_drag"}),
+    "two_slope_spring": frozenset({"asymmetric_spring", "cubic_spring", "end_stop", "backlash", "force_offset"}),
+    "settling_stiffness": frozenset({"stiffness_drift"}),
+    "two_tone_disturbance": frozenset({"periodic_disturbance"}),
+    "soft_saturation": frozenset({"force_gain_nonlinearity"}),
+    "settling_sensor": frozenset({"sensor_drift"}),
+    "sensor_eccentricity": frozenset({"cogging", "asymmetric_spring", "cubic_spring"}),
+    "band_limited_force": frozenset({"time_offset", "actuator_lag"}),
 }
+#: Variants whose family the library has not: nothing in it needs to be named.
+UNNAMED = frozenset({"one_way_damping", "drive_brake", "sensor_eccentricity", "band_limited_force"})
 
 
 def same(effects: frozenset[str]) -> Iterator[frozenset[str]]:

@@ -104,7 +104,31 @@ def test_an_oddity_may_be_called_by_its_family_alone() -> None:
     related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
     other = outcome((("quadratic_drag", 0.99),), truth=("fading_friction",), odd=True, case=case)
     assert figure("oddity: a cause of no related law with p > 0.9", [related, other]) == (1, 2)
-    assert set(FAMILIES) >= set(lottery.ODDITIES)
+    assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS}
+
+
+def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
+    def one(name: str, p: float, hidden: str = "one_sided_stop", **others: object) -> Outcome:
+        return outcome(
+            ((name, p),), truth=(hidden,), odd=True, case=Case(1, hidden, False), **{"plant_error": 0.01, **others}
+        )
+
+    right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
+    wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
+    tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
+    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 3, 1, 4)}
+    unnamed = one("end_stop", 0.5, hidden="drive_brake")
+    assert score.variants([unnamed]) == {"drive_brake": (1, 1, 0, 1)}
+    assert told.variants([right, unnamed])[-1] == "| all | 2 | 2 | 2 | 0 | 2 |"
+    assert told.variants([outcome((("backlash", 1.0),))]) == []
+
+
+def test_all_variants_are_planned_where_they_can_be_seen() -> None:
+    cases = plan.variants(2, 100)
+    assert {case.hidden for case in cases} == set(lottery.VARIANTS) and {case.kind for case in cases} == {"variant"}
+    assert len({case.seed for case in cases}) == len(cases) == 2 * len(lottery.VARIANTS)
+    for case in cases:
+        lottery.draw(case.seed, case.hidden, case.beside, case.experiment, case.rate)
 
 
 def test_exact_sets_are_told_by_kind_and_noise() -> None:

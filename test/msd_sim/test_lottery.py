@@ -65,3 +65,21 @@ def test_no_wide_rig_runs_away(name: str) -> None:
         for experiment in lottery.EXPERIMENTS:
             draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide")
             assert np.isfinite(api.simulate(draw.spec).position).all()
+
+
+@pytest.mark.parametrize("name", lottery.VARIANTS)
+def test_a_variant_is_drawn_and_moves_the_cart_otherwise(name: str) -> None:
+    experiment = "sweep" if name == lottery.BAND_LIMITED else "steps"
+    for seed in range(8):
+        draw = lottery.draw(seed, name, False, experiment, 250.0)
+        assert draw.truth == {name}
+        spec = {**draw.spec, "encoder": {}}
+        plain = {key: value for key, value in spec.items() if key != "hold"} | {"effects": {}}
+        one, other = api.simulate(spec).position, api.simulate(plain).position
+        assert np.abs(one - other).max() > draw.noise
+    assert not set(lottery.VARIANTS) & {*lottery.NAMES, *lottery.ODDITIES}
+
+
+def test_a_force_between_commands_needs_commands() -> None:
+    with pytest.raises(RigError, match="band_limited_force in steps; expected sweep or ramp"):
+        lottery.draw(1, lottery.BAND_LIMITED)
