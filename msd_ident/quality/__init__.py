@@ -14,6 +14,7 @@ from msd_ident.quality.clocks import clocks
 from msd_ident.quality.encoder import frozen_encoder, rate, removed, resolution
 from msd_ident.quality.excitation import excitation
 from msd_ident.quality.finding import Check, Finding
+from msd_ident.quality.relation import relation
 from msd_ident.quality.sampling import missing_in, missing_samples, sampling
 from msd_ident.quality.units import time_unit, units
 from msd_ident.record import Record
@@ -42,6 +43,7 @@ CHECKS: tuple[Check, ...] = (
     clocks,
     units,
     time_unit,
+    relation,
 )
 
 

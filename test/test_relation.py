@@ -1,0 +1,62 @@
+"""A force that has nothing to do with the motion: said in one line, and never of a rig."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.real.rigs import RIGS, Rig, folder
+from msd_ident import pipeline
+from msd_ident.bag import read
+from msd_ident.errors import DataError
+from msd_ident.quality.relation import accounted
+from msd_ident.record import Record, from_samples
+from msd_sim import api, lottery
+
+
+def moved_by_hand(seed: int, seconds: float = 20.0) -> Record:
+    """A joint that a hand moves to and fro, and the effort of a motor that is off."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, seconds, 0.01)
+    position = np.convolve(rng.standard_normal(time.size + 200), np.hanning(200), "valid")[: time.size]
+    return from_samples(time, 0.05 * rng.standard_normal(time.size), 0.02 * position)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_joint_moved_by_hand_is_refused_in_one_line(seed: int) -> None:
+    record = moved_by_hand(seed)
+    assert accounted(record) < 0.2
+    for solve in (pipeline.identify, pipeline.diagnose):
+        with pytest.raises(DataError, match="accounts for . % of the force's variation.*a hand may move the cart"):
+            solve([record])
+
+
+@pytest.mark.parametrize("experiment", ["steps", "sweep", "ramp"])
+@pytest.mark.parametrize("noise", lottery.NOISES)
+def test_no_rig_is_refused(experiment: str, noise: lottery.Noise) -> None:
+    """Whatever is wrong with it, strong or weak."""
+    told = []
+    for seed, name in enumerate((*lottery.NAMES, *lottery.ODDITIES, None)):
+        draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide", noise=noise)
+        made = api.simulate(draw.spec)
+        if np.ptp(made.motion.position) < 10.0 * draw.noise:
+            continue  # a cart that sticks: said by others
+        share = accounted(Record(made.time, made.position, made.force_time, made.force))
+        assert not share < 0.4, (name, seed, share)
+        told.append(not np.isnan(share))
+    assert any(told)
+
+
+def test_what_does_not_vary_tells_nothing() -> None:
+    """One step that acts from the first sample on, a release, and a record of few samples."""
+    for experiment in ("step", "release"):
+        made = api.simulate(lottery.draw(1, None, False, experiment).spec)
+        assert np.isnan(accounted(Record(made.time, made.position, made.force_time, made.force)))
+    assert np.isnan(accounted(moved_by_hand(1, seconds=1.0)))
+
+
+@pytest.mark.parametrize("rig", [rig for rig in RIGS if rig.options.force != "none"], ids=lambda rig: rig.name)
+def test_no_measured_rig_is_refused(rig: Rig) -> None:
+    if not (folder() / rig.path).is_file():
+        pytest.skip(f"no {folder() / rig.path}")
+    assert accounted(read(folder() / rig.path, rig.options)) > 0.8
