@@ -88,9 +88,11 @@ def test_rest_before_the_pull_is_kept_beside_the_free_motion() -> None:
 
 def test_a_cart_that_a_hand_holds_does_not_rest() -> None:
     """It stands still at the place it is pulled to from the first sample on."""
-    record = pulled(PULLS["held"], {}).window(1.9, 9.0)
+    points = [(0.5, 0.0), (1.5, 8.0), (5.0, 8.0), (5.0005, 0.0)]
+    record = pulled(points, EFFECTS["dry friction"]).window(3.5, 9.0)
     data = prepared([record])
-    assert data.used[0].time[0] == pytest.approx(2.2, abs=0.16 * PERIOD)
+    assert data.used[0].time[0] == pytest.approx(5.0, abs=0.16 * PERIOD)
+    assert np.ptp(record.position[:200]) < 1e-4, "it stands still"
     assert data.rest_before == (None,)
 
 
