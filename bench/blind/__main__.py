@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--variants", action="store_true", help="other laws of known families, and nothing else")
     parser.add_argument("--every", type=int, default=1, help="take every so many cases")
-    parser.add_argument("--docs", type=Path, help="directory that gets blind-study.md and its picture")
+    parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
     given = parser.parse_args(arguments)
     failed = 0
@@ -77,7 +77,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     variants = told.variants(outcomes)
     text = "\n".join([head, "", *(variants or told.report(outcomes))])
     print(text)
-    if given.docs and not variants:
+    part = bool(variants or given.only or given.every > 1)
+    if given.docs and part:
+        print("\na part of the study: the documentation is left as it is")
+    elif given.docs:
         draw(outcomes, given.docs / "images" / "blind_study.png")
         (given.docs / "blind-study.md").write_text(_PAGE.format(tables=text), encoding="utf-8")
     return 0

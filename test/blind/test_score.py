@@ -6,11 +6,12 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from bench.blind import plan, score, told
-from bench.blind.__main__ import chosen
+from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.truth import FAMILIES
 from msd_sim import lottery
@@ -170,3 +171,12 @@ def test_a_pair_under_noise_is_run_and_told() -> None:
     assert found.without_floors == pytest.approx(1.0, abs=0.1), "of a force offset a linear spring shows nothing"
     assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found
     assert "speed noise" in "\n".join(told.report([replace(found, without_floors=9.0)]))
+
+
+def test_a_part_of_the_study_leaves_the_documentation_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    outcomes = tmp_path / "outcomes.jsonl"
+    outcomes.write_text(json.dumps(outcome((("backlash", 1.0),)).to_json_dict()) + "\n", encoding="utf-8")
+    assert main(["--score", str(outcomes), "--only", "steps", "--docs", str(tmp_path)]) == 0
+    assert "left as it is" in capsys.readouterr().out and not (tmp_path / "blind-study.md").exists()
+    assert main(["--score", str(outcomes), "--docs", str(tmp_path)]) == 0
+    assert "exact set, single" in (tmp_path / "blind-study.md").read_text(encoding="utf-8")
