@@ -90,8 +90,10 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     share = _share([surely_false(o) for o in kinds(outcomes)])
     found.append(Figure(f"a false cause with p > {SURE:g}: all experiments", *share, "<= 0.3", "0.1"))
     for noise in ("white", "coloured", "speed"):
-        clean = [bool(o.false) for o in outcomes if o.case.hidden is None and o.case.noise == noise]
-        found.append(Figure(f"clean, {noise} noise: a cause named", *_share(clean), "<= 0.3", "0"))
+        clean = [o for o in outcomes if o.case.hidden is None and o.case.noise == noise]
+        named, doubted = [bool(o.false) for o in clean], [o.verdict != "adequate" for o in clean]
+        found.append(Figure(f"clean, {noise} noise: a cause named", *_share(named), "<= 0.3", "0"))
+        found.append(Figure(f"clean, {noise} noise: not called adequate", *_share(doubted), "", ""))
     found += [
         Figure(f"oddity: a cause of no related law with p > {SURE:g}", *_share([surely_false(o) for o in odd]), "", ""),
         Figure("oddity: called unexplained", *_share([o.verdict == "unexplained" for o in odd]), "", ""),

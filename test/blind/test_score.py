@@ -100,6 +100,15 @@ def test_what_is_the_same_thing_is_right(truth: tuple[str, ...], named: tuple[st
     assert found.exact is right
 
 
+def test_a_clean_rig_is_to_be_called_adequate_whatever_its_noise() -> None:
+    case = Case(1, None, False, noise="coloured")
+    doubted = outcome((), truth=(), case=case, verdict="unexplained")
+    invented = outcome((("cogging", 0.4),), truth=(), case=case, verdict="ambiguous")
+    right = outcome((), truth=(), case=case, verdict="adequate")
+    assert figure("clean, coloured noise: a cause named", [doubted, invented, right]) == (1, 3)
+    assert figure("clean, coloured noise: not called adequate", [doubted, invented, right]) == (2, 3)
+
+
 def test_an_oddity_may_be_called_by_its_family_alone() -> None:
     case = Case(1, "fading_friction", False)
     related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
