@@ -27,7 +27,7 @@ from msd_ident.identification import Identification, ModelFit
 from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
-from msd_ident.preparing import prepared
+from msd_ident.preparing import prepared, typical_plant
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray, Record
 
@@ -173,22 +173,13 @@ def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
     )
 
 
-def _plant(record: Record) -> Model:
-    """A plant of the record's own size, to start from where there are no features."""
-    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
-    length = max(float(np.ptp(record.position)), 1e-12)
-    stiffness = force / length
-    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
-    return Plant(mass=mass, damping=damping, stiffness=stiffness)
-
-
 def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | None) -> bool:
     """Whether the plant has a spring: as told, as the response shows, or as two fits decide."""
     if options.model != "auto":
         return options.model == "spring"
     if form is not None:
         return True
-    base = _plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
+    base = typical_plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
     free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=options.loss)
     held = fit(free.model, records, zero="known", loss=options.loss)
     if held.see < 0.2 * free.see:
@@ -199,7 +190,7 @@ def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | 
 
 def _joint(records: tuple[Record, ...], sprung: bool, form: StandardForm | None, options: Options) -> FitResult:
     """All parameters by simulation error; a plain axis has an offset in place of a spring's zero."""
-    base = (_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
+    base = (typical_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
     if sprung:
         return fit(base, records, fixed={"mass": 1.0} if _forceless(records) else {}, loss=options.loss)
     return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)

@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 STOREYS = (
     ("errors", "quantity", "stopping"),
     ("record", "provenance"),
-    ("streams", "motion", "noise"),
+    ("streams", "motion", "noise", "resampling"),
     ("quality",),
     ("datasheet",),
     ("model",),
@@ -27,7 +27,8 @@ STOREYS = (
     ("fit",),
     ("diagnose",),
     ("design",),
-    ("identification", "one_rig", "preparing"),
+    ("identification", "one_rig", "force_hold"),
+    ("preparing",),
     ("pipeline",),
     ("investigation",),
     ("report",),
@@ -38,7 +39,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "record", "streams"}
+BAG_KNOWS = {"errors", "record", "resampling", "streams"}
 KNOW_BAG = {"ros", "cli"}
 
 ROS = (

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from msd_ident.errors import UsageError
 from msd_ident.record import Hold
+
+#: Words for ``SourceOptions.hold``.
+HOLDS = ("auto", "zero", "linear", "band_limited")
 
 #: Value of ``force`` for a free decay.
 NO_FORCE = "none"
@@ -28,7 +32,9 @@ class SourceOptions:
         time_scale: factor from the numbers of the time column to seconds; ``None`` as above.
         force_unit: ``N``, ``N·m``, ``V`` …; empty for what the source says.
         position_unit: ``m``, ``rad``, ``count``; empty for what the source says.
-        hold: how the force goes on between its samples, ``zero`` (held) or ``linear``.
+        hold: how the force goes on between its samples: ``zero`` (held), ``linear``, ``band_limited`` (no faster than
+            its samples tell), or ``auto``: held for topics, asked of the data for a table's force on the position's
+            stamps.
         start: begin of the part to use [s from the first position sample]; ``None`` for all.
         end: end of that part [s].
 
@@ -44,7 +50,7 @@ class SourceOptions:
     time_scale: float | None = None
     force_unit: str = ""
     position_unit: str = ""
-    hold: Hold = "zero"
+    hold: Literal["auto", "zero", "linear", "band_limited"] = "auto"
     start: float | None = None
     end: float | None = None
 
@@ -53,8 +59,8 @@ class SourceOptions:
             scale = getattr(self, name)
             if scale is not None and (scale == 0 or not math.isfinite(scale)):
                 raise UsageError(f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0")
-        if self.hold not in ("zero", "linear"):
-            raise UsageError(f"hold is {self.hold!r}; expected 'zero' or 'linear'")
+        if self.hold not in HOLDS:
+            raise UsageError(f"hold is {self.hold!r}; expected one of {', '.join(HOLDS)}")
         start, end = self.window
         if not start < end:
             raise UsageError(f"the window from {start:g} s to {end:g} s is empty; expected start before end")
@@ -63,6 +69,11 @@ class SourceOptions:
     def no_force(self) -> bool:
         """Whether the record is a free decay."""
         return self.force.strip().lower() == NO_FORCE
+
+    @property
+    def record_hold(self) -> Hold:
+        """Hold of the record as it is read, before the data is asked or a band-limited force is interpolated."""
+        return "linear" if self.hold == "linear" else "zero"
 
     @property
     def window(self) -> tuple[float, float]:

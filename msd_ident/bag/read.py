@@ -12,6 +12,7 @@ from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.reader import read_bag
 from msd_ident.errors import DataError
 from msd_ident.record import Record
+from msd_ident.resampling import band_limited
 
 _DEFAULTS = SourceOptions()
 
@@ -34,6 +35,8 @@ def read(
     """
     try:
         record = read_bag(path, options, told) if is_bag(path) else read_csv(path, options)
+        if options.hold == "band_limited" and not options.no_force:
+            record = band_limited(record)
         if options.start is not None or options.end is not None:
             record = record.window(*options.window)
     except DataError as error:

@@ -48,7 +48,7 @@ def design(
     time_scale: sources.TimeScaleOption = None,
     force_unit: sources.ForceUnitOption = "",
     position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
+    hold: sources.HoldOption = "auto",
     model: sources.ModelOption = "auto",
     json: sources.JsonOption = "",
     quiet: sources.QuietOption = False,

@@ -23,7 +23,7 @@ def diagnose(
     time_scale: sources.TimeScaleOption = None,
     force_unit: sources.ForceUnitOption = "",
     position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
+    hold: sources.HoldOption = "auto",
     start: sources.StartOption = None,
     end: sources.EndOption = None,
     model: sources.ModelOption = "auto",

@@ -27,7 +27,9 @@ ForceUnitOption = Annotated[
     str, typer.Option(help="unit after scaling: N, N·m; any other, e.g. V, says that the gain is unknown")
 ]
 PositionUnitOption = Annotated[str, typer.Option(help="unit after scaling: m, rad or count")]
-HoldOption = Annotated[str, typer.Option(help="force between its stamps: zero (held) or linear")]
+HoldOption = Annotated[
+    str, typer.Option(help="force between its stamps: zero (held), linear, band_limited; auto asks the data of a table")
+]
 StartOption = Annotated[Optional[float], typer.Option(help="first second to use")]  # noqa: UP045
 EndOption = Annotated[Optional[float], typer.Option(help="last second to use")]  # noqa: UP045
 ModelOption = Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")]
@@ -68,7 +70,7 @@ def options(
         time_scale=time_scale,
         force_unit=force_unit,
         position_unit=position_unit,
-        hold=cast(Literal["zero", "linear"], hold),
+        hold=cast(Literal["auto", "zero", "linear", "band_limited"], hold),
         start=start,
         end=end,
     )
