@@ -128,4 +128,4 @@ def _log_likelihood(residual: FloatArray) -> float:
     now = centred[_ORDER:]
     weights = np.linalg.lstsq(past, now, rcond=None)[0]
     error = now - past @ weights
-    return -0.5 * now.size * math.log(max(float(error @ error) / now.size, 1e-300))
+    return -0.5 * int(now.size) * math.log(max(float(error @ error) / now.size, 1e-300))

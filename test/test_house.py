@@ -56,6 +56,7 @@ AT_HOME = {
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
+    "h5py": ("msd_ident.bag",),
 }
 
 LONGEST_FUNCTION = 60

@@ -13,19 +13,10 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 
+@sources.reading
 def diagnose(
     paths: sources.PathsArgument,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "auto",
-    start: sources.StartOption = None,
-    end: sources.EndOption = None,
+    source: sources.Source,
     model: sources.ModelOption = "auto",
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
@@ -39,9 +30,6 @@ def diagnose(
     from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
 
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
-    )
     options = pipeline.Options(model=model)
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)

@@ -15,19 +15,10 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 
+@sources.reading
 def identify(
     paths: sources.PathsArgument,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "auto",
-    start: sources.StartOption = None,
-    end: sources.EndOption = None,
+    source: sources.Source,
     model: sources.ModelOption = "auto",
     loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
     together: sources.TogetherOption = False,
@@ -42,9 +33,6 @@ def identify(
     from msd_ident import pipeline
     from msd_ident.report import tables
 
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
-    )
     options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
