@@ -10,6 +10,7 @@ from typing import Any
 from msd_ident.datasheet import data_sheet
 from msd_ident.features import Features, StandardForm
 from msd_ident.fit import Initial, see_reduction
+from msd_ident.known import Known, to_json_list
 from msd_ident.model import Model
 from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
@@ -59,6 +60,7 @@ class Identification:
         missing_samples: position samples that the stamps say are missing.
         warnings: what a reader must know before using the numbers, a sentence each.
         open: what the data leaves open and what to measure instead, a sentence each.
+        known: parameters that were known beforehand and kept.
     """
 
     records: tuple[Record, ...]
@@ -73,6 +75,7 @@ class Identification:
     missing_samples: int
     warnings: tuple[str, ...]
     open: tuple[str, ...]
+    known: tuple[Known, ...] = ()
 
     @property
     def name(self) -> str:
@@ -113,6 +116,7 @@ class Identification:
             "noise_floor_m": self.noise_floor,
             "warnings": list(self.warnings),
             "open": list(self.open),
+            "known": to_json_list(self.known, {name: q.unit for name, q in self.refined.parameters.items()}),
             "findings": [
                 {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
             ],

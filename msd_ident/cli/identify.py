@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
@@ -21,6 +21,14 @@ def identify(
     source: sources.Source,
     model: sources.ModelOption = "auto",
     loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
+    mass: Annotated[
+        str,
+        typer.Option("--mass", metavar="KG[±STD]", help="the moving mass, weighed; gives a free decay newtons"),
+    ] = "",
+    known: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--known", metavar="NAME=VALUE[±STD]", help="a parameter known beforehand; repeatable"),
+    ] = None,
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
@@ -31,9 +39,10 @@ def identify(
 ) -> int:
     """Identify (ωn, ζ, K), then m, b, k and dry friction, each with its interval."""
     from msd_ident import pipeline
+    from msd_ident.known import parse_all
     from msd_ident.report import tables
 
-    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
+    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
