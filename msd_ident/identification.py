@@ -61,6 +61,7 @@ class Identification:
         warnings: what a reader must know before using the numbers, a sentence each.
         open: what the data leaves open and what to measure instead, a sentence each.
         known: parameters that were known beforehand and kept.
+        turned: whether the force was turned because a positive one moves the encoder downwards.
     """
 
     records: tuple[Record, ...]
@@ -76,6 +77,7 @@ class Identification:
     warnings: tuple[str, ...]
     open: tuple[str, ...]
     known: tuple[Known, ...] = ()
+    turned: bool = False
 
     @property
     def name(self) -> str:
@@ -115,6 +117,9 @@ class Identification:
             "see_reduction_percent": self.see_reduction_percent,
             "noise_floor_m": self.noise_floor,
             "warnings": list(self.warnings),
+            "effects": list(self.refined.model.effect_names),
+            "force_sign": -1 if self.turned else 1,
+            "initial": [initial_dict(start) for start in self.refined.initial],
             "open": list(self.open),
             "known": to_json_list(self.known, {name: q.unit for name, q in self.refined.parameters.items()}),
             "findings": [
@@ -127,6 +132,11 @@ class Identification:
         if self.paper_refined is None:
             return None
         return {**self.paper_refined.to_json_dict(), "see_reduction_percent": self.paper_see_reduction_percent}
+
+
+def initial_dict(start: Initial) -> dict[str, float]:
+    """Where the simulation of a record starts, and the reading at which its spring is relaxed."""
+    return {"position_m": start.position, "velocity_m_s": start.velocity, "zero_m": start.zero}
 
 
 def quantities_dict(quantities: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:

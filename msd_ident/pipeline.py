@@ -126,6 +126,7 @@ def identify(
         warnings=warnings,
         open=joint.open_directions + _scale_sentence(used, options),
         known=options.known,
+        turned=data.turned,
     )
 
 
@@ -154,7 +155,7 @@ def diagnose(
         raise UsageError("known parameters in a diagnosis; expected none, as it frees all: use them in msd identify")
     progress("looking at the data", 0.01, "")
     data = prepared(records)
-    base = diagnose_records(
+    made = diagnose_records(
         data.used,
         sprung=_sprung(data.used, options, data.form),
         findings=data.findings,
@@ -164,7 +165,7 @@ def diagnose(
         earlier=earlier,
     )
     progress("next experiment", 0.98, "")
-    found = proposing(base)
+    found = proposing(replace(made, turned=data.turned))
     if found.verdict == "unexplained":
         said = [*push.sentences(found.records, found.extended, found.noise_floor), one_rig.doubt(found.records)]
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))

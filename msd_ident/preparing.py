@@ -30,6 +30,7 @@ class Prepared:
         features: of each record.
         form: of all records together; ``None`` where no response gives one.
         warnings: what a reader must know about the data before using the numbers.
+        turned: whether the force was turned.
     """
 
     given: tuple[Record, ...]
@@ -38,6 +39,7 @@ class Prepared:
     features: tuple[Features, ...]
     form: StandardForm | None
     warnings: tuple[str, ...]
+    turned: bool = False
 
 
 def prepared(records: Sequence[Record]) -> Prepared:
@@ -60,7 +62,7 @@ def prepared(records: Sequence[Record]) -> Prepared:
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
-    return Prepared(given, used, findings + holds, features, form, warnings)
+    return Prepared(given, used, findings + holds, features, form, warnings, turned)
 
 
 def typical_plant(record: Record) -> Model:

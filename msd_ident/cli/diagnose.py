@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -19,6 +19,7 @@ def diagnose(
     source: sources.Source,
     model: sources.ModelOption = "auto",
     together: sources.TogetherOption = False,
+    on: trials.OnOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -34,6 +35,7 @@ def diagnose(
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
+    tried = trials.Trials(on or (), source)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
         def tell(stage: str, fraction: float, cause: str) -> None:
@@ -41,6 +43,6 @@ def diagnose(
 
         return pipeline.diagnose(records, options, tell)
 
-    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep)
+    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep, tried)
     targets.finish()
     return code

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -30,6 +30,7 @@ def identify(
         typer.Option("--known", metavar="NAME=VALUE[±STD]", help="a parameter known beforehand; repeatable"),
     ] = None,
     together: sources.TogetherOption = False,
+    on: trials.OnOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -46,10 +47,11 @@ def identify(
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
+    tried = trials.Trials(on or (), source)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
         return pipeline.identify(records, options, progress)
 
-    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep)
+    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep, tried)
     targets.finish()
     return code

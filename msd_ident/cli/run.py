@@ -120,11 +120,12 @@ def work(
     solve: Callable[[Sequence[Record], Progress], Result],
     show: Callable[[Any, Console], None],
     keep: Callable[[tuple[Path, ...], Any], None] = lambda group, result: None,
+    tried: Callable[[Mapping[str, Any], Console | None], dict[str, Any]] = lambda result, console: {},
 ) -> int:
     """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
 
     A path that fails gets its one line on stderr and an object with ``error``; the others go on. ``keep`` is given each
-    result with its paths.
+    result with its paths; ``tried`` its JSON, and gives further keys for it.
     """
     from rich.console import Console
 
@@ -144,10 +145,16 @@ def work(
             lines.append({"path": name, "error": str(error)})
             continue
         found = result.to_json_dict()
-        lines.append({"schema": found.pop("schema"), "path": name, **found})
         keep(group, result)
         if output.tables:
             show(result, console)
+        line = {"schema": found.pop("schema"), "path": name, **found}
+        try:
+            line |= tried(line, console if output.tables else None)
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}", file=sys.stderr)
+        lines.append(line)
     write(lines, output)
     return 2 if failed else 0
 
