@@ -10,15 +10,15 @@ likelihood is that of an autoregressive process (Box & Jenkins 1970): its one-st
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from msd_ident.autoregressive import log_likelihood
 from msd_ident.fit import fit
 from msd_ident.model import Model
-from msd_ident.record import FloatArray, Record
+from msd_ident.record import Record
 from msd_ident.resampling import band_limited, is_even
 
 #: What may be chosen, the simplest first.
@@ -27,8 +27,8 @@ CANDIDATES = ("zero", "linear", "band_limited")
 _DENSE = 0.1
 #: Samples that are compared: the part of the record in which the force changes most.
 _WINDOW = 3000
-#: Fewest samples of such a part, and coefficients of the autoregressive process.
-_FEWEST, _ORDER = 200, 20
+#: Fewest samples of such a part.
+_FEWEST = 200
 #: Log-likelihood by which another hold must lead a simpler one. Where the hold is plain it leads by 13 to 1800 (real
 #: records); noise alone moves the difference by one or two.
 _DECISIVE = 10.0
@@ -94,7 +94,7 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
         found = fit(model, [with_hold(part, hold) for part in parts])
-        likely[hold] = sum(_log_likelihood(residual) for residual in found.residuals)
+        likely[hold] = sum(log_likelihood(residual) for residual in found.residuals)
         errors[hold] = found.see
     best = max(likely.values())
     chosen = "zero"
@@ -118,14 +118,3 @@ def _busiest(record: Record) -> Record:
     work = np.interp(record.time, record.force_time[1:], np.cumsum(np.diff(record.force) ** 2))
     first = int(np.argmax(work[_WINDOW - 1 :] - work[: record.samples - _WINDOW + 1]))
     return record.window(float(record.time[first]), float(record.time[first + _WINDOW - 1]))
-
-
-def _log_likelihood(residual: FloatArray) -> float:
-    """Of a residual (n,) as a Gaussian autoregressive process, but for what is the same for every residual."""
-    centred = residual - residual.mean()
-    count = centred.size
-    past = np.stack([centred[_ORDER - lag : count - lag] for lag in range(1, _ORDER + 1)], axis=1)
-    now = centred[_ORDER:]
-    weights = np.linalg.lstsq(past, now, rcond=None)[0]
-    error = now - past @ weights
-    return -0.5 * int(now.size) * math.log(max(float(error @ error) / now.size, 1e-300))

@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 STOREYS = (
     ("errors", "quantity", "stopping"),
     ("record", "provenance"),
-    ("streams", "motion", "noise", "resampling"),
+    ("streams", "motion", "noise", "resampling", "autoregressive"),
     ("quality",),
     ("datasheet",),
     ("model",),
