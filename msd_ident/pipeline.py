@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident import known as knowledge
-from msd_ident import one_rig, quality
-from msd_ident.autoregressive import log_likelihood
+from msd_ident import one_rig, quality, spring_decision
 from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
@@ -32,7 +31,7 @@ from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.preparing import prepared, typical_plant
-from msd_ident.quantity import Z95, Quantity
+from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray, Record
 
 MODELS = ("auto", "spring", "no_spring")
@@ -46,9 +45,6 @@ _PARTS, _BEYOND = 20, 1.5
 #: More than any cart that a rig's motor pushes [kg].
 HEAVIEST = 500.0
 
-#: A stiffness that the data knows is taken to act where it adds so much log-likelihood and carries this part of the
-#: force. Measured: a cart under a position controller 249 and 0.59, the springless axis of EMPS 61 and 0.0004.
-SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 #: Relative step of a known parameter that shows what its uncertainty does: a larger one may end in another valley.
 KNOWN_STEP = 1e-3
 
@@ -207,48 +203,8 @@ def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | 
         return told > 0.0, ()
     if form is not None:
         return True, ()
-    base = typical_plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
-    free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=options.loss)
-    held = fit(free.model, records, zero="known", loss=options.loss)
-    sprung = held.see < 0.2 * free.see or _holds(held, free, records)
-    return sprung, (_spring_sentence(sprung, held, free, records),)
-
-
-def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> bool:
-    """Whether the data knows a stiffness, which matters: to the error, or to the forces and the one-step errors.
-
-    A controller that holds the cart where the spring would leaves little of the spring in the error.
-    """
-    stiffness = held.quantities["stiffness"]
-    if not (stiffness.known and stiffness.low > 0.0):
-        return False
-    gain = sum(map(log_likelihood, held.residuals)) - sum(map(log_likelihood, free.residuals))
-    return held.see < 0.8 * free.see or (gain > SPRING_GAIN and _spring_share(held, records) > SPRING_SHARE)
-
-
-def _spring_share(held: FitResult, records: tuple[Record, ...]) -> float:
-    """Range of the spring's force over that of the applied force."""
-    travel = max(float(np.ptp(record.position)) for record in records)
-    applied = max(float(np.ptp(record.force)) for record in records)
-    return held.model["stiffness"] * travel / applied if applied > 0.0 else math.inf
-
-
-def _spring_sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Record, ...]) -> str:
-    """How the question was decided, with its odds and the option that decides otherwise."""
-    stiffness, share = held.quantities["stiffness"], 100.0 * _spring_share(held, records)
-    found = f"fitted, its stiffness is {stiffness.value:.3g} {stiffness.unit}, which the data leaves open"
-    if stiffness.known:
-        odds = 0.5 * (stiffness.value / stiffness.std) ** 2 if stiffness.std > 0.0 else math.inf
-        times = f"{math.exp(odds):.2g}" if odds < 20.0 else f"e^{odds:.0f}"
-        found = (
-            f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %), "
-            f"{times} times as likely as none, and carries {share:.2g} % of the force"
-        )
-    if sprung:
-        change = f"without it the error is {free.see / held.see:.3g} times as large"
-        said = f"No response shows whether a spring acts; one is taken to: {found}, and {change}; if none does, say"
-        return f"{said} --model no_spring."
-    return f"No response shows a spring, and none is taken to act: {found}; if there is one, say --model spring."
+    sprung, said = spring_decision.decide(records, options.loss)
+    return sprung, (said,)
 
 
 def _joint(

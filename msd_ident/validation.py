@@ -295,9 +295,7 @@ def _zero_moved(saved: SavedModel, records: tuple[Record, ...], residuals: tuple
 def _lacking(saved: SavedModel, part: readings.Readings, residual: FloatArray) -> MissingForce:
     """The force that the model lacks: smoothed from its residual, which moves like the bare plant."""
     plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
-    error = replace(
-        part.record, position=-residual, force_time=part.record.time[:1], force=np.zeros(1), upsampled=1
-    )  # fmt: skip
+    error = replace(part.record, position=-residual, force_time=part.record.time[:1], force=np.zeros(1), upsampled=1)
     found = missing_force(error, plant, part.noise)
     whole = missing_force(part.record, plant, part.noise)
     return replace(found, position=part.record.position, velocity=whole.velocity, applied=whole.applied)

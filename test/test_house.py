@@ -30,6 +30,7 @@ STOREYS = (
     ("one_rig", "force_hold", "known"),
     ("identification",),
     ("preparing",),
+    ("spring_decision",),
     ("pipeline", "saved"),
     ("validation",),
     ("investigation",),

@@ -17,7 +17,7 @@ from msd_ident.quality.finding import Finding
 from msd_ident.record import FloatArray, Record
 
 #: Fewest changes of force and reading, and what a regression on the readings must explain of the force's changes. Of a
-#: cart under a position controller it explains 0.999; of open loops, and of an axis under a moving setpoint, below 0.07.
+#: cart under a position controller it explains 0.999; of open loops, and of an axis with a moving setpoint < 0.07.
 _FEWEST, _EXPLAINED = 50, 0.99
 #: Part of the samples in which the reading must rest, and of these in which the force must rest too.
 _RESTING, _WITH_IT = 0.2, 0.95
