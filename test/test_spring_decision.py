@@ -74,6 +74,11 @@ def test_an_open_loop_is_none(force: np.ndarray) -> None:
     assert closed(open_loop(force)) == []
 
 
+def test_a_stiff_spring_that_follows_slow_pulses_is_no_controller() -> None:
+    pulses = 500.0 * np.where(T % 2.0 < 1.0, np.sin(np.pi * T) ** 2, 0.0)
+    assert closed(open_loop(pulses, stiffness=7e4)) == []
+
+
 def test_the_spring_of_a_controlled_cart_is_kept() -> None:
     found = pipeline.identify([controlled()])
     assert found.refined.parameters["stiffness"].value == pytest.approx(30.0, rel=0.05)
