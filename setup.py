@@ -58,6 +58,7 @@ setup(
         "zstandard>=0.22",
     ],
     extras_require={
+        "mat": ["h5py>=3.11"],  # MAT files of version 7.3
         "live": ["bokeh>=3.7"],  # the page of `msd live`; `make setup` installs it
         "docs": [
             "latex2mathml>=3.77",
@@ -65,6 +66,7 @@ setup(
             "mkdocs-material>=9.6",
         ],
         "test": [
+            "h5py>=3.11",
             "hypothesis>=6.100",
             "mypy>=1.11",
             "playwright>=1.45",  # drives the Chromium of the machine

@@ -31,6 +31,7 @@ class DataSheet:
         step_delay_s: from the first force step to the first motion seen; negative where the cart moves first, NaN where
             the record does not say. Inertia has its part in it: it is no clock offset, but bounds one.
         position_unit, force_unit: of the record.
+        force_hold: how the force goes on between its samples: ``zero``, ``linear`` or ``band_limited``.
     """
 
     name: str
@@ -47,6 +48,7 @@ class DataSheet:
     step_delay_s: float
     position_unit: str
     force_unit: str
+    force_hold: str
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain numbers and words."""
@@ -64,7 +66,7 @@ def data_sheet(record: Record) -> DataSheet:
     return DataSheet(
         name=record.name,
         samples=record.samples,
-        force_samples=int(record.force.size),
+        force_samples=-(-int(record.force.size) // record.upsampled),
         duration_s=record.duration,
         rate_hz=1.0 / record.period,
         jitter_s=float(np.std(regular)) if regular.size > 1 else 0.0,
@@ -76,4 +78,5 @@ def data_sheet(record: Record) -> DataSheet:
         step_delay_s=-motion.early if early else motion.late,
         position_unit=record.position_unit,
         force_unit=record.force_unit,
+        force_hold="band_limited" if record.upsampled > 1 else record.hold,
     )

@@ -10,6 +10,7 @@ from typing import Any
 from msd_ident.datasheet import data_sheet
 from msd_ident.features import Features, StandardForm
 from msd_ident.fit import Initial, see_reduction
+from msd_ident.known import Known, to_json_list
 from msd_ident.model import Model
 from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
@@ -59,6 +60,8 @@ class Identification:
         missing_samples: position samples that the stamps say are missing.
         warnings: what a reader must know before using the numbers, a sentence each.
         open: what the data leaves open and what to measure instead, a sentence each.
+        known: parameters that were known beforehand and kept.
+        turned: whether the force was turned because a positive one moves the encoder downwards.
     """
 
     records: tuple[Record, ...]
@@ -73,6 +76,8 @@ class Identification:
     missing_samples: int
     warnings: tuple[str, ...]
     open: tuple[str, ...]
+    known: tuple[Known, ...] = ()
+    turned: bool = False
 
     @property
     def name(self) -> str:
@@ -112,7 +117,11 @@ class Identification:
             "see_reduction_percent": self.see_reduction_percent,
             "noise_floor_m": self.noise_floor,
             "warnings": list(self.warnings),
+            "effects": list(self.refined.model.effect_names),
+            "force_sign": -1 if self.turned else 1,
+            "initial": [initial_dict(start) for start in self.refined.initial],
             "open": list(self.open),
+            "known": to_json_list(self.known, {name: q.unit for name, q in self.refined.parameters.items()}),
             "findings": [
                 {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
             ],
@@ -123,6 +132,11 @@ class Identification:
         if self.paper_refined is None:
             return None
         return {**self.paper_refined.to_json_dict(), "see_reduction_percent": self.paper_see_reduction_percent}
+
+
+def initial_dict(start: Initial) -> dict[str, float]:
+    """Where the simulation of a record starts, and the reading at which its spring is relaxed."""
+    return {"position_m": start.position, "velocity_m_s": start.velocity, "zero_m": start.zero}
 
 
 def quantities_dict(quantities: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:

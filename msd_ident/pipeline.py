@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident import one_rig, quality
+from msd_ident import known as knowledge
+from msd_ident import one_rig, quality, spring_decision
 from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
@@ -22,12 +23,14 @@ from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
 from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
+from msd_ident.fit.posing import Zero
 from msd_ident.fit.refine import GRAVITY, record_start
 from msd_ident.identification import Identification, ModelFit
+from msd_ident.known import Known
 from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
-from msd_ident.preparing import prepared
+from msd_ident.preparing import prepared, typical_plant
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray, Record
 
@@ -41,6 +44,9 @@ STRUCTURE = 1e-3
 _PARTS, _BEYOND = 20, 1.5
 #: More than any cart that a rig's motor pushes [kg].
 HEAVIEST = 500.0
+
+#: Relative step of a known parameter that shows what its uncertainty does: a larger one may end in another valley.
+KNOWN_STEP = 1e-3
 
 #: Called with what is being done and how much of all is done (0 to 1).
 Progress = Callable[[str, float], None]
@@ -57,6 +63,7 @@ class Options:
     Attributes:
         model: ``spring`` or ``no_spring`` (a plain axis); ``auto`` lets the data say.
         loss: ``linear``, or ``soft_l1`` where single samples are wild.
+        known: parameters known beforehand, which the fit keeps; their uncertainty goes into all intervals.
 
     Raises:
         UsageError: another word.
@@ -64,11 +71,20 @@ class Options:
 
     model: str = "auto"
     loss: Loss = "linear"
+    known: tuple[Known, ...] = ()
 
     def __post_init__(self) -> None:
         for what, found, known in (("model", self.model, MODELS), ("loss", self.loss, LOSSES)):
             if found not in known:
                 raise UsageError(f"{what} is {found!r}; expected one of {', '.join(known)}")
+
+
+@dataclass(frozen=True)
+class _Shifted:
+    """A fit with a known parameter a little higher, and its standard deviation in such steps."""
+
+    fit: FitResult
+    factor: float
 
 
 def identify(
@@ -85,16 +101,16 @@ def identify(
     progress("looking at the data", 0.05)
     data = prepared(records)
     used, features, form = data.used, data.features, data.form
-    sprung = _sprung(used, options, form)
+    sprung, decided = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
-    joint = _joint(used, sprung, form, options)
+    joint, shifted = _joint(used, sprung, form, options)
     progress("the linear model", 0.6)
     two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
     original = _original(used, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
     raised = _raised(used, original) if form is not None and len(used) == 1 else None
     floor = noise_floor(used)
-    warnings = data.warnings + _doubts(joint, used, floor)
+    warnings = data.warnings + decided + _doubts(joint, used, floor)
     progress("done", 1.0)
     return Identification(
         records=used,
@@ -104,11 +120,13 @@ def identify(
         two_peak_form=two_peaks,
         original=original,
         paper_refined=raised,
-        refined=_with_friction(joint, used, "all parameters together, by simulation error"),
+        refined=_with_friction(joint, used, "all parameters together, by simulation error", shifted),
         noise_floor=floor,
         missing_samples=sum(quality.missing_samples(record) for record in data.given),
         warnings=warnings,
-        open=joint.open_directions + _scale_sentence(used),
+        open=joint.open_directions + _scale_sentence(used, options),
+        known=options.known,
+        turned=data.turned,
     )
 
 
@@ -133,19 +151,22 @@ def diagnose(
     Raises:
         DataError, UsageError: as ``identify``.
     """
+    if options.known:
+        raise UsageError("known parameters in a diagnosis; expected none, as it frees all: use them in msd identify")
     progress("looking at the data", 0.01, "")
     data = prepared(records)
-    base = diagnose_records(
+    sprung, decided = _sprung(data.used, options, data.form)
+    made = diagnose_records(
         data.used,
-        sprung=_sprung(data.used, options, data.form),
+        sprung=sprung,
         findings=data.findings,
-        warnings=data.warnings,
+        warnings=data.warnings + decided,
         ring_down=ring_down(data.features, data.used[0].position_unit),
         progress=progress,
         earlier=earlier,
     )
     progress("next experiment", 0.98, "")
-    found = proposing(base)
+    found = proposing(replace(made, turned=data.turned))
     if found.verdict == "unexplained":
         said = [*push.sentences(found.records, found.extended, found.noise_floor), one_rig.doubt(found.records)]
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))
@@ -164,45 +185,54 @@ def _pushes(record: Record) -> bool:
     return bool(np.ptp(np.concatenate((before, record.force_at(record.time)))))
 
 
-def _scale_sentence(records: tuple[Record, ...]) -> tuple[str, ...]:
-    if not _forceless(records):
+def _scale_sentence(records: tuple[Record, ...], options: Options) -> tuple[str, ...]:
+    if not _forceless(records) or any(one.sets_scale for one in options.known):
         return ()
     return (
         "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: the numbers are "
-        "those of 1 kg of moving mass; push with a known force, or weigh the moving mass, to know them all.",
+        "those of 1 kg of moving mass; push with a known force, or weigh the moving mass and give --mass, to know "
+        "them all.",
     )
 
 
-def _plant(record: Record) -> Model:
-    """A plant of the record's own size, to start from where there are no features."""
-    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
-    length = max(float(np.ptp(record.position)), 1e-12)
-    stiffness = force / length
-    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
-    return Plant(mass=mass, damping=damping, stiffness=stiffness)
-
-
-def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | None) -> bool:
-    """Whether the plant has a spring: as told, as the response shows, or as two fits decide."""
+def _sprung(records: tuple[Record, ...], options: Options, form: StandardForm | None) -> tuple[bool, tuple[str, ...]]:
+    """Whether the plant has a spring: as told, as the response shows, or as two fits decide; then with a sentence."""
     if options.model != "auto":
-        return options.model == "spring"
+        return options.model == "spring", ()
+    if (told := knowledge.values(options.known).get("stiffness")) is not None:
+        return told > 0.0, ()
     if form is not None:
-        return True
-    base = _plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
-    free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=options.loss)
-    held = fit(free.model, records, zero="known", loss=options.loss)
-    if held.see < 0.2 * free.see:
-        return True  # nothing else explains the motion, even where the data leaves the stiffness itself open
-    stiffness = held.quantities["stiffness"]
-    return stiffness.known and stiffness.low > 0.0 and held.see < 0.8 * free.see
+        return True, ()
+    sprung, said = spring_decision.decide(records, options.loss)
+    return sprung, (said,)
 
 
-def _joint(records: tuple[Record, ...], sprung: bool, form: StandardForm | None, options: Options) -> FitResult:
-    """All parameters by simulation error; a plain axis has an offset in place of a spring's zero."""
-    base = (_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
-    if sprung:
-        return fit(base, records, fixed={"mass": 1.0} if _forceless(records) else {}, loss=options.loss)
-    return fit(base + ForceOffset(0.0), records, fixed={"stiffness": 0.0}, zero="known", loss=options.loss)
+def _joint(
+    records: tuple[Record, ...], sprung: bool, form: StandardForm | None, options: Options
+) -> tuple[FitResult, tuple[_Shifted, ...]]:
+    """All parameters by simulation error; a plain axis has an offset in place of a spring's zero.
+
+    Known parameters keep their values. The further fits have one of them a little higher, each.
+    """
+    base = (typical_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
+    base = base if sprung else base + ForceOffset(0.0)
+    knowledge.check(options.known, base, records[0])
+    fixed = {} if sprung else {"stiffness": 0.0}
+    if sprung and _forceless(records) and not any(one.sets_scale for one in options.known):
+        fixed["mass"] = 1.0
+    fixed |= knowledge.values(options.known)
+    zero: Zero = "free" if sprung else "known"
+    joint = fit(base, records, fixed=fixed, zero=zero, loss=options.loss)
+    shifted = []
+    for one in options.known:
+        if one.std > 0.0:
+            step = min(one.std, KNOWN_STEP * abs(one.value) or one.std)
+            moved = {**fixed, one.name: one.value + step}
+            near = fit(
+                joint.model, records, fixed=moved, zero=zero, loss=options.loss, search="near", initial=joint.initial
+            )
+            shifted.append(_Shifted(near, one.std / step))
+    return joint, tuple(shifted)
 
 
 def _seen(form: StandardForm) -> Model:
@@ -232,7 +262,7 @@ def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options)
     """Linear model by simulation error, from the joint refit's values: a careless start ends in a false valley."""
     start = joint.model.without("coulomb_friction", "force_offset")
     springless = "stiffness" not in joint.free
-    fixed = {name: joint.model[name] for name in ("mass", "stiffness") if name not in joint.free}
+    fixed = {name: joint.model[name] for name in ("mass", "damping", "stiffness") if name not in joint.free}
     near = fit(start, records, fixed=fixed, loss=options.loss, search="near")
     wide = fit(start, records, fixed=fixed, loss=options.loss)
     what = "mass and damping" if springless else "mass, damping and stiffness"
@@ -253,15 +283,30 @@ def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
     return ModelFit(found.refined, parameters, found.see_refined, original.initial, predicted, method)
 
 
-def _with_friction(result: FitResult, records: tuple[Record, ...], method: str) -> ModelFit:
-    """A fit as a ``ModelFit``, dry friction stated as µ = Fc/(m g) too."""
-    parameters = dict(result.quantities)
-    if "coulomb_force" in parameters and records[0].position_unit == "m":
-        parameters["friction_coefficient"] = result.derived(lambda p: p["coulomb_force"] / (p["mass"] * GRAVITY), "1")
+def _with_friction(
+    result: FitResult, records: tuple[Record, ...], method: str, shifted: tuple[_Shifted, ...] = ()
+) -> ModelFit:
+    """A fit as a ``ModelFit``, dry friction stated as µ = Fc/(m g) too.
+
+    ``shifted`` say how the uncertainty of known parameters makes the others uncertain, to first order.
+    """
+    parameters = _stated(result, records[0])
+    moved = [(_stated(one.fit, records[0]), one.factor) for one in shifted]
+    for name, own in parameters.items():
+        std = math.hypot(own.std, *(factor * (other[name].value - own.value) for other, factor in moved))
+        parameters[name] = replace(own, std=std)
     predicted: tuple[FloatArray, ...] = tuple(
         residual + record.position for residual, record in zip(result.residuals, records, strict=True)
     )
     return ModelFit(result.model, parameters, result.see, result.initial, predicted, method)
+
+
+def _stated(result: FitResult, record: Record) -> dict[str, Quantity]:
+    """The parameters of a fit, and the friction coefficient where there is a weight."""
+    parameters = dict(result.quantities)
+    if "coulomb_force" in parameters and record.position_unit == "m":
+        parameters["friction_coefficient"] = result.derived(lambda p: p["coulomb_force"] / (p["mass"] * GRAVITY), "1")
+    return parameters
 
 
 def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:

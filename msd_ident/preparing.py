@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident import force_hold, quality
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.model import Model, Plant
 from msd_ident.quality import Finding
+from msd_ident.quality.finding import Severity
 from msd_ident.record import Record
 
 #: What quality finds where nothing happens in a record.
@@ -36,6 +38,7 @@ class Prepared:
         features: of each record.
         form: of all records together; ``None`` where no response gives one.
         warnings: what a reader must know about the data before using the numbers.
+        turned: whether the force was turned.
     """
 
     given: tuple[Record, ...]
@@ -45,6 +48,7 @@ class Prepared:
     form: StandardForm | None
     warnings: tuple[str, ...]
     rest_before: tuple[Record | None, ...]
+    turned: bool = False
 
 
 def prepared(records: Sequence[Record]) -> Prepared:
@@ -62,13 +66,35 @@ def prepared(records: Sequence[Record]) -> Prepared:
     form = pooled(features)
     turned = _is_turned(form)
     used = tuple(_usable(one.record, one.features, turned) for one in understood)
+    used, holds = _held(used)
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
+    warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
     rests = tuple(
         _rest_before(one.record, part, one.features, form) for one, part in zip(understood, used, strict=True)
     )
-    return Prepared(given, used, findings, features, form, warnings, rests)
+    return Prepared(given, used, findings + holds, features, form, warnings, rests, turned)
+
+
+def typical_plant(record: Record) -> Model:
+    """A plant of the record's own size, to start from where there are no features."""
+    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
+    length = max(float(np.ptp(record.position)), 1e-12)
+    stiffness = force / length
+    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
+    return Plant(mass=mass, damping=damping, stiffness=stiffness)
+
+
+def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
+    """The records with their force as the data says it goes on between its samples, where that was open."""
+    asked = tuple(record for record in records if force_hold.is_open(record))
+    if not asked:
+        return records, ()
+    choice = force_hold.choose_hold(asked, typical_plant(asked[0]))
+    severity: Severity = "info" if choice.hold == "zero" else "warning"
+    held = (force_hold.with_hold(record, choice.hold) if force_hold.is_open(record) else record for record in records)
+    return tuple(held), (Finding(severity, "force_hold", choice.sentence),)
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,9 @@ class Record:
         force: (p,) commanded or measured force, in ``force_unit``.
         hold: how the force goes on between its stamps: ``zero`` (held until the next value)
             or ``linear``. Before the first stamp it is 0, after the last one it is held.
+        hold_known: False where the source does not say how the force goes on (a measured force in a table), so that
+            ``hold`` is a guess which the data may correct (``msd_ident.force_hold``).
+        upsampled: force values per measured one: above 1 where a band-limited force was interpolated.
         force_unit: ``N``, ``N·m``, or whatever the source has when the gain is unknown (``V``).
         position_unit: ``m`` or ``rad``, or ``count`` when the scale is unknown.
         name: short name for tables (a file name, a topic).
@@ -131,6 +134,8 @@ class Record:
     force_time: FloatArray
     force: FloatArray
     hold: Hold = "zero"
+    hold_known: bool = True
+    upsampled: int = 1
     force_unit: str = "N"
     position_unit: str = "m"
     name: str = "record"

@@ -63,12 +63,16 @@ def from_seconds(
     force: npt.ArrayLike,
     *,
     hold: Hold = "zero",
+    hold_known: bool = True,
     force_unit: str = "N",
     position_unit: str = "m",
     name: str = "record",
     notes: tuple[str, ...] = (),
 ) -> Record:
-    """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``."""
+    """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``.
+
+    ``hold_known`` is False where ``hold`` is a guess.
+    """
     found: list[str] = list(notes)
     t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
     t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found)
@@ -78,6 +82,7 @@ def from_seconds(
         force_time=t_f - t_x[0],
         force=f,
         hold=hold,
+        hold_known=hold_known,
         force_unit=force_unit,
         position_unit=position_unit,
         name=name,

@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 STOREYS = (
     ("errors", "quantity", "stopping"),
     ("record", "provenance"),
-    ("streams", "motion", "noise"),
+    ("streams", "motion", "noise", "resampling", "autoregressive"),
     ("quality",),
     ("datasheet",),
     ("model",),
@@ -27,8 +27,12 @@ STOREYS = (
     ("fit",),
     ("diagnose",),
     ("design",),
-    ("identification", "one_rig", "preparing"),
-    ("pipeline",),
+    ("one_rig", "force_hold", "known"),
+    ("identification",),
+    ("preparing",),
+    ("spring_decision",),
+    ("pipeline", "saved"),
+    ("validation",),
     ("investigation",),
     ("report",),
     ("live",),
@@ -38,7 +42,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "record", "streams"}
+BAG_KNOWS = {"errors", "record", "resampling", "streams"}
 KNOW_BAG = {"ros", "cli"}
 
 ROS = (
@@ -55,6 +59,7 @@ AT_HOME = {
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
+    "h5py": ("msd_ident.bag",),
 }
 
 LONGEST_FUNCTION = 60

@@ -12,6 +12,7 @@ NAMED = {
     "standard_form": "NAME",
     "standard_form_two_peaks": "NAME",
     "missing_force_depends_on": "SIGNAL",
+    "missing_force_state": "SIGNAL",
     "spread": "NAME",
     "decided": "RIVAL",
 }

@@ -1,11 +1,11 @@
-"""Bags and CSV files in and out, without ROS."""
+"""Bags, CSV and MAT files in and out, without ROS."""
 
 from msd_ident.bag.bag import Bag, iterate_messages, open_bag
 from msd_ident.bag.csv_file import write_csv
 from msd_ident.bag.describe import BagInfo, TopicInfo, describe
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.qos import OfferedQos, qos_from_yaml, qos_to_yaml
-from msd_ident.bag.read import read
+from msd_ident.bag.read import each_run, read, read_all
 from msd_ident.bag.record_writer import write_bag
 from msd_ident.bag.repair import Repair, repair
 from msd_ident.bag.topic import RawMessage, Topic
@@ -22,11 +22,13 @@ __all__ = [
     "Topic",
     "TopicInfo",
     "describe",
+    "each_run",
     "iterate_messages",
     "open_bag",
     "qos_from_yaml",
     "qos_to_yaml",
     "read",
+    "read_all",
     "repair",
     "write_bag",
     "write_csv",

@@ -1,16 +1,18 @@
-"""CSV files: to a Record and back."""
+"""Files of columns, CSV or MAT: to a Record and back."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
-from msd_ident.bag import units
+from msd_ident.bag import even_stamps, runs, units
+from msd_ident.bag.columns import Columns, open_columns
 from msd_ident.bag.options import SourceOptions
-from msd_ident.bag.table import Table
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.record import FloatArray, Record
 from msd_ident.streams import from_seconds
@@ -20,44 +22,57 @@ _FORCE_NAMES = ("force",)
 _POSITION_NAMES = ("position",)
 
 
+@dataclass(frozen=True)
+class Chosen:
+    """Places of the columns that are read.
+
+    Attributes:
+        time: ``None`` where the sampling rate is given instead.
+        force: ``None`` for a free decay.
+        position: of the position.
+        counter: of the number of the sample, where there is one.
+    """
+
+    time: int | None
+    force: int | None
+    position: int
+    counter: int | None
+
+
 def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
-    """Record from a CSV file; see ``msd_ident.bag.read``. An empty cell means that there is no sample in it."""
-    table = Table(Path(path))
-    time_at, force_at, position_at = choose_columns(table, str(path), options)
-    wanted = [time_at, position_at] + ([force_at] if force_at is not None else [])
-    time, position, *rest = table.columns(wanted)
-    if np.any(np.isnan(time)):
-        raise DataError(
-            f"{path}: {np.count_nonzero(np.isnan(time))} lines have no {table.header[time_at]}; expected a time on "
-            "every line: repair or remove them"
-        )
+    """Record from a file of columns; see ``msd_ident.bag.read``. An empty cell means that there is no sample in it."""
+    table = runs.select(open_columns(Path(path)), options.run, str(path))
+    chosen = choose_columns(table, str(path), options)
+    places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
+    read = dict(zip(places, table.columns(places), strict=True))
     notes: list[str] = []
-    time = time * _scale(options.time_scale, units.time_factor(table.header[time_at]), table.header[time_at], notes)
-    x_unit, x_factor = units.position_unit(table.header[position_at])
+    time, there = _times(table, chosen, read, options, str(path), notes)
+    position = read[chosen.position][there]
+    x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
     t_x, x = _samples(time, position)
-    x = x * _scale(options.position_scale, x_factor, table.header[position_at], notes)
-    f_unit = "N"
-    if force_at is None:
-        t_f, f = time[:1], np.zeros(1)
+    x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
+    if chosen.force is None:
+        f_unit, t_f, f = "N·m" if x_unit == "rad" else "N", time[:1], np.zeros(1)
     else:
-        f_unit, f_factor = units.force_unit(table.header[force_at])
-        t_f, f = _samples(time, rest[0])
-        f = f * _scale(options.force_scale, f_factor, table.header[force_at], notes)
+        f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
+        t_f, f = _samples(time, read[chosen.force][there])
+        f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
     return from_seconds(
         t_x,
         x,
         t_f,
         f,
-        hold=options.hold,
+        hold=options.record_hold,
+        hold_known=options.hold != "auto" or chosen.force is None,
         force_unit=options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m")),
         position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
-        name=Path(path).name,
+        name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),
     )
 
 
-def choose_columns(table: Table, name: str, options: SourceOptions) -> tuple[int, int | None, int]:
-    """Places of the columns for time, force (``None`` for a free decay) and position.
+def choose_columns(table: Columns, name: str, options: SourceOptions) -> Chosen:
+    """Places of the columns to read.
 
     Raises:
         DataError: one of them is not there.
@@ -65,17 +80,22 @@ def choose_columns(table: Table, name: str, options: SourceOptions) -> tuple[int
     """
     time = choose_time(table, name, options)
     force, position = _signals(table, name, options)
-    columns = [time, position] + ([force] if force is not None else [])
+    columns = [column for column in (time, position, force) if column is not None]
     twice = next((column for column in columns if columns.count(column) > 1), None)
     if twice is not None:
         raise UsageError(
             f"{name}: column {table.header[twice]} is taken twice; expected columns of their own for time, force and "
             "position: correct --time, --force or --position"
         )
-    return time, force, position
+    counters = [
+        place
+        for place, heading in enumerate(table.header)
+        if units.stem(heading) in even_stamps.COUNTERS and place not in columns
+    ]
+    return Chosen(time, force, position, counters[0] if counters and time is not None else None)
 
 
-def _signals(table: Table, name: str, options: SourceOptions) -> tuple[int | None, int]:
+def _signals(table: Columns, name: str, options: SourceOptions) -> tuple[int | None, int]:
     position = _column(table.header, name, options.position, _POSITION_NAMES, "--position COLUMN")
     if options.no_force:
         return None, position
@@ -83,13 +103,52 @@ def _signals(table: Table, name: str, options: SourceOptions) -> tuple[int | Non
     return _column(table.header, name, options.force, _FORCE_NAMES, hint), position
 
 
-def choose_time(table: Table, name: str, options: SourceOptions) -> int:
-    """Place of the column with the time.
+def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None:
+    """Place of the column with the time; ``None`` where the sampling rate is given instead.
 
     Raises:
         DataError: it is not there.
     """
-    return _column(table.header, name, options.time, _TIME_NAMES, "--time COLUMN")
+    if options.rate is not None:
+        return None
+    hint = "--time COLUMN, or the sampling rate with --rate HZ where there is no time"
+    return _column(table.header, name, options.time, _TIME_NAMES, hint)
+
+
+def _times(
+    table: Columns,
+    chosen: Chosen,
+    read: Mapping[int, FloatArray],
+    options: SourceOptions,
+    name: str,
+    notes: list[str],
+) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """Stamps [s] of the lines that are there, and which lines (n,) these are; ``notes`` grows."""
+    position = read[chosen.position]
+    if chosen.time is None:
+        assert options.rate is not None
+        notes.append(f"the stamps are those of {options.rate:g} samples a second, as --rate says.")
+        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool)
+    heading, time = table.header[chosen.time], read[chosen.time]
+    there = np.isfinite(time)
+    if lost := int(np.count_nonzero(~there & np.isfinite(position))):
+        raise DataError(
+            f"{name}: {lost} lines have no {heading}; expected a time on every line: repair or remove them, or give "
+            "the sampling rate with --rate HZ"
+        )
+    time = time[there]
+    scale = _scale(options.time_scale, units.time_factor(heading), heading, notes)
+    even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
+    if even is not None:
+        evidence = "the stamps stay within one rounding of even ones"
+        if even.counted and chosen.counter is not None:
+            evidence = f"{table.header[chosen.counter]} numbers the samples"
+        notes.append(
+            f"{heading} is rounded to {even.tick * scale:.3g} s, and {evidence}: the true times are rebuilt, "
+            f"{1.0 / (even.period * scale):.5g} Hz."
+        )
+        time = even.time
+    return time * scale, there
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:
@@ -148,9 +207,27 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return list(header).index(wanted)
     elif wanted.lower() in folded:
         return folded.index(wanted.lower())
+    elif len(alike := [i for i, column in enumerate(header) if wanted.lower() in _short(column)]) == 1:
+        return alike[0]
     else:
         problem = f"{name} has no column {wanted}"
     raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")
+
+
+def _short(column: str) -> tuple[str, ...]:
+    """Shorter names that a heading goes by: without its unit, and without its run."""
+    name, _ = runs.split(column.strip())
+    return name.lower(), units.stem(name)
+
+
+def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
+    """Unit and factor that a heading says; those that the user gave where it names something else."""
+    try:
+        return of(column)
+    except DataError:
+        if given:
+            return given, 1.0
+        raise
 
 
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

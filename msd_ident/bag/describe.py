@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from msd_ident.bag import runs
 from msd_ident.bag.bag import Bag, is_bag, open_bag
+from msd_ident.bag.columns import open_columns
 from msd_ident.bag.csv_file import choose_columns, choose_time
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.reader import sources
-from msd_ident.bag.table import Table
 from msd_ident.bag.topic import Topic
 from msd_ident.bag.units import time_factor
 from msd_ident.errors import DataError
@@ -52,7 +53,7 @@ class BagInfo:
 
     Attributes:
         path: as given.
-        kind: ``rosbag2 folder``, ``MCAP file``, ``SQLite file`` or ``CSV file``.
+        kind: ``rosbag2 folder``, ``MCAP file``, ``SQLite file``, ``CSV file`` or ``MAT file``.
         start_ns: log time of the first message [ns]; 0 for a table or without messages.
         duration: from the first to the last message [s].
         messages: number of messages, or of lines in a table.
@@ -128,20 +129,26 @@ def _topic_info(topic: Topic, times: array[int]) -> TopicInfo:
 
 
 def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
-    table = Table(path)
+    table = open_columns(path)
+    columns = table.header
     position = force = problem = ""
     time = np.zeros(0)
     try:
+        table = runs.select(table, options.run, str(path))
         time_at = choose_time(table, str(path), options)
-        (time,) = table.columns([time_at])
-        time = np.sort(time[np.isfinite(time)]) * (options.time_scale or time_factor(table.header[time_at]))
-        _, force_at, position_at = choose_columns(table, str(path), options)
-        position, force = table.header[position_at], "none" if force_at is None else table.header[force_at]
+        if time_at is not None:
+            (time,) = table.columns([time_at])
+            time = np.sort(time[np.isfinite(time)]) * (options.time_scale or time_factor(table.header[time_at]))
+        elif options.rate is not None:
+            time = np.arange(table.lines) / options.rate
+        chosen = choose_columns(table, str(path), options)
+        position = table.header[chosen.position]
+        force = "none" if chosen.force is None else table.header[chosen.force]
     except DataError as error:
         problem = str(error)
     lines = time.size or table.lines
     duration = float(time[-1] - time[0]) if time.size else 0.0
     rate = (time.size - 1) / duration if duration > 0 else float("nan")
     gap = float(np.max(np.diff(time))) if time.size > 1 else float("nan")
-    columns = tuple(TopicInfo(name, "column", lines, duration, rate, gap) for name in table.header)
-    return BagInfo(str(path), "CSV file", 0, duration, lines, columns, position, force, problem, ())
+    topics = tuple(TopicInfo(name, "column", lines, duration, rate, gap) for name in columns)
+    return BagInfo(str(path), table.kind, 0, duration, lines, topics, position, force, problem, ())

@@ -173,7 +173,7 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | 
         x * _factor(options.position_scale),
         ns_f,
         f * _factor(options.force_scale),
-        hold=options.hold,
+        hold=options.record_hold,
         force_unit=options.force_unit or bag.custom_data.get(FORCE_UNIT, "N"),
         position_unit=options.position_unit or bag.custom_data.get(POSITION_UNIT, "m"),
         name=_name(Path(path)),

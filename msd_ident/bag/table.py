@@ -7,7 +7,9 @@ understands empty cells and names the line that cannot be read.
 from __future__ import annotations
 
 import codecs
+import csv
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
@@ -22,6 +24,10 @@ from msd_ident.record import FloatArray
 MOST_MEGABYTES = 500
 _SEPARATORS = (";", "\t", ",")
 _COMMENTS = ("#", "%", "//")
+#: Characters behind the first line of numbers that are looked at for a decimal comma.
+_AHEAD = 2000
+#: A matrix in MATLAB's notation: brackets around the numbers, a semicolon at the end of each line.
+_MATRIX = re.compile(r"^[ \t]*\[([^\[\]]*)\]\s*;?\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -48,9 +54,11 @@ class Table:
         DataError: the file cannot be read, is empty, or has no header or no numbers.
     """
 
+    kind = "CSV file"
+
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._text = _read_text(path)
+        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), _read_text(path))
         self.layout = self._find_layout()
 
     @property
@@ -149,9 +157,11 @@ class Table:
             if line.startswith(_COMMENTS):
                 comment = "" if header else line.lstrip("".join(_COMMENTS)).strip()
             elif line and not header and comment and _is_number(_cells(line)[0]):
-                return self._layout(comment, line, number)  # numpy.savetxt makes a comment of the header
+                return self._layout(
+                    comment, line, number, self._text[position : position + _AHEAD]
+                )  # numpy.savetxt comments its header
             elif line and header:
-                return self._layout(header, line, number)
+                return self._layout(header, line, number, self._text[position : position + _AHEAD])
             elif line:
                 header = line
             number += 1
@@ -159,9 +169,11 @@ class Table:
             raise DataError(f"{self._path} is empty; expected a header like time_s,force_n,position_m and numbers")
         raise DataError(f"{self._path} has one line; expected a header like time_s,force_n,position_m and numbers")
 
-    def _layout(self, header: str, first: str, first_at: int) -> Layout:
+    def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
         separator = next((mark for mark in _SEPARATORS if mark in header), None)
         names = _cells(header)
+        if separator is None and len(names) != len(first.split()):
+            names = tuple(re.split(r"\s{2,}", header.strip()))  # names with spaces in them
         if len(names) < 2:
             raise DataError(
                 f"{self._path} begins with one cell, {names[0][:40]!r}; expected the names of several columns, such as "
@@ -172,11 +184,15 @@ class Table:
                 f"{self._path} begins with numbers; expected a header that names the columns, such as "
                 "time_s,force_n,position_m: add one"
             )
-        return Layout(names, first_at, separator, decimal_comma=separator != "," and "," in first)
+        numbers = [line for line in (first, *rest.split("\n")) if not line.lstrip().startswith(_COMMENTS)]
+        comma = separator != "," and any("," in line for line in numbers)
+        return Layout(names, first_at, separator, decimal_comma=comma)
 
 
 def _cells(line: str) -> tuple[str, ...]:
     separator = next((mark for mark in _SEPARATORS if mark in line), None)
+    if separator is not None and '"' in line:
+        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
     return tuple(cell.strip().strip('"') for cell in line.split(separator))
 
 

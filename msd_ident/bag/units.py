@@ -1,18 +1,25 @@
-"""Units that a column's name ends with: ``position_mm``, ``control_effort_v``, ``encoder_counts``."""
+"""Units that a column's heading ends with: ``position_mm``, ``control_effort_v``, ``Angle (rad)``, ``Time [s]``."""
 
 from __future__ import annotations
 
 import math
 import re
 
-#: Ending of a column's name → unit of the record and factor to it.
+from msd_ident.errors import DataError
+
+#: Ending of a heading → unit of the record and factor to it.
 _LENGTH = {
     "m": ("m", 1.0),
     "cm": ("m", 1e-2),
     "mm": ("m", 1e-3),
     "um": ("m", 1e-6),
+    "in": ("m", 0.0254),
+    "inch": ("m", 0.0254),
     "rad": ("rad", 1.0),
+    "mrad": ("rad", 1e-3),
     "deg": ("rad", math.pi / 180),
+    "°": ("rad", math.pi / 180),
+    "degrees": ("rad", math.pi / 180),
     "count": ("count", 1.0),
     "counts": ("count", 1.0),
     "ticks": ("count", 1.0),
@@ -23,32 +30,69 @@ _FORCE = {
     "kn": ("N", 1e3),
     "nm": ("N·m", 1.0),
     "v": ("V", 1.0),
+    "mv": ("V", 1e-3),
     "a": ("A", 1.0),
+    "ma": ("A", 1e-3),
 }
 _TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_ENDING = re.compile(r"(?:_|\s*[\[(/]\s*)([A-Za-zµ]+)\s*[\])]?$")
+#: Units in brackets that are none of a position or force.
+_OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa"}
+_RATES = ("/", "^", "²")
+_IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s\d:,])\s*[\])]$")
+_ENDING = re.compile(r"(?:_|\s*/\s*)([A-Za-z]+)$")
+#: Signs of a product in a unit: N·m, N*m, N-m, N m.
+_PRODUCT = re.compile(r"[·*\s-]")
 
 
 def force_unit(column: str) -> tuple[str, float]:
-    """Unit and factor to it of a force column; newtons where the name does not say."""
-    return _FORCE.get(_ending(column), ("N", 1.0))
+    """Unit and factor to it of a force column; newtons where the heading does not say.
+
+    Raises:
+        DataError: its unit, in brackets, is that of something else.
+    """
+    return _looked_up(column, _FORCE, ("N", 1.0), "a force, a torque, a voltage or a current", "force")
 
 
 def position_unit(column: str) -> tuple[str, float]:
-    """Unit and factor to it of a position column; metres where the name does not say."""
-    return _LENGTH.get(_ending(column), ("m", 1.0))
+    """Unit and factor to it of a position column; metres where the heading does not say.
+
+    Raises:
+        DataError: its unit, in brackets, is that of something else.
+    """
+    return _looked_up(column, _LENGTH, ("m", 1.0), "a length, an angle or counts", "position")
 
 
 def time_factor(column: str) -> float:
     """Factor from the numbers of a time column to seconds."""
-    return _TIME.get(_ending(column), 1.0)
+    return _TIME.get(unit(column)[0], 1.0)
 
 
 def stem(column: str) -> str:
-    """Name of a column without its unit, in lower case."""
-    return _ENDING.sub("", column.strip()).strip().lower()
+    """Heading without its unit, in lower case."""
+    return _ENDING.sub("", _IN_BRACKETS.sub("", column.strip())).strip().lower()
 
 
-def _ending(column: str) -> str:
-    found = _ENDING.search(column.strip())
-    return found.group(1).lower() if found else ""
+def unit(column: str) -> tuple[str, str]:
+    """Unit of a heading in lower case without signs of a product, and as it is written; empty where there is none.
+
+    The second one is empty for what merely ends the name, which need not be a unit.
+    """
+    found = _IN_BRACKETS.search(column.strip())
+    if found:
+        written = found.group(1)
+        return _PRODUCT.sub("", written.lower().replace("µ", "u").replace("μ", "u")), written
+    found = _ENDING.search(column.strip().replace("µ", "u").replace("μ", "u"))
+    return (found.group(1).lower(), "") if found else ("", "")
+
+
+def _looked_up(
+    column: str, known: dict[str, tuple[str, float]], default: tuple[str, float], expected: str, option: str
+) -> tuple[str, float]:
+    name, written = unit(column)
+    other = name in {*_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in written for sign in _RATES)
+    if written and name not in known and other:
+        raise DataError(
+            f"column {column} is in {written}; expected {expected}: choose another --{option}, or give --{option}-unit "
+            f"and --{option}-scale"
+        )
+    return known.get(name, default)

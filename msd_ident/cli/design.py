@@ -25,8 +25,10 @@ LimitsOption = Annotated[
 ]
 
 
+@sources.reading
 def design(
     paths: sources.PathsArgument,
+    source: sources.Source,
     limits: LimitsOption = None,
     targets: Annotated[
         str, typer.Option("--for", metavar="NAME,…", help="sharpen these parameters instead, e.g. mass,damping")
@@ -40,15 +42,6 @@ def design(
         Optional[Path],  # noqa: UP045
         typer.Option("--figure", metavar="FILE", help="picture of what the rivals predict (.png, .svg, .pdf)"),
     ] = None,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
     model: sources.ModelOption = "auto",
     json: sources.JsonOption = "",
     quiet: sources.QuietOption = False,
@@ -56,7 +49,7 @@ def design(
 ) -> int:
     """Design the shortest experiment that tells apart what this data cannot. All paths are of one rig."""
     from msd_ident import one_rig, pipeline
-    from msd_ident.bag import read
+    from msd_ident.bag import read_all
     from msd_ident.cli import run
     from msd_ident.design import read_limits
 
@@ -68,11 +61,8 @@ def design(
     if limits is None:
         raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
     allowed = read_limits(limits)
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, None, None
-    )
     with run.progress(quiet) as report:
-        records: Sequence[Record] = [read(path, source) for path in paths]
+        records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
         diagnosis = pipeline.diagnose(
             records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -13,21 +13,13 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 
+@sources.reading
 def diagnose(
     paths: sources.PathsArgument,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
-    start: sources.StartOption = None,
-    end: sources.EndOption = None,
+    source: sources.Source,
     model: sources.ModelOption = "auto",
     together: sources.TogetherOption = False,
+    on: trials.OnOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -39,13 +31,11 @@ def diagnose(
     from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
 
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
-    )
     options = pipeline.Options(model=model)
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
+    tried = trials.Trials(on or (), source)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
         def tell(stage: str, fraction: float, cause: str) -> None:
@@ -53,6 +43,6 @@ def diagnose(
 
         return pipeline.diagnose(records, options, tell)
 
-    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep)
+    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep, tried)
     targets.finish()
     return code

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 
+@sources.reading
 def identify(
     paths: sources.PathsArgument,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
-    start: sources.StartOption = None,
-    end: sources.EndOption = None,
+    source: sources.Source,
     model: sources.ModelOption = "auto",
     loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
+    mass: Annotated[
+        str,
+        typer.Option("--mass", metavar="KG[±STD]", help="the moving mass, weighed; gives a free decay newtons"),
+    ] = "",
+    known: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--known", metavar="NAME=VALUE[±STD]", help="a parameter known beforehand; repeatable"),
+    ] = None,
     together: sources.TogetherOption = False,
+    on: trials.OnOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -40,19 +40,18 @@ def identify(
 ) -> int:
     """Identify (ωn, ζ, K), then m, b, k and dry friction, each with its interval."""
     from msd_ident import pipeline
+    from msd_ident.known import parse_all
     from msd_ident.report import tables
 
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
-    )
-    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss))
+    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
+    tried = trials.Trials(on or (), source)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
         return pipeline.identify(records, options, progress)
 
-    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep)
+    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep, tried)
     targets.finish()
     return code

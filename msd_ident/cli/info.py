@@ -18,19 +18,10 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 
+@sources.reading
 def info(
     paths: sources.PathsArgument,
-    force: sources.ForceOption = "",
-    position: sources.PositionOption = "",
-    time: sources.TimeOption = "",
-    force_scale: sources.ForceScaleOption = None,
-    position_scale: sources.PositionScaleOption = None,
-    time_scale: sources.TimeScaleOption = None,
-    force_unit: sources.ForceUnitOption = "",
-    position_unit: sources.PositionUnitOption = "",
-    hold: sources.HoldOption = "zero",
-    start: sources.StartOption = None,
-    end: sources.EndOption = None,
+    source: sources.Source,
     json: sources.JsonOption = "",
     overwrite: sources.OverwriteOption = False,
 ) -> int:
@@ -39,9 +30,6 @@ def info(
 
     from msd_ident.cli import run
 
-    source = sources.options(
-        force, position, time, force_scale, position_scale, time_scale, force_unit, position_unit, hold, start, end
-    )
     output = run.Output(json, quiet=False, overwrite=overwrite)
     output.check()
     console = Console(highlight=False)
@@ -154,7 +142,7 @@ def _show(found: _Contents, console: Console) -> None:
 
     info = found.info
     console.print(f"[bold]{escape(info.path)}[/bold]", soft_wrap=True)
-    unit = "lines" if info.kind == "CSV file" else "messages"
+    unit = "messages" if info.kind not in ("CSV file", "MAT file") else "lines"
     console.print(f"{info.kind}, {info.messages} {unit} in {info.duration:.3f} s{_start(info.start_ns)}\n")
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("column" if unit == "lines" else "topic", overflow="fold")

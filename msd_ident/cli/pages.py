@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from msd_ident.diagnose import Diagnosis
     from msd_ident.identification import Identification
     from msd_ident.provenance import Origin, Provenance
+    from msd_ident.validation import Validation
 
 ReportOption = Annotated[
     Optional[Path],  # noqa: UP045
@@ -50,7 +51,7 @@ class Pages:
     figures: Path | None
     source: SourceOptions
     output: run.Output
-    kept: list[tuple[tuple[Path, ...], Diagnosis | Identification]] = field(default_factory=list)
+    kept: list[tuple[tuple[Path, ...], Diagnosis | Identification | Validation]] = field(default_factory=list)
 
     def check(self) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
@@ -65,7 +66,7 @@ class Pages:
         if self.figures is not None:
             run.make_folder(self.figures)
 
-    def keep(self, paths: tuple[Path, ...], found: Diagnosis | Identification) -> None:
+    def keep(self, paths: tuple[Path, ...], found: Diagnosis | Identification | Validation) -> None:
         """Remember a result."""
         self.kept.append((paths, found))
 
@@ -98,8 +99,9 @@ class Pages:
             lines.append(f"report: {self.report}")
         if self.markdown is not None:
             from msd_ident.report import markdown
+            from msd_ident.validation import Validation
 
-            markdown.save(results, self.markdown, told)
+            markdown.save([found for found in results if not isinstance(found, Validation)], self.markdown, told)
             lines.append(f"summary: {self.markdown}")
         return lines
 

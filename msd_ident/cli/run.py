@@ -120,35 +120,62 @@ def work(
     solve: Callable[[Sequence[Record], Progress], Result],
     show: Callable[[Any, Console], None],
     keep: Callable[[tuple[Path, ...], Any], None] = lambda group, result: None,
+    tried: Callable[[Mapping[str, Any], Console | None], dict[str, Any]] = lambda result, console: {},
 ) -> int:
     """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
 
     A path that fails gets its one line on stderr and an object with ``error``; the others go on. ``keep`` is given each
-    result with its paths.
+    result with its paths; ``tried`` its JSON, and gives further keys for it.
     """
     from rich.console import Console
 
     output.check()
     groups = [tuple(paths)] if together else [(path,) for path in paths]
+    parts = [part for group in groups for part in _parts(group, source, together)]
     console = Console(highlight=False)
     lines: list[dict[str, Any]] = []
     failed = False
-    for group in groups:
-        name = " + ".join(str(path) for path in group)
+    for group, one in parts:
+        name = " + ".join(str(path) for path in group) + _run(one)
         try:
-            result = _solved(group, source, output, solve)
+            result = _solved(group, one, output, solve)
         except MsdError as error:
             failed = True
-            print(f"msd: {error}" if len(groups) == 1 else f"msd: {name}: {error}", file=sys.stderr)
+            print(f"msd: {error}" if len(parts) == 1 else f"msd: {name}: {error}", file=sys.stderr)
             lines.append({"path": name, "error": str(error)})
             continue
         found = result.to_json_dict()
-        lines.append({"schema": found.pop("schema"), "path": name, **found})
         keep(group, result)
         if output.tables:
             show(result, console)
+        line = {"schema": found.pop("schema"), "path": name, **found}
+        try:
+            line |= tried(line, console if output.tables else None)
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}", file=sys.stderr)
+        lines.append(line)
     write(lines, output)
     return 2 if failed else 0
+
+
+def _parts(
+    group: tuple[Path, ...], source: SourceOptions, together: bool
+) -> list[tuple[tuple[Path, ...], SourceOptions]]:
+    """A group with the options of each of its results: one for each run of a path for ``--run all``."""
+    from msd_ident.bag import each_run
+
+    if together or source.run != "all":
+        return [(group, source)]
+    try:
+        return [(group, one) for one in each_run(group[0], source)]
+    except MsdError:
+        return [(group, source)]  # reading it will say what is wrong
+
+
+def _run(source: SourceOptions) -> str:
+    """Which run of a path a result is of, as words behind the path."""
+    return f" run {source.run}" if source.run not in ("", "all") else ""
 
 
 def _solved(
@@ -157,11 +184,11 @@ def _solved(
     output: Output,
     solve: Callable[[Sequence[Record], Progress], Result],
 ) -> Result:
-    from msd_ident.bag import read
+    from msd_ident.bag import read_all
 
     with progress(output.quiet) as report:
         report("reading", 0.0)
-        return solve([read(path, source) for path in group], report)
+        return solve([record for path in group for record in read_all(path, source)], report)
 
 
 def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:

@@ -102,6 +102,7 @@ class Diagnosis:
     next_experiment: Mapping[str, Any] | None = None
     contenders: tuple[Contender, ...] = ()
     tried: tuple[Tried, ...] = ()
+    turned: bool = False
 
     def to_json_dict(self) -> dict[str, Any]:
         """The JSON contract's object, without ``path``."""
@@ -130,6 +131,12 @@ class Diagnosis:
             "findings": [vars(finding) for finding in self.findings],
             "data": [data_sheet(record).to_json_dict() for record in self.records],
             "warnings": list(self.warnings),
+            "effects": list(self.extended.model.effect_names),
+            "force_sign": -1 if self.turned else 1,
+            "initial": [
+                {"position_m": start.position, "velocity_m_s": start.velocity, "zero_m": start.zero}
+                for start in self.extended.initial
+            ],
             "next_experiment": None if self.next_experiment is None else dict(self.next_experiment),
         }
         if self.ring_down is not None:

@@ -13,6 +13,7 @@ from msd_ident.quality.cleaning import Cleaned, clean
 from msd_ident.quality.clocks import clocks
 from msd_ident.quality.encoder import frozen_encoder, rate, removed, resolution
 from msd_ident.quality.excitation import excitation
+from msd_ident.quality.feedback import feedback
 from msd_ident.quality.finding import Check, Finding
 from msd_ident.quality.relation import relation
 from msd_ident.quality.sampling import missing_in, missing_samples, sampling
@@ -41,6 +42,7 @@ CHECKS: tuple[Check, ...] = (
     resolution,
     rate,
     clocks,
+    feedback,
     units,
     time_unit,
     relation,

@@ -12,21 +12,24 @@ from typing import TYPE_CHECKING, Any
 
 from msd_ident.diagnose import Diagnosis
 from msd_ident.provenance import versions
-from msd_ident.report.plots import Detail, diagnosis_curves, identification_curves
+from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.causes import Causes
 from msd_ident.report.sections.data import Data
 from msd_ident.report.sections.fit import Fit
 from msd_ident.report.sections.missing_force import MissingForce
 from msd_ident.report.sections.next_experiment import NextExperiment
 from msd_ident.report.sections.parameters import (
+    Column,
     Parameters,
     StandardForm,
     diagnosis_columns,
     identification_columns,
 )
 from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.trial import Trial
 from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
 from msd_ident.report.writing import write_text
+from msd_ident.validation import Validation
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -94,8 +97,26 @@ def of_identification(
     return Article("msd identify", " + ".join(record.name for record in found.records), sections)
 
 
+def of_validation(found: Validation, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+    """The sections of a saved model tried on another record."""
+    detail = detail or Detail.shared_by(len(found.records))
+    curve = ModelCurve("saved model", "extended", found.predicted, found.residuals)
+    sections: tuple[Section, ...] = (
+        Trial(found),
+        Fit(found.records, (curve,), found.noise_floor, detail),
+        Parameters(found.records, (_saved_column(found),), ()),
+        Data(found.records, found.findings, provenance, None),
+    )
+    return Article("msd validate", " + ".join(record.name for record in found.records), sections)
+
+
+def _saved_column(found: Validation) -> Column:
+    saved = found.saved
+    return Column("saved model", "extended", "model", saved.parameters, saved.see, saved.model)
+
+
 def articles(
-    results: Sequence[Diagnosis | Identification], provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Diagnosis | Identification | Validation], provenance: Sequence[Provenance | None] = ()
 ) -> tuple[Article, ...]:
     """An article for each result, all together as detailed as one page can carry."""
     detail = Detail.shared_by(sum(len(found.records) for found in results))
@@ -103,12 +124,16 @@ def articles(
     for found, origin in zip_longest(results, provenance):
         if isinstance(found, Diagnosis):
             made.append(of_diagnosis(found, origin, detail))
+        elif isinstance(found, Validation):
+            made.append(of_validation(found, origin, detail))
         else:
             made.append(of_identification(found, origin, detail))
     return tuple(made)
 
 
-def render(results: Sequence[Diagnosis | Identification], provenance: Sequence[Provenance | None] = ()) -> str:
+def render(
+    results: Sequence[Diagnosis | Identification | Validation], provenance: Sequence[Provenance | None] = ()
+) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
     from markupsafe import Markup
 
@@ -127,7 +152,9 @@ def render(results: Sequence[Diagnosis | Identification], provenance: Sequence[P
 
 
 def save(
-    results: Sequence[Diagnosis | Identification], path: Path, provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Diagnosis | Identification | Validation],
+    path: Path,
+    provenance: Sequence[Provenance | None] = (),
 ) -> None:
     """Write one page about all results.
 

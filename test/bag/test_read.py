@@ -344,7 +344,7 @@ def test_a_folder_without_storage(tmp_path: Path) -> None:
     [
         ({"position_scale": 0.0}, "position scale is 0.0"),
         ({"force_scale": float("nan")}, "force scale is nan"),
-        ({"hold": "cubic"}, "expected 'zero' or 'linear'"),
+        ({"hold": "cubic"}, "expected one of auto, zero, linear, band_limited"),
         ({"start": 2.0, "end": 1.0}, "from 2 s to 1 s is empty"),
     ],
 )

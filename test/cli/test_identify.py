@@ -129,7 +129,7 @@ def test_unit_wrong_by_a_thousand_is_a_warning_with_the_number(step_csv: Path, t
     [
         (("identify", "--model", "springy"), "model is 'springy'; expected one of auto, spring, no_spring"),
         (("identify", "--loss", "huber"), "loss is 'huber'; expected one of linear, soft_l1"),
-        (("identify", "--hold", "first"), "hold is 'first'; expected 'zero' or 'linear'"),
+        (("identify", "--hold", "first"), "hold is 'first'; expected one of auto, zero, linear, band_limited"),
         (("identify", "--position", "nowhere"), "nowhere"),
     ],
 )

@@ -81,7 +81,8 @@ def undocumented(value: Any, schema: str) -> set[str]:
 def test_every_key_of_an_identification_is_documented_and_there(lesson: Lesson) -> None:
     found = lesson.objects["identification"]
     assert not undocumented(found, "msd.identification/1")
-    found |= {"open": ["…"], "findings": [vars(Finding("info", "code", "sentence"))]}
+    known = [{"name": "mass", "value": 1.0, "std": 0.1, "unit": "kg"}]
+    found |= {"known": known, "open": ["…"], "findings": [vars(Finding("info", "code", "sentence"))]}
     assert documented("msd.identification/1") == set(json_contract.paths(found))
 
 

@@ -1,0 +1,54 @@
+"""``--on PATH``: the model that was just found, tried on further records."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.bag import SourceOptions
+
+OnOption = Annotated[
+    Optional[list[Path]],  # noqa: UP045
+    typer.Option("--on", metavar="PATH", help="try the model on this record too, as msd validate does; repeatable"),
+]
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Records that every model found is tried on.
+
+    Attributes:
+        paths: of the records.
+        source: how they are read: as those that the model is from.
+    """
+
+    paths: Sequence[Path]
+    source: SourceOptions
+
+    def __call__(self, result: Mapping[str, Any], console: Console | None) -> dict[str, Any]:
+        """Try a result's model; the objects that go into its JSON. Shown on the console where there is one.
+
+        Raises:
+            DataError, UsageError: a path that cannot be read, or is in other units than the model.
+        """
+        if not self.paths:
+            return {}
+        from msd_ident import saved, validation
+        from msd_ident.bag import read_all
+        from msd_ident.report.validation import print_validation
+
+        model, told = saved.from_json_dict(result), []
+        for path in self.paths:
+            found = validation.validate(model, read_all(path, self.source))
+            line = found.to_json_dict()
+            told.append({"schema": line.pop("schema"), "path": str(path), **line})
+            if console is not None:
+                print_validation(found, console)
+        return {"validations": told}

@@ -1,0 +1,73 @@
+"""``msd validate``: a saved model tried on other records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from msd_ident.cli import pages, run, sources
+from msd_ident.errors import UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.record import Record
+    from msd_ident.saved import SavedModel
+    from msd_ident.validation import Validation
+
+
+@sources.reading
+def validate(
+    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
+    paths: sources.PathsArgument,
+    source: sources.Source,
+    line: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option("--line", min=1, help="which result of a file with several, one a line"),
+    ] = None,
+    refit_zero: Annotated[
+        bool, typer.Option("--refit-zero", help="fit the encoder's zero too; it is kept from the result otherwise")
+    ] = False,
+    require: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--require", metavar="PERCENT", help="exit code 1 where less of the motion is explained"),
+    ] = None,
+    together: sources.TogetherOption = False,
+    json: sources.JsonOption = "",
+    report: pages.ReportOption = None,
+    figures: pages.FiguresOption = None,
+    quiet: sources.QuietOption = False,
+    overwrite: sources.OverwriteOption = False,
+) -> int:
+    """Validate a saved model on other records: simulate it as it is, nothing refitted but how the record began."""
+    from msd_ident import validation
+    from msd_ident.report import validation as tables
+
+    options = validation.Options(refit_zero, require)
+    output = run.Output(json, quiet, overwrite)
+    targets = pages.Pages(report, None, figures, source, output)
+    targets.check()
+    saved = _saved(result, line)
+    met = []
+
+    def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
+        progress("simulating the saved model", 0.5)
+        found = validation.validate(saved, records, options)
+        met.append(found.met)
+        return found
+
+    code = run.work(paths, source, together, output, solve, tables.print_validation, targets.keep)
+    targets.finish()
+    return code or (0 if all(met) else 1)
+
+
+def _saved(path: Path, line: int | None) -> SavedModel:
+    from msd_ident import saved
+
+    if line is None:
+        return saved.load(path)
+    found = saved.load_all(path)
+    if line > len(found):
+        raise UsageError(f"{path} holds {len(found)} results; expected one with number {line}: give another --line")
+    return found[line - 1]

@@ -1,0 +1,51 @@
+"""A saved model on another record: what it explains there, in one sentence and three numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.report import marked
+from msd_ident.report.marked import Marked
+from msd_ident.report.numbers import length_scale, number
+from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.verdict import Card
+from msd_ident.report.validation import sentences
+
+if TYPE_CHECKING:
+    from msd_ident.validation import Validation
+
+
+class Trial(Section):
+    """The outcome of a validation."""
+
+    slug = "verdict"
+    title = "Outcome"
+
+    def __init__(self, found: Validation) -> None:
+        self._found = found
+
+    def context(self) -> Mapping[str, Any]:
+        """Sentence, cards and warnings."""
+        found = self._found
+        scale = length_scale(max(found.noise_floor, 1e-3 * found.see), found.records[0].position_unit)
+        percent = Marked("explained_percent", found.explained_percent, f"{found.explained_text} %")
+        floors = f"{number(found.adequacy.ratio, 3)} noise floors"
+        own = marked.length("model.see_m", found.saved.see, scale)
+        floor = marked.length("noise_floor_m", found.noise_floor, scale)
+        cards = [
+            Card("motion explained", percent, "of its variance, nothing refitted but the start", "extended"),
+            Card("error here", marked.length("see_m", found.see, scale), f"SEE: {floors}", "extended"),
+            Card("error on its own record", own, found.saved.path, "base"),
+            Card("noise floor", floor, "what no model can beat", "noise"),
+        ]
+        good = found.adequacy.consistent or bool(found.options.require) and found.met
+        return {
+            "verdict": "unexplained" if not found.met else "explained" if good else "ambiguous",
+            "pill": "required part missed" if not found.met else "holds" if good else "tried",
+            "headline": found.sentence,
+            "summary": " ".join(sentences(found)),
+            "cards": cards,
+            "warnings": found.warnings,
+            "open": (),
+        }

@@ -1,0 +1,183 @@
+"""Results read back from their JSON: the model that an identification or a diagnosis ended with."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from msd_ident.errors import DataError, UsageError
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.quantity import Quantity
+
+#: Schema → key of the model that the result ends with.
+SCHEMAS = {"msd.identification/1": "refined", "msd.diagnosis/1": "extended", "msd.diagnosis/2": "extended"}
+#: Begin of the warning by which results told of a turned force before they had ``force_sign``.
+_TURNED = "A positive force moves the encoder downwards"
+
+
+@dataclass(frozen=True)
+class SavedModel:
+    """The model of a result, with what a simulation of another record needs.
+
+    Attributes:
+        schema: of the result.
+        path: of the record that the model was fitted to, as the result tells it.
+        model: with the fitted values; of a diagnosis the extended one.
+        parameters: name → quantity.
+        see: standard error of estimate on its own record, in the position unit.
+        force_unit, position_unit: that its values are in.
+        force_sign: -1 where the force was turned because a positive one moves the encoder downwards, else 1.
+        force_hold: how the force of its record went on between samples; empty where the result does not tell.
+        zeros: reading at which the spring is relaxed, of each of its records; none where the result does not tell.
+        causes: what the model holds beyond mass, damping and stiffness.
+        base_depends_on: of a diagnosis, share of the base model's missing force that each signal explains.
+    """
+
+    schema: str
+    path: str
+    model: Model
+    parameters: Mapping[str, Quantity]
+    see: float
+    force_unit: str
+    position_unit: str
+    force_sign: int
+    force_hold: str
+    zeros: tuple[float, ...]
+    causes: tuple[str, ...]
+    base_depends_on: Mapping[str, float]
+
+
+def load(path: str | os.PathLike[str]) -> SavedModel:
+    """The model of a file with one result, as ``msd identify`` and ``msd diagnose`` write it with ``--json``.
+
+    Raises:
+        DataError: it cannot be read, or is no such result.
+        UsageError: it holds several results.
+    """
+    found = load_all(path)
+    if len(found) > 1:
+        raise UsageError(f"{path} holds {len(found)} results; expected one: say which with --line 1 to {len(found)}")
+    return found[0]
+
+
+def load_all(path: str | os.PathLike[str]) -> tuple[SavedModel, ...]:
+    """The models of all results of a file, one a line.
+
+    Raises:
+        DataError: as ``load``.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise DataError(f"cannot read {path}: {why}; expected a result that --json wrote") from None
+    found = tuple(from_json_dict(one, str(path)) for one in _objects(text, str(path)))
+    if not found:
+        raise DataError(f"{path} is empty; expected a result that msd identify or msd diagnose wrote with --json")
+    return found
+
+
+def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> SavedModel:
+    """The model of a result that is an object of the JSON contract already; ``name`` is for error messages.
+
+    Raises:
+        DataError: it is no result of an identification or a diagnosis, or lacks what a simulation needs.
+    """
+    schema = str(result.get("schema", ""))
+    if schema not in SCHEMAS:
+        raise DataError(f"{name} {_what(result, schema)}; expected {' or '.join(SCHEMAS)}: {_next(schema)}")
+    try:
+        told = result[SCHEMAS[schema]]
+        parameters = {key: _quantity(value) for key, value in told["parameters"].items()}
+        causes = tuple(str(cause["name"]) for cause in result.get("causes", ()))
+        effects = tuple(result["effects"]) if "effects" in result else causes or _effects_of(parameters)
+        sheets: Sequence[Mapping[str, Any]] = result["data"]
+        return SavedModel(
+            schema=schema,
+            path=str(result.get("path", "")),
+            model=_model(parameters, effects),
+            parameters=parameters,
+            see=_number(told["see_m"]),
+            force_unit=str(sheets[0]["force_unit"]),
+            position_unit=str(sheets[0]["position_unit"]),
+            force_sign=int(result.get("force_sign", _old_sign(result))),
+            force_hold=str(sheets[0].get("force_hold", "")),
+            zeros=tuple(_number(start["zero_m"]) for start in result.get("initial", ())),
+            causes=effects,
+            base_depends_on={key: float(value) for key, value in result.get("missing_force_depends_on", {}).items()},
+        )
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError, UsageError) as error:
+        raise DataError(
+            f"{name} lacks what a simulation needs ({error}); expected all keys of {schema}: {_next(schema)}"
+        ) from None
+
+
+def _objects(text: str, name: str) -> list[dict[str, Any]]:
+    """The objects of a file: one a line, or one over several lines."""
+    try:
+        whole = json.loads(text)
+        return [whole] if isinstance(whole, dict) else list(whole)
+    except ValueError:
+        pass
+    found = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.strip():
+            try:
+                found.append(dict(json.loads(line)))
+            except (TypeError, ValueError):
+                raise DataError(
+                    f"{name} line {number} is no JSON object; expected a result that msd identify or msd diagnose "
+                    "wrote with --json"
+                ) from None
+    return found
+
+
+def _what(result: Mapping[str, Any], schema: str) -> str:
+    if "error" in result:
+        return f"holds no model but an error ({str(result['error'])[:80]})"
+    return f"is of schema {schema}" if schema else "names no schema"
+
+
+def _next(schema: str) -> str:
+    command = "diagnose" if "diagnosis" in schema else "identify"
+    return f"renew it with msd {command} PATH --json FILE"
+
+
+def _number(value: Any) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _quantity(told: Mapping[str, Any]) -> Quantity:
+    """A quantity; strict JSON has ``null`` for an infinite limit, which is none."""
+    value = math.inf if told["value"] is None else float(told["value"])
+    return Quantity(value, _number(told["std"]), str(told["unit"]))
+
+
+def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
+    values = {name: quantity.value for name, quantity in parameters.items()}
+    model = Plant(values["mass"], values["damping"], values["stiffness"])
+    for name in effects:
+        effect = by_name(name)
+        model = model + effect.from_values({p.name: values.get(p.name, math.inf) for p in effect.parameters})
+    return model
+
+
+def _effects_of(parameters: Mapping[str, Quantity]) -> tuple[str, ...]:
+    """Effects that a result names by their parameters only, those with most parameters first."""
+    left, found = set(parameters), []
+    for effect in sorted(LIBRARY, key=lambda effect: -len(effect.parameters)):
+        own = {parameter.name for parameter in effect.parameters}
+        if own and own <= left:
+            found.append(effect.name)
+            left -= own
+    return tuple(sorted(found))
+
+
+def _old_sign(result: Mapping[str, Any]) -> int:
+    return -1 if any(str(warning).startswith(_TURNED) for warning in result.get("warnings", ())) else 1
