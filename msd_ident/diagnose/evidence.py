@@ -1,18 +1,27 @@
 """How strongly the data speaks for a set of causes, and what cannot be told from what.
 
-The evidence of a set is Laplace's: its likelihood at the best parameters, times the share of the plausible parameter
-space that the data leaves, det(I + S H S)^(-1/2), where H is the information matrix and S the natural size of each
-parameter. A parameter that the data does not see costs nothing and gains nothing; one that it pins down must earn its
-place. (MacKay 1992; Kass and Raftery 1995.)
+No model of a real rig is exact, and what a model misses is no noise: the error of a law is the same in every swing. So
+a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. What a set
+leaves is taken for white noise and for an error of unknown shape that lies along ν directions of the sample space,
+whichever they are. With the variance v of what is left along them, in units of the noise, the log likelihood is
 
-Where even the best set leaves more than the noise, the model is wrong somehow, and no likelihood can be taken at its
-word: chi² is then counted in units of what the best set leaves, and its correlated samples by how many are independent.
+    −½ ν log v + constant,    v = 1 + (χ² − N) / ν,    ν = SHAPES.
+
+Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none is,
+only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is no
+inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place of
+the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
+
+The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible parameter
+space that the data leaves, det(I + S H S / v)^(-1/2), where H is the information matrix, S the prior width of each
+parameter and v that of the best set. A parameter that the data does not see costs nothing and gains nothing; one that it
+pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.)
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,83 +31,78 @@ from msd_ident.diagnose.readings import Readings
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
+#: Independent features of a model's error that a record shows.
+SHAPES = 10.0
 #: Odds, before any data, that a given cause acts.
 PRIOR_ODDS = 1.0 / 20.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
+#: Relative error that the estimate of the noise's variance may have.
+_NOISE_ERROR = 0.1
+#: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
+_STRENGTHS = 1e3
 #: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
 #: peak are seen by nothing, so they would cost nothing.
 _NO_PEAK = 0.01
-#: Sets whose residuals tell how errors are correlated.
-_CLOSEST = 5
 
 
 @dataclass(frozen=True)
 class Scale:
-    """How a likelihood is to be read: ``inflation`` (>= 1) of chi², and ``independence`` (0 to 1) of its pieces."""
+    """How what is left is counted.
 
-    inflation: float = 1.0
-    independence: float = 1.0
-    pieces: float = math.inf
+    Attributes:
+        noise: chi² of nothing but noise.
+        variance: v of the best set.
+        shapes: ν; a search that looks for what helps at all counts more of them.
+    """
+
+    noise: float = 0.0
+    variance: float = 1.0
+    shapes: float = SHAPES
+
+    def spread(self, chi: float) -> float:
+        """Variance v along the shapes of a model's error, in units of the noise's."""
+        return 1.0 + max(chi - self.noise, 0.0) / self.shapes
 
     def log_likelihood(self, chi: float) -> float:
-        """Log likelihood but for a constant; with an unknown error scale it grows only as the logarithm."""
-        if self.inflation <= 1.0:
-            return -0.5 * chi
-        return -0.5 * self.independence * self.pieces * math.log(max(chi, 1e-300) / self.pieces)
+        """Log likelihood [nats] of a set that leaves ``chi``, but for a constant."""
+        return -0.5 * self.shapes * math.log(self.spread(chi))
 
     def informed(self, information: FloatArray) -> FloatArray:
         """The information matrix in this scale."""
-        return information * (self.independence / self.inflation)
+        return information / self.variance
 
 
-def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings]) -> Scale:
-    """The scale that the residuals of the closest sets suggest.
-
-    How many pieces are independent is read off several of them: one may happen to leave nothing but a slow drift, and
-    would make the others' swings count for nothing.
-    """
-    closest = sorted(sets, key=lambda fitted: fitted.chi)[:_CLOSEST]
+def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: float = SHAPES) -> Scale:
+    """The scale of an experiment: the noise's chi², as it was estimated, or the least that a set leaves near it."""
     pieces = sum(part.evidence for part in readings)
-    inflation = closest[0].chi / pieces
-    # A few per cent above the noise may be the noise floor's own error; beyond that the model is at fault.
-    if inflation < 1.0 + 5.0 * math.sqrt(2.0 / pieces) + 0.05:
-        return Scale(1.0, 1.0, pieces)
-    return Scale(inflation, max(independence(fitted.residuals(), readings) for fitted in closest), pieces)
-
-
-def independence(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> float:
-    """Independent pieces of evidence for each piece that ``Readings`` counts, from the residual's correlation.
-
-    One over the integrated autocorrelation time, summed up to the first lag at which the correlation is gone.
-    """
-    total, independent = 0.0, 0.0
-    for residual, part in zip(residuals, readings, strict=True):
-        values = part.by_run(residual)
-        total += values.size
-        independent += values.size / _correlation_time(values)
-    return independent / total
-
-
-def _correlation_time(values: FloatArray) -> float:
-    count = values.size
-    if count < 30 or not np.any(values):
-        return 1.0
-    spectrum = np.abs(np.fft.rfft(values, 2 * count)) ** 2
-    correlation = np.fft.irfft(spectrum)[:count]
-    correlation /= correlation[0]
-    gone = np.flatnonzero(correlation < 0.05)
-    return max(1.0 + 2.0 * float(correlation[1 : int(gone[0]) if gone.size else count].sum()), 1.0)
+    least = min(fitted.chi for fitted in sets)
+    noise = least if least < (1.0 + _NOISE_ERROR) * pieces else pieces
+    return Scale(noise, Scale(noise, shapes=shapes).spread(least), shapes)
 
 
 def log_evidence(fitted: Fitted, scale: Scale) -> float:
     """Log evidence [nats] of a set, prior included."""
-    size = fitted.problem.scale
+    size = prior_widths(fitted)
     information = scale.informed(fitted.information) * np.outer(size, size)
     information[np.diag_indices_from(information)] += 1.0
     sign, occam = np.linalg.slogdet(information)
     penalty = 0.5 * float(occam) if sign > 0 else 1e6
     return scale.log_likelihood(fitted.chi) - penalty + len(fitted.causes) * math.log(PRIOR_ODDS)
+
+
+def prior_widths(fitted: Fitted) -> FloatArray:
+    """(p,) prior width of each entry of a set's vector: its natural size, and for the strength of a cause, which may be
+    of any order of magnitude, that of a prior uniform in its logarithm, where this is narrower.
+    """
+    problem, point = fitted.problem, fitted.point
+    sizes = problem.scale.copy()
+    strengths = {name for cause in fitted.causes for name, value in by_name(cause).neutral if math.isfinite(value)}
+    decade = math.log(_STRENGTHS) / math.sqrt(2.0 * math.pi)
+    for place, index in enumerate(problem.free):
+        if problem.model.names[index] in strengths:
+            sizes[place] = min(sizes[place], decade * abs(point[place]))
+    return np.asarray(sizes)
 
 
 @dataclass(frozen=True)
@@ -116,7 +120,7 @@ class Ranking:
 
     @property
     def best(self) -> Fitted:
-        """The leading set: of those that the data cannot tell from the likeliest, the simplest."""
+        """The leading set: the likeliest, without causes that the data does not decisively call for."""
         return self.sets[0]
 
     def led_by(self, leader: Fitted) -> Ranking:
@@ -150,31 +154,16 @@ def _same_as(fitted: Fitted) -> set[Causes]:
     return found
 
 
-def _ceilings(
-    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Fitted], scale: Scale
-) -> Iterator[float]:
-    """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
-
-    The marginal likelihood of a larger model is an average of such values, over the further parameters. Laplace's
-    determinant, taken where a law has a knee, may say otherwise.
-    """
-    for smaller, value in own.items():
-        if smaller < causes:
-            gain = scale.log_likelihood(sets[causes].chi) - scale.log_likelihood(sets[smaller].chi)
-            yield value + max(gain, 0.0) + (len(causes) - len(smaller)) * math.log(PRIOR_ODDS)
-
-
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
-    """All sets by evidence; the simplest of those within ``DECISIVE`` of the best is put first.
+    """All sets by evidence; the likeliest is put first, without causes that the data does not decisively call for.
 
     A set that turned out to be a simpler one under another name is left out.
     """
-    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
-    values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
+    values = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
-    near = [causes for causes in order if values[causes] >= top - DECISIVE]
-    first = min(near, key=lambda causes: (sets[causes].free_parameters, len(causes), -values[causes]))
+    near = [causes for causes in order if causes <= order[0] and values[causes] >= top - DECISIVE]
+    first = min(near, key=lambda causes: (len(causes), -values[causes]))
     order.remove(first)
     order.insert(0, first)
     weights = np.exp(np.array([values[causes] for causes in order]) - top)

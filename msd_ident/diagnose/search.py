@@ -57,6 +57,8 @@ _TURN = 5e-5
 _ROUNDS, _ROUNDS_FAR = 5, 2
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
+#: Shapes of a model's error that are counted while a search goes on.
+_SOUGHT = 200.0
 #: A rival that leaves this many times the leader's chi² is not begun again.
 _REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -91,7 +93,7 @@ class Search:
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
         self._fit([frozenset({name}) for name in self.experiment.library], 0.05, 0.35)
-        leader = self.ranking().best
+        leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
@@ -122,7 +124,7 @@ class Search:
     def _walk(self) -> Ranking:
         """From leader to leader until no neighbour has more evidence."""
         for turn in range(_ROUNDS):
-            best = self._pruned(self.ranking().best)
+            best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
             share = min(0.6 + 0.03 * turn, 0.85)
@@ -130,7 +132,7 @@ class Search:
                 continue
             if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
                 break
-        self._rejoined(self.ranking().best)
+        self._rejoined(self._leader())
         return self.ranking()
 
     def _rejoined(self, best: Fitted) -> None:
@@ -165,7 +167,7 @@ class Search:
         self.pruned.add(best.causes)
         for causes, model, initial in _reduced(best):
             self._look_again(causes, model, initial)
-        return self.ranking().best
+        return self._leader()
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
         self.tried.add(causes)
@@ -183,6 +185,10 @@ class Search:
     def ranking(self) -> Ranking:
         """All sets by evidence."""
         return rank(self.sets, self.scale())
+
+    def _leader(self) -> Fitted:
+        """The set whose neighbours are looked at: what helps at all is found before it is asked how surely."""
+        return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, _SOUGHT)).best
 
     def _swapped(self, causes: Causes) -> list[Causes]:
         """Sets with one cause dropped, or replaced by another."""
