@@ -14,7 +14,7 @@ the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
 
 The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible parameter
 space that the data leaves, det(I + S H S / v)^(-1/2), where H is the information matrix, S the prior width of each
-parameter and v that of the best set. A parameter that the data does not see costs nothing and gains nothing; one that it
+parameter and v the set's own; those of the plant, which all sets share, are counted alike in all. A parameter that the data does not see costs nothing and gains nothing; one that it
 pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.)
 """
 
@@ -37,6 +37,8 @@ SHAPES = 10.0
 PRIOR_ODDS = 1.0 / 20.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
+#: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
+CALLED = 1.0
 #: Relative error that the estimate of the noise's variance may have.
 _NOISE_ERROR = 0.1
 #: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
@@ -52,7 +54,7 @@ class Scale:
 
     Attributes:
         noise: chi² of nothing but noise.
-        variance: v of the best set.
+        variance: v of the best set, in which information about parameters is stated.
         shapes: ν; a search that looks for what helps at all counts more of them.
     """
 
@@ -83,12 +85,18 @@ def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: flo
 
 def log_evidence(fitted: Fitted, scale: Scale) -> float:
     """Log evidence [nats] of a set, prior included."""
-    size = prior_widths(fitted)
-    information = scale.informed(fitted.information) * np.outer(size, size)
+    size, variance = prior_widths(fitted), scale.spread(fitted.chi)
+    information = fitted.information * np.outer(size, size) / variance
     information[np.diag_indices_from(information)] += 1.0
     sign, occam = np.linalg.slogdet(information)
-    penalty = 0.5 * float(occam) if sign > 0 else 1e6
+    shared = fitted.problem.size - sum(p in fitted.problem.names for p in _own(fitted))
+    penalty = 0.5 * (float(occam) + shared * math.log(variance)) if sign > 0 else 1e6
     return scale.log_likelihood(fitted.chi) - penalty + len(fitted.causes) * math.log(PRIOR_ODDS)
+
+
+def _own(fitted: Fitted) -> tuple[str, ...]:
+    """Names of the parameters that a set has beyond the plant's."""
+    return tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
 
 
 def prior_widths(fitted: Fitted) -> FloatArray:
@@ -120,7 +128,7 @@ class Ranking:
 
     @property
     def best(self) -> Fitted:
-        """The leading set: the likeliest, without causes that the data does not decisively call for."""
+        """The leading set: the likeliest, without causes that the data does not call for."""
         return self.sets[0]
 
     def led_by(self, leader: Fitted) -> Ranking:
@@ -155,14 +163,14 @@ def _same_as(fitted: Fitted) -> set[Causes]:
 
 
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
-    """All sets by evidence; the likeliest is put first, without causes that the data does not decisively call for.
+    """All sets by evidence; the likeliest is put first, without causes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.
     """
     values = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
-    near = [causes for causes in order if causes <= order[0] and values[causes] >= top - DECISIVE]
+    near = [causes for causes in order if causes <= order[0] and values[causes] >= top - CALLED]
     first = min(near, key=lambda causes: (len(causes), -values[causes]))
     order.remove(first)
     order.insert(0, first)
