@@ -101,5 +101,7 @@ setup(
         ],
         # How `msd simulate` finds a rig without importing one: the first is used by default.
         "msd.rigs": ["default = msd_sim.api:simulate"],
+        # What `msd warm` compiles beforehand.
+        "msd.warm": ["solver = msd_ident.model:warm_up", "rig = msd_sim.node.preparing:warm_up"],
     },
 )

@@ -54,7 +54,6 @@ class RigNode(Node):
         self._period_ns = round(NANO / self._config.rate)
         self._fast = self._values["time_mode"] == "fast"
         self._factor = float(self._values["real_time_factor"]) if self._fast else 1.0
-        self.get_logger().info("preparing the rig (compiled once, at the first start: about 10 s)")
         self._rig = Rig(self._config.truth)
         self._rig.sample([0.0])
         self._reader = EncoderReader(self._config.encoder, self._config.seed)
