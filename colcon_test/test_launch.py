@@ -15,7 +15,8 @@ from ament_index_python.packages import get_package_share_directory  # noqa: E40
 
 #: `ros2 launch` without ros2cli's daemon.
 LAUNCH = (
-    "import sys; from launch import LaunchDescription, LaunchService; from launch.actions import IncludeLaunchDescription;"
+    "import sys; from launch import LaunchDescription, LaunchService;"
+    "from launch.actions import IncludeLaunchDescription;"
     "from launch.launch_description_sources import PythonLaunchDescriptionSource as S;"
     "s = LaunchService(noninteractive=True); s.include_launch_description(LaunchDescription([IncludeLaunchDescription("
     "S(sys.argv[1]), launch_arguments=[tuple(a.split(':=')) for a in sys.argv[2:]])])); sys.exit(s.run())"

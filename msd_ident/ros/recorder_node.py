@@ -10,9 +10,11 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.subscription import Subscription
+from rclpy.validate_topic_name import validate_topic_name
 from std_srvs.srv import Trigger
 
 from msd_ident.bag import OfferedQos
@@ -156,7 +158,7 @@ class Recorder:
         try:
             return str(self.node.resolve_topic_name(topic))
         except Exception as error:
-            raise UsageError(f"topic {topic!r}: {str(error).splitlines()[0]}; expected a ROS topic name") from None
+            raise _no_topic(topic, error) from None
 
     def _place(self, folder: str) -> Path:
         """Where the bag goes: below the recorder's bag folder, also through links and dots."""
@@ -278,6 +280,26 @@ class Recorder:
         for topic, count in tuple(summary.topics.items()):
             if count.silence:
                 yield health.silence(topic, count)
+
+
+def check_request(bag: Path | None, topics: Sequence[str], compression: str) -> None:
+    """Refuse what a recording would refuse, before anybody waits for a graph.
+
+    Raises:
+        UsageError: the bag exists, or a word makes no sense.
+    """
+    _compression(compression)
+    if bag is not None:
+        Place(str(bag.parent)).new(bag.name)
+    for topic in topics:
+        try:
+            validate_topic_name(topic)
+        except InvalidTopicNameException as error:
+            raise _no_topic(topic, error) from None
+
+
+def _no_topic(topic: str, error: Exception) -> UsageError:
+    return UsageError(f"topic {topic!r}: {str(error).splitlines()[0]}; expected a ROS topic name")
 
 
 def _compression(word: str) -> Compression:

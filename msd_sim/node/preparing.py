@@ -1,4 +1,4 @@
-"""Loading and compiling the rig in a thread, so that a signal ends the process at once, and it says what takes so long."""
+"""Loading and compiling the rig in a thread: a signal ends the process at once, and it says what takes so long."""
 
 from __future__ import annotations
 

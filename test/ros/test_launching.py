@@ -15,7 +15,9 @@ def given(**texts: str) -> Arguments:
     return Arguments(texts)
 
 
-@pytest.mark.parametrize(("text", "value"), [("True", True), ("true", True), ("1", True), ("False", False), ("0", False)])
+@pytest.mark.parametrize(
+    ("text", "value"), [("True", True), ("true", True), ("1", True), ("False", False), ("0", False)]
+)
 def test_switch_takes_the_usual_spellings(text: str, value: bool) -> None:
     assert given(use_sim_time=text).switch("use_sim_time") is value
 
