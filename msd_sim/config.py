@@ -149,6 +149,8 @@ def load(name: str) -> dict[str, Any]:
         if not found:
             raise RigError(f"no rig {name!r}; expected one of {', '.join(names())}, or the path of a .yaml file")
         path = found[0]
+    if path.exists() and not path.is_file():
+        raise RigError(f"{name} is no file; expected a rig's .yaml file, or one of {', '.join(names())}")
     try:
         text = path.read_text(encoding="utf-8")
         if _INDENTED.search(text) or text.count("[") + text.count("{") > _BRACKETS:

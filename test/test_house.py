@@ -18,6 +18,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "stopping"),
+    ("paths",),
     ("record", "provenance"),
     ("streams", "motion", "noise"),
     ("quality",),
@@ -38,7 +39,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "record", "streams"}
+BAG_KNOWS = {"errors", "paths", "record", "streams"}
 KNOW_BAG = {"ros", "cli"}
 
 ROS = (
