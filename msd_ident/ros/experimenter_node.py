@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-import datetime
 import threading
+import traceback
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -87,8 +89,10 @@ class Experimenter:
 
     async def _execute(self, handle: ServerGoalHandle) -> RunExperiment.Result:
         self._stop.clear()
-        result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
-        self._busy.clear()
+        try:
+            result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
+        finally:
+            self._busy.clear()
         if handle.status == GoalStatus.STATUS_CANCELING:
             handle.canceled()
         elif result.success:
@@ -104,13 +108,22 @@ class Experimenter:
         def tell(fraction: float, force: float, position: float) -> None:
             handle.publish_feedback(RunExperiment.Feedback(fraction=fraction, force=force, position=position))
 
+        bag: Path | None = None
         try:
             profile, limits = parsed(goal.profile, goal.limits)
-            folder = goal.folder or f"experiment_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
-            bag = Place(self.settings["bag_folder"]).new(folder)
+            place = Place(self.settings["bag_folder"])
+            bag = place.new(goal.folder) if goal.folder else place.automatic("experiment")
             return answer(self.conductor.play(profile, limits, bag, self._stop, tell, goal.reset))
         except MsdError as error:
             return RunExperiment.Result(success=False, message=str(error))
+        except Exception as error:
+            self.node.get_logger().error(traceback.format_exc())
+            what = f"internal error, please report it: {type(error).__name__}: {error}"
+            return RunExperiment.Result(success=False, message=what)
+        finally:
+            if bag is not None and not goal.folder:
+                with suppress(OSError):
+                    bag.rmdir()  # one that nothing was recorded into
 
 
 def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
@@ -120,12 +133,13 @@ def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
         UsageError: either makes no sense.
     """
     try:
-        tree = yaml.safe_load(limits)
+        return from_yaml(profile), from_tree(yaml.safe_load(limits))
+    except RecursionError:
+        raise UsageError("profile or limits are nested too deeply; expected what `msd design --out` writes") from None
     except yaml.YAMLError as error:
         raise UsageError(
             f"limits are no YAML ({' '.join(str(error).split())}); expected force, travel, duration"
         ) from None
-    return from_yaml(profile), from_tree(tree)
 
 
 def answer(played: Played) -> RunExperiment.Result:

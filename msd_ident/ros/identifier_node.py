@@ -42,7 +42,7 @@ SETTINGS = (
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
     Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
     Setting("buffer_samples", 200_000, "position samples kept, oldest out", 100, 10_000_000),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports", fixed=False),
+    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports"),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
     Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -162,8 +161,8 @@ class Recorder:
 
     def _place(self, folder: str) -> Path:
         """Where the bag goes: below the recorder's bag folder, also through links and dots."""
-        name = folder or f"msd_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
-        return Place(self.settings["bag_folder"]).new(name)
+        place = Place(self.settings["bag_folder"])
+        return place.new(folder) if folder else place.automatic("msd")
 
     def _look(self) -> None:
         """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from msd_ident.bag import BagWriter, OfferedQos, qos_to_yaml
+from msd_ident.bag.place import is_empty
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.ros.losses import TopicCount
 
@@ -56,7 +57,7 @@ class Recording:
     """Takes messages from the executor's thread without ever waiting for the disk.
 
     Args:
-        folder: of the bag; must not exist.
+        folder: of the bag; must not exist, or be empty (``Place.automatic`` makes it so that nobody else has it).
         compression: ``zstd``, ``lz4`` or ``none``.
         most_bytes: messages that may wait for the disk; what comes beyond is refused and counted.
         limits: when the bag is seen onto the disk and when it goes on in another file.
@@ -78,6 +79,7 @@ class Recording:
         self._writer = BagWriter(
             folder,
             compression,
+            overwrite=is_empty(folder),
             sync_seconds=limits.sync_seconds,
             split_bytes=limits.split_bytes,
             split_seconds=limits.split_seconds,
