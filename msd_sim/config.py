@@ -30,7 +30,16 @@ RATE = RigParameter("rate", "Hz", 1000.0, 1e-3, 1e6, "samples per second")
 _DEEPEST, _BRACKETS = 5, 100
 _INDENTED = re.compile(r"^[ ?:\t-]{200,}", re.MULTILINE)
 #: Parameters of the node alone; files may hold them, simulations without ROS pass over them.
-NODE_ONLY = ("latency", "real_time_factor", "time_mode", "use_sim_time", "batch_size", "joint_name")
+NODE_ONLY = (
+    "command_timeout",
+    "hold_last_command",
+    "latency",
+    "real_time_factor",
+    "time_mode",
+    "use_sim_time",
+    "batch_size",
+    "joint_name",
+)
 
 
 @dataclass(frozen=True)

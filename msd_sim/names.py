@@ -18,5 +18,8 @@ JOINT = "cart"
 DEPTH = 2000
 CLOCK_DEPTH = 10
 
+#: Longest time between two signs of life of a publisher that promises them (liveliness manual by topic) [s].
+LEASE = 1.0
+
 #: Above this many samples per second of the wall's time they go out in batches.
 MOST_SINGLE = 2000.0

@@ -84,7 +84,7 @@ class Conductor:
     def __init__(self, node: Node, silence: float = 0.5, lead: float = LEAD) -> None:
         self._node, self._silence, self._lead = node, silence, lead
         self._ahead: deque[int] = deque(maxlen=10_000)
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos())
         self._lock = threading.Lock()
         self._guard: Guard | None = None
         self._recording: Recording | None = None
@@ -151,6 +151,7 @@ class Conductor:
                     return
                 if time.monotonic() - told > 0.1:
                     told = time.monotonic()
+                    self._force.assert_liveliness()  # the rig lets go of a force that nobody stands behind
                     played = 1.0 - left / 1e9 / profile.duration
                     advance(min(max(min(float(at) / profile.duration, played), 0.0), 1.0), float(force), guard.position)
                 time.sleep(min(left / 1e9, _NAP))
@@ -161,6 +162,7 @@ class Conductor:
                 self._push(float(force), max(now, due))
             delays.append(max(now - due, 0) / 1e9)
         while not guard.reason and not guard.silent() and clock.now().nanoseconds < due:
+            self._force.assert_liveliness()
             if stop.is_set():
                 guard.stop("cancelled")
             time.sleep(_NAP)

@@ -63,7 +63,7 @@ class Player:
         self._watch = watch
         self._now_ns = 0
         self._health: dict[str, DiagnosticStatus] = {}
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos())
         node.create_subscription(JointState, names.ENCODER, self._on_encoder, names.encoder_qos())
         node.create_subscription(EncoderBatch, names.ENCODER_BATCH, self._on_batch, names.encoder_qos())
         node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._on_diagnostics, 100)
@@ -149,6 +149,7 @@ class Player:
         deadline = time.monotonic() + seconds
         while not condition():
             self._watch()
+            self._force.assert_liveliness()
             if time.monotonic() > deadline:
                 raise SetupError(
                     f"waited {seconds:.0f} s for {what}; expected it within a few: see the logs beside the bag"

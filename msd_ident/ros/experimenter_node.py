@@ -27,7 +27,6 @@ from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.worker import Worker
 from msd_interfaces.action import RunExperiment
 
-RUN = "experiment/run"
 SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("silence", 0.5, "longest time without a reading before an experiment is stopped [s]", 0.02, 60.0),
@@ -55,7 +54,7 @@ class Experimenter:
         self._server = ActionServer(
             self.node,
             RunExperiment,
-            RUN,
+            names.RUN,
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             goal_callback=self._on_goal,
@@ -78,7 +77,8 @@ class Experimenter:
     def _on_goal(self, goal: RunExperiment.Goal) -> GoalResponse:
         """One at a time: a second goal is refused while the cart moves."""
         if self._busy.is_set():
-            self.node.get_logger().warning("an experiment is being played; expected its end before the next one")
+            words = "an experiment is being played; expected its end before the next one"
+            self.node.get_logger().warning(words, throttle_duration_sec=5.0)
             return GoalResponse.REJECT
         self._busy.set()
         return GoalResponse.ACCEPT

@@ -9,6 +9,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from rclpy.action import ActionClient
+from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from std_srvs.srv import Trigger
@@ -42,13 +43,16 @@ class LiveControls:
         self._take = take
         self._commanded = 0.0
         self._goal: Any = None
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos()) if step_limit > 0 else None
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos()) if step_limit > 0 else None
         self._clients = {
             "reset": node.create_client(Trigger, RESET),
             "record": node.create_client(StartRecording, names.RECORDER_START),
             "stop": node.create_client(Trigger, names.RECORDER_STOP),
             "identify": node.create_client(Identify, names.IDENTIFY),
         }
+        if self._force is not None:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            node.create_timer(names.LEASE / 5.0, self._stand_behind, clock=steady)
         self._diagnose = ActionClient(node, Diagnose, names.DIAGNOSE)
         node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._on_diagnostics, 10)
 
@@ -103,6 +107,11 @@ class LiveControls:
         self._later(lambda: self._goal.cancel_goal_async() if self._goal else None)
 
     # -- in the executor's thread
+
+    def _stand_behind(self) -> None:
+        """Sign of life while a force acts that was commanded here."""
+        if self._force is not None and self._commanded:
+            self._force.assert_liveliness()
 
     def _later(self, work: Callable[[], object]) -> None:
         if (executor := self._node.executor) is not None:

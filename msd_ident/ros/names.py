@@ -20,6 +20,7 @@ DIAGNOSE: Final = "identifier/diagnose"
 DIAGNOSIS: Final = "identifier/diagnosis"
 RECORDER_START: Final = "recorder/start"
 RECORDER_STOP: Final = "recorder/stop"
+RUN: Final = "experiment/run"
 DIAGNOSTICS: Final = "/diagnostics"
 CLOCK: Final = "/clock"
 
@@ -41,6 +42,18 @@ REPLAY_DEPTH: Final = 10_000
 def force_qos(depth: int = LEAST_DEPTH) -> QoSProfile:
     """Late joiners know the present force."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+#: Longest time between two signs of life of who commands a force [s].
+LEASE: Final = 1.0
+
+
+def command_qos() -> QoSProfile:
+    """Of who commands a force: late joiners know it, and the rig lets go when its sender shows no life."""
+    profile = force_qos()
+    profile.liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
+    profile.liveliness_lease_duration = Duration(seconds=LEASE)
+    return profile
 
 
 def encoder_qos(depth: int = LEAST_DEPTH) -> QoSProfile:

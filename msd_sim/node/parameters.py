@@ -17,6 +17,14 @@ from msd_sim.errors import RigError
 _DEFAULTS = {"friction_coefficient": 0.0133, "encoder.counts_per_metre": 226600.0}
 _TIMING = (
     RigParameter("latency", "s", 0.005, 0.0, 1.0, "how far the rig stays behind the clock, so that no force is late"),
+    RigParameter(
+        "command_timeout",
+        "s",
+        1.0,
+        0.0,
+        1e6,
+        "silence after which a force goes to 0 that nobody stands behind; 0: never",
+    ),
     RigParameter("real_time_factor", "", 10.0, 1e-3, 1e3, "speed of the clock in the time mode fast"),
 )
 _WHOLE = {
@@ -28,6 +36,7 @@ _WORDS: dict[str, tuple[Any, str]] = {
         [],
         f"effects that the rig has, any of {', '.join(effects.ALL)}; each has its parameters under its name",
     ),
+    "hold_last_command": (False, "a force stays when who commanded it is gone or silent: no dead man's switch"),
     "time_mode": ("real_time", "real_time, or fast: the rig makes the time and publishes /clock"),
     "joint_name": (names.JOINT, "name of the joint in encoder messages"),
 }

@@ -66,7 +66,8 @@ class Lab:
         self.clock.append(message.clock.sec * NANO + message.clock.nanosec)
 
     def rig(self, **parameters) -> RigNode:
-        given = [Parameter(name, value=value) for name, value in parameters.items()]
+        held = {"hold_last_command": True, **parameters}  # tests of the switch itself say otherwise
+        given = [Parameter(name, value=value) for name, value in held.items()]
         node = RigNode(context=self.context, parameter_overrides=given)
         self.executor.add_node(node)
         return node
