@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -27,6 +27,8 @@ from msd_ident.ros.watch import Watch
 
 #: Pause after which a publisher that began anew may have another zero [ns].
 _RESTART_NS = 100_000_000
+#: Least time between two log lines of one kind [s].
+QUIET = 5.0
 
 
 @dataclass(frozen=True)
@@ -204,7 +206,7 @@ class Input:
 
     def _complain(self, error: MsdError) -> None:
         self.problem = f"{self.topic}: {error}"
-        self._node.get_logger().error(self.problem)
+        self._node.get_logger().error(self.problem, throttle_duration_sec=QUIET)
 
 
 class Sink:
@@ -250,3 +252,10 @@ class Sink:
 def listed(inputs: Sequence[Input]) -> str:
     """Their topics, for a sentence."""
     return " or ".join(entry.topic for entry in inputs)
+
+
+def crowds(position: Sequence[Input]) -> Iterator[str]:
+    """Several publishers of one encoder, in words. Of the force anybody may be one."""
+    for entry in position:
+        if entry.publishers > 1:
+            yield f"{entry.topic}: {entry.publishers} publishers; expected one"

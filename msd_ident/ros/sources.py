@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from msd_ident.bag import SourceOptions
+from msd_ident.errors import DataError
 from msd_ident.record import Record
 from msd_ident.ros.buffer import LiveBuffer
-from msd_ident.ros.inputs import Input
+from msd_ident.ros.inputs import Input, crowds
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.places import Place
 from msd_ident.stopping import check
@@ -72,7 +73,11 @@ class Sources:
     def _live(self, part: Part) -> Record:
         """The buffer as a record, its window cut as the bag reader does it."""
         window = options(self._settings, part).window
-        record = self._buffer.record()
+        crowd = "; ".join(crowds(self._inputs["position"]))
+        try:
+            record = self._buffer.record()
+        except DataError as error:
+            raise DataError(f"{crowd}: stop the others" if crowd else str(error)) from None
         heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
         origins = tuple(entry.origin(record.start_ns) for entry in heard)
         lost = tuple(
@@ -80,7 +85,8 @@ class Sources:
             for origin in origins
             if origin.lost
         )
-        record = replace(record, origins=origins, notes=(*record.notes, *lost))
+        crowded = (f"{crowd}.",) if crowd else ()
+        record = replace(record, origins=origins, notes=(*record.notes, *crowded, *lost))
         return record.window(*window) if any(map(math.isfinite, window)) else record
 
 
