@@ -32,6 +32,7 @@ _INDENTED = re.compile(r"^[ ?:\t-]{200,}", re.MULTILINE)
 #: Parameters of the node alone; files may hold them, simulations without ROS pass over them.
 NODE_ONLY = (
     "command_timeout",
+    "frame_id",
     "hold_last_command",
     "latency",
     "real_time_factor",

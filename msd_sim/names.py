@@ -6,7 +6,7 @@ NODE = "rig"
 FORCE = "force"
 ENCODER = "encoder"
 ENCODER_BATCH = "encoder_batch"
-RESET = "rig/reset"
+RESET = "rig/reset"  # the node names it ~/reset
 CLOCK = "/clock"
 
 #: Name of the cart's joint in JointState messages, unless the parameter ``joint_name`` says otherwise.

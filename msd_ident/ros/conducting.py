@@ -33,6 +33,8 @@ LEAD = 0.05
 #: The cart rests when its readings stay within this part of the travel for this long [s].
 _STILL, _STILL_SECONDS = 2e-3, 0.3
 _RESET = "rig/reset"
+#: Why an experiment ended that its caller cancelled.
+CANCELLED = "cancelled"
 _NAP = 0.0005
 
 _KINDS: tuple[tuple[str, Any], ...] = (
@@ -144,7 +146,7 @@ class Conductor:
             due = start + round(float(at) * 1e9)
             while (left := due - lead - clock.now().nanoseconds) > 0:
                 if stop.is_set():
-                    guard.stop("cancelled")
+                    guard.stop(CANCELLED)
                 if self._lag() > usual + self._silence:
                     guard.stop(f"the encoder's readings come {self._lag() - usual:.2f} s later than before")
                 if guard.reason or guard.silent():
@@ -164,7 +166,7 @@ class Conductor:
         while not guard.reason and not guard.silent() and clock.now().nanoseconds < due:
             self._force.assert_liveliness()
             if stop.is_set():
-                guard.stop("cancelled")
+                guard.stop(CANCELLED)
             time.sleep(_NAP)
 
     def _halt(self) -> None:

@@ -18,7 +18,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros import health, names
+from msd_ident.ros import codes, health, names
+from msd_ident.ros.codes import code_of
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.sources import Part, Sources
 from msd_ident.ros.worker import Worker, deliver
@@ -94,11 +95,11 @@ class Diagnosing:
         self._node, self._worker, self._sources, self._settings = node, worker, sources, settings
         self._goals: dict[bytes, _Goal] = {}
         self._last: _Told | None = None
-        self._publisher = node.create_publisher(DiagnosisMessage, names.DIAGNOSIS, names.latest_qos())
+        self._publisher = node.create_publisher(DiagnosisMessage, names.private(names.DIAGNOSIS), names.latest_qos())
         self._server = ActionServer(
             node,
             Diagnose,
-            names.DIAGNOSE,
+            names.private(names.DIAGNOSE),
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             cancel_callback=self._on_cancel,
@@ -137,9 +138,9 @@ class Diagnosing:
             goal.stop.set()
         try:
             work = self._worker.submit(lambda: goal.settle(self._work(goal)), executor, stop=goal.stop)
-            work.add_done_callback(lambda done: goal.settle(_refused("stopped: the identifier ends")))
+            work.add_done_callback(lambda done: goal.settle(_refused("stopped: the identifier ends", codes.CANCELLED)))
         except MsdError as error:
-            goal.settle(_refused(str(error)))
+            goal.settle(_refused(str(error), codes.BUSY))
         result: Diagnose.Result = await goal.answer
         del self._goals[bytes(handle.goal_id.uuid)]
         if handle.status == GoalStatus.STATUS_CANCELING and goal.stop.is_set():
@@ -160,7 +161,7 @@ class Diagnosing:
         return CancelResponse.ACCEPT
 
     def _give_up(self, goal: _Goal) -> None:
-        goal.settle(_refused(_CANCELLED))
+        goal.settle(_refused(_CANCELLED, codes.CANCELLED))
         if (executor := self._node.executor) is not None:
             executor.wake()
 
@@ -170,12 +171,13 @@ class Diagnosing:
         try:
             result = self._diagnosed(goal)
         except Stopped:
-            result = _refused(_CANCELLED if goal.stop.is_set() else "stopped: the identifier ends")
+            words = _CANCELLED if goal.stop.is_set() else "stopped: the identifier ends"
+            result = _refused(words, codes.CANCELLED)
         except MsdError as error:
-            result = _refused(str(error))
+            result = _refused(str(error), code_of(error))
         except Exception as error:
             log.error(traceback.format_exc())
-            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}")
+            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}", code_of(error))
         health.log(log, result.success, result.message)
         return result
 
@@ -224,7 +226,7 @@ class Diagnosing:
             records = [self._sources.record(path, part, read) for path in paths or [""]]
             one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
         except MsdError as error:
-            result.success = False
+            result.success, result.code = False, code_of(error)
             result.diagnoses = [*result.diagnoses, failed(name, str(error))]
             return
         message = to_diagnosis(one, name, self._node.get_clock().now().nanoseconds, self._sources.frame)
@@ -234,5 +236,5 @@ class Diagnosing:
         self._publisher.publish(message)
 
 
-def _refused(reason: str) -> Diagnose.Result:
-    return Diagnose.Result(success=False, message=reason)
+def _refused(reason: str, code: int) -> Diagnose.Result:
+    return Diagnose.Result(success=False, message=reason, code=code)

@@ -1,4 +1,4 @@
-"""The experimenter node: plays profiles on the rig by the action ``experiment/run``."""
+"""The experimenter node: plays profiles on the rig by the action ``experimenter/run``."""
 
 from __future__ import annotations
 
@@ -20,12 +20,14 @@ from msd_ident.design.limits import Limits, from_tree
 from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import from_yaml
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros import names
-from msd_ident.ros.conducting import LEAD, Conductor, Played
+from msd_ident.ros import codes, names
+from msd_ident.ros.codes import code_of
+from msd_ident.ros.conducting import CANCELLED, LEAD, Conductor, Played
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.worker import Worker
 from msd_interfaces.action import RunExperiment
+from msd_interfaces.msg import ResultCode
 
 SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
@@ -54,7 +56,7 @@ class Experimenter:
         self._server = ActionServer(
             self.node,
             RunExperiment,
-            names.RUN,
+            names.private(names.RUN),
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             goal_callback=self._on_goal,
@@ -115,11 +117,11 @@ class Experimenter:
             bag = place.new(goal.folder) if goal.folder else place.automatic("experiment")
             return answer(self.conductor.play(profile, limits, bag, self._stop, tell, goal.reset))
         except MsdError as error:
-            return RunExperiment.Result(success=False, message=str(error))
+            return RunExperiment.Result(success=False, message=str(error), code=code_of(error))
         except Exception as error:
             self.node.get_logger().error(traceback.format_exc())
             what = f"internal error, please report it: {type(error).__name__}: {error}"
-            return RunExperiment.Result(success=False, message=what)
+            return RunExperiment.Result(success=False, message=what, code=code_of(error))
         finally:
             if bag is not None and not goal.folder:
                 with suppress(OSError):
@@ -142,10 +144,15 @@ def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
         ) from None
 
 
+#: Codes of experiments that were played or cancelled; any other end is the rig's.
+_ENDS = {"": codes.DONE, CANCELLED: codes.CANCELLED}
+
+
 def answer(played: Played) -> RunExperiment.Result:
     """The action's result."""
     return RunExperiment.Result(
         success=not played.stopped,
+        code=_ENDS.get(played.stopped, ResultCode.UNAVAILABLE),
         message=played.sentence,
         bag_path=str(played.bag),
         stopped=played.stopped,

@@ -63,6 +63,7 @@ def data_status(
     }
     for entry in (*position, *force):
         if entry.count.received:
+            values[f"{entry.topic}: rate [Hz]"] = f"{entry.count.rate:.6g}"
             values[f"{entry.topic}: missing by numbers"] = entry.missing
             values[f"{entry.topic}: missing by stamps"] = entry.count.holes
     return status(name, level, sentence, {**values, **{f"seen: {kind}": n for kind, n in watch.counts.items()}})

@@ -24,7 +24,7 @@ LEAD = Duration(nanoseconds=50_000_000)
 #: Name of the rig's service, as in the table of the graph.
 RESET = "rig/reset"
 #: How the recorder's status ends, and how its sentence begins while it records.
-BAG_STATUS, RECORDING = ": bag", "recording:"
+RECORDING = "recording:"
 
 
 class LiveControls:
@@ -153,8 +153,9 @@ class LiveControls:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Recordings that others start and stop."""
+        own = names.status_name(self._node.get_namespace(), "recorder", "bag")
         for status in message.status:
-            if not status.name.endswith(BAG_STATUS):
+            if status.name != own:
                 continue
             on = status.message.startswith(RECORDING)
             if on and self._board.known.recording is None:

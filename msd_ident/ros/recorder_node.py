@@ -18,10 +18,12 @@ from std_srvs.srv import Trigger
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros import health, names
+from msd_ident.ros.codes import code_of
 from msd_ident.ros.following import Following
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.recording import Limits, Recording, Summary
+from msd_ident.ros.resuming import Interrupted, Notebook
 from msd_ident.ros.watch import Watch
 from msd_interfaces.srv import StartRecording
 
@@ -33,6 +35,7 @@ SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
     Setting("autostart", False, "start recording at once"),
+    Setting("resume", False, "after a kill while it recorded: go on in a new bag (respawn:=true of the launch file)"),
     Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("queue_megabytes", 512, "messages that may wait for the disk [MiB]", 1, 65_536),
@@ -41,6 +44,7 @@ SETTINGS = (
     Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
     Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
+    Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
 )
 
 #: How often the graph is looked at for new topics [s].
@@ -70,11 +74,18 @@ class Recorder:
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
         many = names.service_qos()
-        node.create_service(StartRecording, names.RECORDER_START, self._on_start, qos_profile=many)
-        node.create_service(Trigger, names.RECORDER_STOP, self._on_stop, qos_profile=many)
+        node.create_service(StartRecording, names.private(names.RECORDER_START), self._on_start, qos_profile=many)
+        node.create_service(Trigger, names.private(names.RECORDER_STOP), self._on_stop, qos_profile=many)
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
-        if self.settings["autostart"]:
+        self._notebook = Notebook(Place(self.settings["bag_folder"]).root, node.get_fully_qualified_name())
+        left = self._notebook.left() if self.settings["resume"] else None
+        if left is not None:
+            self._log.warning(
+                "the recorder died while it recorded; it goes on in a new bag (msd repair mends the other)"
+            )
+            self.start("", left.topics, left.every, left.compression)
+        elif self.settings["autostart"]:
             self.start(self.settings["folder"])
 
     @property
@@ -118,6 +129,7 @@ class Recorder:
         self._wanted = None if every else frozenset(self._resolved(topic) for topic in wanted)
         path = self._place(folder)
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
+        self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
         depth = self.settings["queue_depth"]
         self._following = Following(self.node, self._recording, self._wanted, depth, self.watch)
         self._look()
@@ -138,6 +150,7 @@ class Recorder:
             self._following.close()
             self._following = None
         self._last = self._recording.close()
+        self._notebook.end()
         self._recording = None
         health.log(self._log, not self._last.error, f"stopped: {self._last.sentence}")
         return self._last
@@ -167,7 +180,7 @@ class Recorder:
         try:
             path = self.start(request.folder, request.topics, request.all_topics, request.compression)
         except MsdError as error:
-            response.success, response.message = False, str(error)
+            response.success, response.message, response.code = False, str(error), code_of(error)
             return response
         heard = self._following.subscriptions if self._following else {}
         waiting = sorted((self._wanted or frozenset()) - set(heard))
@@ -186,12 +199,14 @@ class Recorder:
 
     def _diagnose(self) -> None:
         summary = self.summary
-        level, sentence, values = DiagnosticStatus.OK, "not recording", {}
+        level, sentence = DiagnosticStatus.OK, "not recording"
+        values: dict[str, object] = {}
         if summary is not None:
             state = "recording" if self._recording else "recorded"
             sentence = f"{state}: {summary.sentence}"
             for topic, count in summary.topics.items():
                 values[topic] = count.received
+                values[f"{topic}: rate [Hz]"] = f"{count.rate:.6g}"
                 values[f"{topic}: missing by numbers"] = count.lost
                 values[f"{topic}: missing by stamps"] = count.holes
             odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
@@ -199,7 +214,9 @@ class Recorder:
             level = DiagnosticStatus.ERROR if summary.error else level
             sentence = "; ".join((sentence, *odd[: health.MOST_TOLD]))
         values.update({f"seen: {kind}": times for kind, times in self.watch.counts.items()})
-        status = health.status(f"{self.node.get_name()}: bag", level, sentence, values)
+        place = self.node.get_namespace()
+        status = health.status(names.status_name(place, self.node.get_name(), "bag"), level, sentence, values)
+        status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), status))
 
     def _silences(self, summary: Summary) -> Iterator[str]:

@@ -38,9 +38,10 @@ _WORDS: dict[str, tuple[Any, str]] = {
     ),
     "hold_last_command": (False, "a force stays when who commanded it is gone or silent: no dead man's switch"),
     "time_mode": ("real_time", "real_time, or fast: the rig makes the time and publishes /clock"),
+    "frame_id": (names.NODE, "frame of the encoder's messages"),
     "joint_name": (names.JOINT, "name of the joint in encoder messages"),
 }
-_READ_ONLY = ("rate", "time_mode", "real_time_factor", "joint_name")
+_READ_ONLY = ("frame_id", "rate", "time_mode", "real_time_factor", "joint_name")
 
 
 def _numbers() -> Iterator[tuple[str, RigParameter]]:

@@ -87,13 +87,15 @@ class RigNode(Node):
         self.add_on_set_parameters_callback(self._refuse_nonsense)
         self.add_post_set_parameters_callback(self._apply)
         self._commands = Commands(self, self._rig, lambda: self._values, self._on_force, self._release)
-        self.create_service(Trigger, names.RESET, self._on_reset)
+        self.create_service(Trigger, "~/reset", self._on_reset)
         self._batched = parameters.samples_per_second(self._values) > names.MOST_SINGLE
         if self._batched:
             self._batch = EncoderBatch(name=self._values["joint_name"], period_ns=self._period_ns)
+            self._batch.header.frame_id = self._values["frame_id"]
             self._batches = self.create_publisher(EncoderBatch, names.ENCODER_BATCH, names.DEPTH)
         else:
             self._sample = JointState(name=[self._values["joint_name"]], position=[0.0])
+            self._sample.header.frame_id = self._values["frame_id"]
             self._samples = self.create_publisher(JointState, names.ENCODER, names.DEPTH)
         if self._fast:
             self._clocks = self.create_publisher(ClockMessage, names.CLOCK, names.CLOCK_DEPTH)

@@ -122,7 +122,7 @@ def test_a_diagnosis_refuses_paths(ros: Graph, name: str) -> None:
 @pytest.mark.parametrize("field", ["profile", "limits", "folder"])
 def test_an_experiment_refuses_in_words_and_takes_the_next(ros: Graph, field: str, text: str) -> None:
     """One goal after the other: each is accepted, so none before it has left the node busy."""
-    _, future = ros.goal(RunExperiment, "experiment/run", RunExperiment.Goal(**{field: text}))
+    _, future = ros.goal(RunExperiment, "experimenter/run", RunExperiment.Goal(**{field: text}))
     until(future.done, "the result")
     refused(future.result().result, "")
 
@@ -132,7 +132,7 @@ def test_a_long_folder_leaves_the_experimenter_ready(ros: Graph) -> None:
     profile = to_yaml(Profile((Segment("step", 0.5, force=1.0),), "step"))
     goal = RunExperiment.Goal(profile=profile, limits="{force: 5, travel: 0.1, duration: 5}", folder="a" * 300)
     for _ in range(2):
-        _, future = ros.goal(RunExperiment, "experiment/run", goal)
+        _, future = ros.goal(RunExperiment, "experimenter/run", goal)
         until(future.done, "the result")
         refused(future.result().result, "is a name of 300 bytes; expected at most 255: shorten it")
 
