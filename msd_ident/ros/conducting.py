@@ -92,7 +92,6 @@ class Conductor:
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
         self._halted = False
-        self._subscriptions = [self._listen(topic, kind) for topic, kind in _KINDS]
 
     def play(
         self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance, reset: bool = False
@@ -104,11 +103,16 @@ class Conductor:
             SetupError: no rig answers; nothing has moved.
         """
         limits.check(profile)
-        self._wait_for_rig()
-        if reset:
-            self._reset()
-        self._wait_for_rest(limits, stop)
-        return self._conduct(profile, limits, bag, stop, advance)
+        listening = [self._listen(topic, kind) for topic, kind in _KINDS]
+        try:
+            self._wait_for_rig()
+            if reset:
+                self._reset()
+            self._wait_for_rest(limits, stop)
+            return self._conduct(profile, limits, bag, stop, advance)
+        finally:
+            for subscription in listening:
+                self._node.destroy_subscription(subscription)
 
     def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
         recording = self._record(bag)

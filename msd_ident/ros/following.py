@@ -14,7 +14,7 @@ from msd_ident.bag import OfferedQos
 from msd_ident.errors import DataError, MsdError
 from msd_ident.ros import names
 from msd_ident.ros.conversions import is_stamped, message_class, raw_stamp
-from msd_ident.ros.draining import subscribe, waiting
+from msd_ident.ros.draining import Poller, subscribe, waiting
 from msd_ident.ros.recording import Recording
 from msd_ident.ros.watch import Watch
 
@@ -31,13 +31,14 @@ class Following:
         wanted: topics; ``None`` for all that are not hidden.
         depth: messages that a subscription holds back.
         watch: is told what goes wrong.
+        poller: of the node.
     """
 
     def __init__(
-        self, node: Node, recording: Recording, wanted: frozenset[str] | None, depth: int, watch: Watch
+        self, node: Node, recording: Recording, wanted: frozenset[str] | None, depth: int, watch: Watch, poller: Poller
     ) -> None:
         self._node, self._recording, self._wanted = node, recording, wanted
-        self._depth, self._watch = depth, watch
+        self._depth, self._watch, self._poller = depth, watch, poller
         self._began_ns = time.time_ns()
         self._refused: set[str] = set()
         self._types: dict[str, str] = {}
@@ -91,7 +92,10 @@ class Following:
             self._node.destroy_subscription(has)
         take = self._taker(topic, self._types[topic])
         kind = message_class(self._types[topic])
-        self.subscriptions[topic] = subscribe(self._node, kind, topic, take, qos, raw=True)
+        if self._node.get_parameter("use_sim_time").value:  # then the instant of taking is the log time
+            self.subscriptions[topic] = subscribe(self._node, kind, topic, take, qos, raw=True)
+        else:
+            self.subscriptions[topic] = self._poller.subscribe(kind, topic, take, qos, raw=True)
         if has is None and _mixed(offered):
             self._fetch_latched(topic, kind, take)
 

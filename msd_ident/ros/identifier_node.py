@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -19,6 +19,7 @@ from msd_ident.ros import codes, health, names
 from msd_ident.ros.buffer import LiveBuffer
 from msd_ident.ros.codes import code_of
 from msd_ident.ros.diagnosing import Diagnosing
+from msd_ident.ros.draining import Poller
 from msd_ident.ros.inputs import Input, Sink, wanted
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER
@@ -149,13 +150,13 @@ class Identifier:
             return Outcome(False, words, code=code_of(error))
 
     def _make_inputs(self) -> dict[str, list[Input]]:
-        data = MutuallyExclusiveCallbackGroup()
+        poller = Poller(self.node)
         sink = Sink(self.buffer, self.watcher, self.watch)
         depth = self.settings["queue_depth"]
 
         def made(what: Literal["force", "position"]) -> list[Input]:
             signals = wanted(what, self.settings[what], self.settings[f"{what}_scale"])
-            return [Input(self.node, signal, sink, depth, data) for signal in signals]
+            return [Input(self.node, signal, sink, depth, poller) for signal in signals]
 
         return {"force": made("force"), "position": made("position")}
 

@@ -19,6 +19,7 @@ from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros import health, names
 from msd_ident.ros.codes import code_of
+from msd_ident.ros.draining import Poller
 from msd_ident.ros.following import Following
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
@@ -71,6 +72,7 @@ class Recorder:
         self._last: Summary | None = None
         self._wanted: frozenset[str] | None = frozenset()
         self._following: Following | None = None
+        self._poller = Poller(self.node)
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
         many = names.service_qos()
@@ -131,7 +133,7 @@ class Recorder:
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
         self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
         depth = self.settings["queue_depth"]
-        self._following = Following(self.node, self._recording, self._wanted, depth, self.watch)
+        self._following = Following(self.node, self._recording, self._wanted, depth, self.watch, self._poller)
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
         self._log.info(f"recording {what} to {path}")

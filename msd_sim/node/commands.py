@@ -96,6 +96,8 @@ class Commands:
         if now - self._looked < LOOK:
             return
         self._looked = now
+        if not (self._rig.pushed or self._own):
+            return
         others = self._others()
         if self._rig.pushed and not self._values()["hold_last_command"]:
             why = self._reason(now, gone=not others)
