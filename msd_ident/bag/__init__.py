@@ -3,6 +3,7 @@
 from msd_ident.bag.bag import Bag, iterate_messages, open_bag
 from msd_ident.bag.csv_file import write_csv
 from msd_ident.bag.describe import BagInfo, TopicInfo, describe
+from msd_ident.bag.joints import Joint, joints, source_of
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.qos import OfferedQos, qos_from_yaml, qos_to_yaml
 from msd_ident.bag.read import read
@@ -15,6 +16,7 @@ __all__ = [
     "Bag",
     "BagInfo",
     "BagWriter",
+    "Joint",
     "OfferedQos",
     "RawMessage",
     "Repair",
@@ -23,11 +25,13 @@ __all__ = [
     "TopicInfo",
     "describe",
     "iterate_messages",
+    "joints",
     "open_bag",
     "qos_from_yaml",
     "qos_to_yaml",
     "read",
     "repair",
+    "source_of",
     "write_bag",
     "write_csv",
 ]

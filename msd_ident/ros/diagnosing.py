@@ -28,6 +28,7 @@ from msd_interfaces.action import Diagnose
 from msd_interfaces.msg import Diagnosis as DiagnosisMessage
 
 if TYPE_CHECKING:
+    from msd_ident.bag import Joint
     from msd_ident.diagnose import Diagnosis
 
 #: Paths that a goal may name.
@@ -186,13 +187,16 @@ class Diagnosing:
         if len(request.bag_paths) > MOST_PATHS:
             raise UsageError(f"{len(request.bag_paths)} paths; expected at most {MOST_PATHS}: ask in several goals")
         target = self._sources.place.new(request.report_path, ".html") if request.report_path else None
-        groups: list[list[str]] = [[]]
-        if request.bag_paths:
-            groups = [list(request.bag_paths)] if request.together else [[path] for path in request.bag_paths]
+        groups: list[tuple[tuple[str, ...], Joint | None]]
+        if self._settings["all_joints"]:
+            groups = [((path,), joint) for path in request.bag_paths or [""] for joint in self._sources.joints(path)]
+        else:
+            apart: list[tuple[str, ...]] = [(path,) for path in request.bag_paths] or [()]
+            groups = [(tuple(request.bag_paths), None)] if request.together else [(paths, None) for paths in apart]
         result = Diagnose.Result(success=True)
         found: list[Diagnosis] = []
-        for index, paths in enumerate(groups):
-            self._one(goal, paths, (index / len(groups), 1.0 / len(groups)), result, found)
+        for index, (paths, joint) in enumerate(groups):
+            self._one(goal, paths, joint, (index / len(groups), 1.0 / len(groups)), result, found)
         if target is not None and found:
             from msd_ident.report import page
 
@@ -205,12 +209,14 @@ class Diagnosing:
         self,
         goal: _Goal,
         paths: Sequence[str],
+        joint: Joint | None,
         share: tuple[float, float],
         result: Diagnose.Result,
         found: list[Diagnosis],
     ) -> None:
         """Diagnose one experiment; ``result`` and ``found`` grow. One that cannot be read leaves the others alone."""
         from msd_ident import pipeline
+        from msd_ident.effort import judge
         from msd_ident.ros.diagnoses import failed, healthy, to_diagnosis
 
         def tell(stage: str, fraction: float, cause: str) -> None:
@@ -220,13 +226,18 @@ class Diagnosing:
             tell("reading", 0.0, f"{messages} messages" if messages else "")
 
         name = " + ".join(paths) or "live"
+        name = f"{name} {joint.name}" if joint else name
         try:
             tell("reading", 0.0, "")
             part = Part(goal.handle.request.start, goal.handle.request.end)
-            records = [self._sources.record(path, part, read) for path in paths or [""]]
+            records = [self._sources.record(path, part, read, joint) for path in paths or [""]]
+            if joint is not None and not (judged := judge(records[0])).usable:
+                result.diagnoses = [*result.diagnoses, failed(name, judged.sentence)]
+                return
             one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
         except MsdError as error:
-            result.success, result.code = False, code_of(error)
+            if joint is None:  # of all joints, one that rests or is not measured leaves the others a success
+                result.success, result.code = False, code_of(error)
             result.diagnoses = [*result.diagnoses, failed(name, str(error))]
             return
         message = to_diagnosis(one, name, self._node.get_clock().now().nanoseconds, self._sources.frame)

@@ -12,12 +12,15 @@ import pytest
 rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from graph import Graph, graph, until  # noqa: E402
+from rclpy.serialization import serialize_message  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+from servos import geared  # noqa: E402
 
 import msd_sim.api  # noqa: E402
-from msd_ident.bag import write_csv  # noqa: E402
+from msd_ident.bag import BagWriter, write_csv  # noqa: E402
 from msd_ident.record import Record  # noqa: E402
 from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.conversions import nanoseconds  # noqa: E402
+from msd_ident.ros.conversions import nanoseconds, time_message  # noqa: E402
 from msd_ident.ros.identifier_node import Identifier  # noqa: E402
 from msd_ident.ros.parameters import overrides  # noqa: E402
 from msd_interfaces.action import Diagnose  # noqa: E402
@@ -83,3 +86,29 @@ def test_a_diagnosis_tells_its_window(ros: Graph, tmp_path: Path) -> None:
     until(result.done, "the diagnosis", 110.0)
     (found,) = result.result().result.diagnoses
     assert (nanoseconds(found.window_end) - nanoseconds(found.window_start)) / 1e9 == pytest.approx(3.5, abs=0.02)
+
+
+def test_all_joints_of_a_bag(ros: Graph, tmp_path: Path) -> None:
+    """A parameter of the node; a joint whose effort is no force gets its sentence."""
+    given = {"auto_fit": False, "bag_folder": str(tmp_path), "all_joints": True}
+    ros.add(Identifier(overrides(given), context=ros.context))
+    writer = BagWriter(tmp_path / "arm")
+    writer.add_topic("/joint_states", "sensor_msgs/msg/JointState")
+    servo = geared(1)
+    for at, position, effort in zip(servo.time, servo.position, servo.force, strict=True):
+        # With speeds: rclpy's serialize_message leaves bytes behind a message whose middle list is empty.
+        speeds = [0.0, 0.0]
+        message = JointState(name=["elbow", "tool"], position=[position, 0.0], velocity=speeds, effort=[effort, 0.0])
+        ns = START_NS + round(float(at) * 1e9)
+        message.header.stamp = time_message(ns)
+        writer.write("/joint_states", serialize_message(message), ns, ns)
+    writer.close()
+    _, result = ros.goal(Diagnose, names.DIAGNOSE, Diagnose.Goal(bag_paths=["arm"]))
+    until(result.done, "the diagnosis", 110.0)
+    assert result.result().result.success, result.result().result.message
+    first, second = result.result().result.diagnoses
+    assert first.path == "arm elbow" and "geared position servo" in first.summary and first.verdict == ""
+    assert second.path == "arm tool" and second.verdict == ""
+    _, result = ros.goal(Diagnose, names.DIAGNOSE, Diagnose.Goal())
+    until(result.done, "the refusal")
+    assert result.result().result.message.startswith("all_joints goes with bags; expected bag_paths")
