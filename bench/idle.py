@@ -1,6 +1,6 @@
 """What rig, identifier, recorder and experimenter cost with nothing to do, in cores, at 1 kHz.
 
-    .venv/bin/python -m bench.idle --seconds 20
+.venv/bin/python -m bench.idle --seconds 20
 """
 
 from __future__ import annotations
