@@ -18,6 +18,8 @@ JOINT = "cart"
 DEPTH = 2000
 CLOCK_DEPTH = 10
 
+#: How long after its start the rig asks for commands that were latched before [s]: discovery took up to 2.8 s here.
+LATECOMER = 5.0
 #: Longest time between two signs of life of a publisher that promises them (liveliness manual by topic) [s].
 LEASE = 1.0
 

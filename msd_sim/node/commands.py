@@ -17,6 +17,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 
 from msd_sim import names
 from msd_sim.rig import Rig
@@ -53,19 +54,17 @@ class Commands:
         self._eager = False
         self._topic = node.resolve_topic_name(names.FORCE)
         self._began_ns = time.time_ns()
-        self._heard = time.monotonic()
+        self._heard = self._began = time.monotonic()
         self._looked, self._alive, self._dropped = 0.0, 0, False
         self._latest: WrenchStamped | None = None
         self._announced: WrenchStamped | None = None
         self._own: Publisher | None = None
-        node.create_subscription(WrenchStamped, names.FORCE, self._on_latched, _quality(latched=True))
+        self._latched: Subscription | None = node.create_subscription(
+            WrenchStamped, names.FORCE, self._on_latched, _quality(latched=True)
+        )
         eager = SubscriptionEventCallbacks(incompatible_qos=self._on_eager)
         node.create_subscription(WrenchStamped, names.FORCE, self._on_force, _quality(), event_callbacks=eager)
-        watched = SubscriptionEventCallbacks(liveliness=self._on_liveliness, incompatible_qos=lambda event: None)
-        promised = _quality()
-        promised.liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
-        promised.liveliness_lease_duration = Duration(seconds=names.LEASE)
-        node.create_subscription(WrenchStamped, names.FORCE, lambda _: None, promised, event_callbacks=watched)
+        self._guard: Subscription | None = None
 
     def _on_force(self, message: WrenchStamped) -> None:
         if message == self._announced:
@@ -96,9 +95,13 @@ class Commands:
         if now - self._looked < LOOK:
             return
         self._looked = now
+        if self._latched is not None and now - self._began > names.LATECOMER:
+            self._node.destroy_subscription(self._latched)  # publishers that latch nothing are warned of it
+            self._latched = None
         if not (self._rig.pushed or self._own):
             return
         others = self._others()
+        self._watch_life(any(_promises_life(one.qos_profile) for one in others))
         if self._rig.pushed and not self._values()["hold_last_command"]:
             why = self._reason(now, gone=not others)
             if why:
@@ -106,6 +109,20 @@ class Commands:
         unlatched = not others or any(one.qos_profile.durability == DurabilityPolicy.VOLATILE for one in others)
         if self._latest not in (None, self._announced) and (self._own or (self._rig.pushed and unlatched)):
             self._announce(self._latest)
+
+    def _watch_life(self, promised: bool) -> None:
+        """Listen for signs of life where somebody promises them, only then: other publishers are warned of it."""
+        if promised and self._guard is None:
+            watched = SubscriptionEventCallbacks(liveliness=self._on_liveliness, incompatible_qos=lambda event: None)
+            quality = _quality()
+            quality.liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
+            quality.liveliness_lease_duration = Duration(seconds=names.LEASE)
+            self._guard = self._node.create_subscription(
+                WrenchStamped, names.FORCE, lambda _: None, quality, event_callbacks=watched
+            )
+        elif not promised and self._guard is not None:
+            self._node.destroy_subscription(self._guard)
+            self._guard, self._alive = None, 0
 
     def _reason(self, now: float, gone: bool) -> str:
         """Why the force must not go on; empty when it may."""
@@ -140,6 +157,12 @@ class Commands:
         found = self._node.get_publishers_info_by_topic(self._topic)
         own = (self._node.get_name(), self._node.get_namespace())
         return [one for one in found if (one.node_name, one.node_namespace) != own]
+
+
+def _promises_life(profile: QoSProfile) -> bool:
+    """Whether a publisher promises signs of life that the rig can hold it to."""
+    lease = profile.liveliness_lease_duration.nanoseconds
+    return profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC and 0 < lease <= names.LEASE * NANO
 
 
 def _quality(latched: bool = False, depth: int = names.DEPTH) -> QoSProfile:

@@ -15,6 +15,7 @@ rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
+from rclpy.event_handler import PublisherEventCallbacks  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.publisher import Publisher  # noqa: E402
@@ -26,6 +27,7 @@ from msd_ident.design import Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.ros import names  # noqa: E402
 from msd_ident.ros.recorder_node import Recorder  # noqa: E402
+from msd_ident.ros.run import Spinner  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 from msd_sim.node.rig_node import RigNode  # noqa: E402
 
@@ -128,6 +130,26 @@ def test_who_is_silent_lets_go(lab: Lab) -> None:
         lab.released(3.0)
 
 
+def test_a_plain_publisher_is_not_warned_of_qos(lab: Lab) -> None:
+    """It would read that nothing is sent, while its force acts."""
+    with stranger(lab) as node:
+        warned: list[object] = []
+        until(lambda: lab.rig._commands._latched is None, "the rig to have asked for older commands", 10.0)
+        callbacks = PublisherEventCallbacks(incompatible_qos=warned.append)
+        publisher = node.create_publisher(WrenchStamped, names.FORCE, 10, event_callbacks=callbacks)
+        spinner = Spinner(node)
+        message = WrenchStamped()
+        message.wrench.force.x = FORCE
+
+        def moved() -> bool:
+            publisher.publish(message)
+            return lab.position > 0.5 * DEFLECTION
+
+        until(moved, "the cart to be pushed", 20.0)
+        assert warned == []
+        spinner.stop()
+
+
 def test_who_is_gone_lets_go(ros_domain: int) -> None:
     lab = Lab(ros_domain, command_timeout=1e6)
     try:
@@ -199,11 +221,11 @@ def recorded(ros: Graph, folder: Path) -> None:
     """Record a second of the graph, with a recorder that comes now."""
     given = [Parameter("bag_folder", value=str(folder)), Parameter("folder", value="bag")]
     recorder = ros.add(Recorder(given, context=ros.context))
-    recorder.start("bag")
+    recorder.node.executor.create_task(recorder.start, "bag")
+    until(lambda: recorder.summary, "the recording to begin")
     until(
         lambda: recorder.summary.topics.get("/encoder") and recorder.summary.topics["/encoder"].received > 200,
         "samples",
     )
-    ros.within(lambda: None)
     recorder.node.executor.create_task(recorder.stop)
     until(lambda: recorder._recording is None, "the bag to be closed")
