@@ -17,14 +17,14 @@ _LEAST_BYTES = 10_000
 def make_folder(folder: Path, overwrite: bool) -> None:
     """An empty folder for the bag; only a bag is ever removed for it, and an empty folder is taken as it is.
 
-    Of two that ask for the same name at once, one gets it.
+    Of two that ask at once for a name that is not there, one gets it.
 
     Raises:
         UsageError: the folder exists and may not be replaced.
         SetupError: the disk does not take it.
     """
     try:
-        if overwrite and is_empty(folder):
+        if is_empty(folder):
             return
         if folder.exists() or folder.is_symlink():
             _clear(folder, overwrite)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from msd_ident.bag import BagWriter, OfferedQos, qos_to_yaml
-from msd_ident.bag.place import is_empty
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
 from msd_ident.ros.losses import TopicCount
 
@@ -79,7 +78,6 @@ class Recording:
         self._writer = BagWriter(
             folder,
             compression,
-            overwrite=is_empty(folder),
             sync_seconds=limits.sync_seconds,
             split_bytes=limits.split_bytes,
             split_seconds=limits.split_seconds,
