@@ -3,6 +3,7 @@
 The version, description, licence and maintainer are those of package.xml.
 """
 
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -18,6 +19,14 @@ def shared(folder: str, *patterns: str) -> tuple[str, list[str]]:
     """Files of a folder here that go to the same folder under share/msd_ident."""
     found = sorted(path for pattern in patterns for path in (ROOT / folder).glob(pattern))
     return f"share/{NAME}/{folder}", [str(path.relative_to(ROOT)) for path in found]
+
+
+def commands() -> dict[str, type]:
+    """Under colcon those that build msd_interfaces too; pip has no use for them."""
+    sys.path.append(str(ROOT / "tools"))
+    import colcon_interfaces
+
+    return colcon_interfaces.COMMANDS if colcon_interfaces.runs() else {}
 
 
 setup(
@@ -40,6 +49,7 @@ setup(
         shared("launch", "*.launch.py"),
         shared("config", "*.yaml", "foxglove_layout.json", "plotjuggler_layout.xml"),
     ],
+    cmdclass=commands(),
     zip_safe=False,
     python_requires=">=3.10",
     install_requires=[
@@ -93,5 +103,7 @@ setup(
         ],
         # How `msd simulate` finds a rig without importing one: the first is used by default.
         "msd.rigs": ["default = msd_sim.api:simulate"],
+        # What `msd warm` compiles beforehand.
+        "msd.warm": ["solver = msd_ident.model:warm_up", "rig = msd_sim.node.preparing:warm_up"],
     },
 )

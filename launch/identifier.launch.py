@@ -3,55 +3,71 @@
 From a shell:
 
     ros2 launch msd_ident identifier.launch.py params:=/path/to/robot.yaml
+
+Every argument is checked before anything starts.
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.conditions import IfCondition
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
+
+from msd_ident.ros.launching import LOG_LEVELS, Arguments
+
+#: Name, default and meaning of what can be said on the command line.
+ARGUMENTS = (
+    ("namespace", "msd", "namespace of the node and its topics"),
+    (
+        "params",
+        PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"]),
+        "YAML file: sources of force and position, and the rest",
+    ),
+    ("use_sim_time", "false", "true: follow /clock"),
+    ("live", "false", "true: serve the live view too"),
+    ("live_port", "8210", "port of the live view"),
+    ("respawn", "false", "true: a node that dies comes back"),
+    ("log_level", "info", f"of all nodes: {', '.join(LOG_LEVELS)}"),
+)
+
+
+def nodes(context):
+    """Check all arguments, then the nodes."""
+    given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
+    namespace, params = given.namespace(), given.parameters("params")
+    live_port = given.port("live_port")
+    on_clock = {"use_sim_time": given.switch("use_sim_time")}
+    common = {
+        "package": "msd_ident",
+        "output": "screen",
+        "respawn": given.switch("respawn"),
+        "respawn_delay": 2.0,
+        "ros_arguments": ["--log-level", given.word("log_level", LOG_LEVELS)],
+    }
+    started = [
+        Node(
+            executable="identifier",
+            name="identifier",
+            namespace=namespace,
+            parameters=[params, on_clock],
+            **common,
+        )
+    ]
+    if given.switch("live"):
+        started.append(
+            Node(
+                executable="live",
+                name="live",
+                namespace=namespace,
+                # Of the same file it takes the sources of force and position, and leaves the rest.
+                parameters=[params, {"port": live_port}, on_clock],
+                **common,
+            )
+        )
+    return started
 
 
 def generate_launch_description():
     """Arguments, then the node."""
-    default = PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"])
-    on_clock = {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument("namespace", default_value="msd", description="namespace of the node and its topics"),
-            DeclareLaunchArgument(
-                "params", default_value=default, description="YAML file: sources of force and position, and the rest"
-            ),
-            DeclareLaunchArgument(
-                "use_sim_time", default_value="false", choices=["true", "false"], description="follow /clock"
-            ),
-            DeclareLaunchArgument(
-                "live", default_value="false", choices=["true", "false"], description="serve the live view too"
-            ),
-            DeclareLaunchArgument("live_port", default_value="8210", description="port of the live view"),
-            Node(
-                package="msd_ident",
-                executable="identifier",
-                name="identifier",
-                namespace=LaunchConfiguration("namespace"),
-                parameters=[LaunchConfiguration("params"), on_clock],
-                output="screen",
-            ),
-            Node(
-                package="msd_ident",
-                executable="live",
-                name="live",
-                namespace=LaunchConfiguration("namespace"),
-                # Of the same file it takes the sources of force and position, and leaves the rest.
-                parameters=[
-                    LaunchConfiguration("params"),
-                    {"port": ParameterValue(LaunchConfiguration("live_port"), value_type=int)},
-                    on_clock,
-                ],
-                output="screen",
-                condition=IfCondition(LaunchConfiguration("live")),
-            ),
-        ]
-    )
+    declared = [DeclareLaunchArgument(name, default_value=value, description=text) for name, value, text in ARGUMENTS]
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])

@@ -4,17 +4,20 @@ From a shell:
 
     ros2 launch msd_ident pipeline.launch.py
     ros2 launch msd_ident pipeline.launch.py rig_params:=/path/to/rig.yaml use_sim_time:=true
-    ros2 launch msd_ident pipeline.launch.py experimenter:=true     # and the action experiment/run
+    ros2 launch msd_ident pipeline.launch.py experimenter:=true     # and the action experimenter/run
     ros2 launch msd_ident pipeline.launch.py live:=true     # and a page at http://127.0.0.1:8210
+    ros2 launch msd_ident pipeline.launch.py respawn:=true log_level:=debug
+
+Every argument is checked before anything starts.
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, Shutdown
-from launch.conditions import IfCondition
-from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration, PathJoinSubstitution
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
+
+from msd_ident.ros.launching import LOG_LEVELS, Arguments
 
 
 def config(name):
@@ -22,93 +25,86 @@ def config(name):
     return PathJoinSubstitution([FindPackageShare("msd_ident"), "config", name])
 
 
-def arguments():
-    """What can be said on the command line."""
-    switch = {"default_value": "false", "choices": ["true", "false"]}
-    return [
-        DeclareLaunchArgument("namespace", default_value="msd", description="namespace of all nodes and topics"),
-        DeclareLaunchArgument("rig_params", default_value=config("ecp.yaml"), description="which rig: YAML file"),
-        DeclareLaunchArgument(
-            "identifier_params", default_value=config("identifier.yaml"), description="identifier's YAML file"
-        ),
-        DeclareLaunchArgument(
-            "recorder_params", default_value=config("recorder.yaml"), description="recorder's YAML file"
-        ),
-        DeclareLaunchArgument(
-            "use_sim_time",
-            description="true: the rig publishes /clock, faster than the wall, and the others follow it",
-            **switch,
-        ),
-        DeclareLaunchArgument("experimenter", description="play force profiles by experiment/run too", **switch),
-        DeclareLaunchArgument("live", description="serve the live view too", **switch),
-        DeclareLaunchArgument("live_port", default_value="8210", description="port of the live view"),
-    ]
+#: Name, default and meaning of what can be said on the command line.
+ARGUMENTS = (
+    ("namespace", "msd", "namespace of all nodes and topics"),
+    ("rig_params", config("ecp.yaml"), "which rig: YAML file"),
+    ("identifier_params", config("identifier.yaml"), "identifier's YAML file"),
+    ("recorder_params", config("recorder.yaml"), "recorder's YAML file"),
+    ("use_sim_time", "false", "true: the rig publishes /clock, faster than the wall, and the others follow it"),
+    ("experimenter", "false", "true: play force profiles by experimenter/run too"),
+    ("live", "false", "true: serve the live view too"),
+    ("live_port", "8210", "port of the live view"),
+    ("respawn", "false", "true: a node that dies comes back; a recorder that was recording goes on in a new bag"),
+    ("log_level", "info", f"of all nodes: {', '.join(LOG_LEVELS)}"),
+)
 
 
-def rig():
-    """The simulated rig, without which nothing goes on."""
-    # With simulated time the rig makes the time, so it alone stays on the wall's clock.
-    time_mode = IfElseSubstitution(EqualsSubstitution(LaunchConfiguration("use_sim_time"), "true"), "fast", "real_time")
-    return Node(
-        package="msd_ident",
-        executable="rig",
-        name="rig",
-        namespace=LaunchConfiguration("namespace"),
-        parameters=[LaunchConfiguration("rig_params"), {"time_mode": time_mode}],
-        on_exit=Shutdown(reason="the rig has ended"),
-        output="screen",
-    )
-
-
-def watchers(on_clock):
-    """Recorder and identifier."""
-    return [
+def nodes(context):
+    """Check all arguments, then the nodes."""
+    given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
+    namespace, simulated = given.namespace(), given.switch("use_sim_time")
+    respawn, live_port = given.switch("respawn"), given.port("live_port")
+    common = {
+        "package": "msd_ident",
+        "output": "screen",
+        "respawn": respawn,
+        "respawn_delay": 2.0,
+        "ros_arguments": ["--log-level", given.word("log_level", LOG_LEVELS)],
+    }
+    on_clock = {"use_sim_time": simulated}
+    started = [
         Node(
-            package="msd_ident",
+            executable="rig",
+            name="rig",
+            namespace=namespace,
+            # With simulated time the rig makes the time, so it alone stays on the wall's clock.
+            parameters=[given.parameters("rig_params"), {"time_mode": "fast" if simulated else "real_time"}],
+            # Without the rig nothing goes on.
+            on_exit=None if respawn else Shutdown(reason="the rig has ended"),
+            **common,
+        ),
+        Node(
             executable="recorder",
             name="recorder",
-            namespace=LaunchConfiguration("namespace"),
-            parameters=[LaunchConfiguration("recorder_params"), on_clock],
+            namespace=namespace,
+            parameters=[given.parameters("recorder_params"), on_clock, {"resume": respawn}],
             sigkill_timeout="30",  # its bag must reach the disk
-            output="screen",
+            **common,
         ),
         Node(
-            package="msd_ident",
             executable="identifier",
             name="identifier",
-            namespace=LaunchConfiguration("namespace"),
-            parameters=[LaunchConfiguration("identifier_params"), on_clock],
-            output="screen",
+            namespace=namespace,
+            parameters=[given.parameters("identifier_params"), on_clock],
+            **common,
         ),
     ]
-
-
-def extras(on_clock):
-    """Experimenter and live view, each when asked for."""
-    return [
-        Node(
-            package="msd_ident",
-            executable="experimenter",
-            name="experimenter",
-            namespace=LaunchConfiguration("namespace"),
-            parameters=[on_clock],
-            condition=IfCondition(LaunchConfiguration("experimenter")),
-            sigkill_timeout="30",  # the force goes to 0 and its bag to the disk
-            output="screen",
-        ),
-        Node(
-            package="msd_ident",
-            executable="live",
-            name="live",
-            namespace=LaunchConfiguration("namespace"),
-            parameters=[{"port": ParameterValue(LaunchConfiguration("live_port"), value_type=int)}, on_clock],
-            condition=IfCondition(LaunchConfiguration("live")),
-            output="screen",
-        ),
-    ]
+    if given.switch("experimenter"):
+        started.append(
+            Node(
+                executable="experimenter",
+                name="experimenter",
+                namespace=namespace,
+                parameters=[on_clock],
+                sigkill_timeout="30",  # the force goes to 0 and its bag to the disk
+                **common,
+            )
+        )
+    if given.switch("live"):
+        started.append(
+            Node(
+                executable="live",
+                name="live",
+                namespace=namespace,
+                parameters=[{"port": live_port}, on_clock],
+                **common,
+            )
+        )
+    return started
 
 
 def generate_launch_description():
     """Arguments, then the three nodes, and the others when asked for."""
-    on_clock = {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
-    return LaunchDescription([*arguments(), rig(), *watchers(on_clock), *extras(on_clock)])
+    declared = [DeclareLaunchArgument(name, default_value=value, description=text) for name, value, text in ARGUMENTS]
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])

@@ -3,51 +3,67 @@
 From a shell:
 
     ros2 launch msd_ident replay.launch.py bag:=/path/to/bag rate:=2.0
+
+Every argument is checked before anything starts.
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
+
+from msd_ident.ros.launching import LOG_LEVELS, Arguments
+
+#: Name, default and meaning of what can be said on the command line; no default: it must be.
+ARGUMENTS = (
+    ("bag", None, "rosbag2 folder or .mcap file"),
+    ("rate", "1.0", "seconds of the bag in a second"),
+    ("loop", "false", "true: begin anew at the end"),
+    ("namespace", "msd", "namespace of the nodes; topics keep the bag's names"),
+    (
+        "params",
+        PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"]),
+        "identifier's YAML file",
+    ),
+    ("log_level", "info", f"of both nodes: {', '.join(LOG_LEVELS)}"),
+)
+
+
+def nodes(context):
+    """Check all arguments, then the nodes."""
+    given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
+    namespace, params = given.namespace(), given.parameters("params")
+    playing = {
+        "bag": given.bag("bag"),
+        "rate": given.number("rate", 0.01, 100.0),
+        "loop": given.switch("loop"),
+        "clock": True,
+    }
+    common = {
+        "package": "msd_ident",
+        "output": "screen",
+        "ros_arguments": ["--log-level", given.word("log_level", LOG_LEVELS)],
+    }
+    return [
+        Node(
+            executable="identifier",
+            name="identifier",
+            namespace=namespace,
+            parameters=[params, {"use_sim_time": True}],
+            **common,
+        ),
+        Node(
+            executable="replayer",
+            name="replayer",
+            namespace=namespace,
+            parameters=[playing],
+            **common,
+        ),
+    ]
 
 
 def generate_launch_description():
     """Arguments, then the two nodes."""
-    default = PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"])
-    playing = {
-        "bag": ParameterValue(LaunchConfiguration("bag"), value_type=str),
-        "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
-        "loop": ParameterValue(LaunchConfiguration("loop"), value_type=bool),
-        "clock": True,
-    }
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument("bag", description="rosbag2 folder or .mcap file"),
-            DeclareLaunchArgument("rate", default_value="1.0", description="seconds of the bag in a second"),
-            DeclareLaunchArgument(
-                "loop", default_value="false", choices=["true", "false"], description="begin anew at the end"
-            ),
-            DeclareLaunchArgument(
-                "namespace", default_value="msd", description="namespace of the nodes; topics keep the bag's names"
-            ),
-            DeclareLaunchArgument("params", default_value=default, description="identifier's YAML file"),
-            Node(
-                package="msd_ident",
-                executable="identifier",
-                name="identifier",
-                namespace=LaunchConfiguration("namespace"),
-                parameters=[LaunchConfiguration("params"), {"use_sim_time": True}],
-                output="screen",
-            ),
-            Node(
-                package="msd_ident",
-                executable="replayer",
-                name="replayer",
-                namespace=LaunchConfiguration("namespace"),
-                parameters=[playing],
-                output="screen",
-            ),
-        ]
-    )
+    declared = [DeclareLaunchArgument(name, default_value=value, description=text) for name, value, text in ARGUMENTS]
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])

@@ -30,7 +30,17 @@ RATE = RigParameter("rate", "Hz", 1000.0, 1e-3, 1e6, "samples per second")
 _DEEPEST, _BRACKETS = 5, 100
 _INDENTED = re.compile(r"^[ ?:\t-]{200,}", re.MULTILINE)
 #: Parameters of the node alone; files may hold them, simulations without ROS pass over them.
-NODE_ONLY = ("latency", "real_time_factor", "time_mode", "use_sim_time", "batch_size", "joint_name")
+NODE_ONLY = (
+    "command_timeout",
+    "frame_id",
+    "hold_last_command",
+    "latency",
+    "real_time_factor",
+    "time_mode",
+    "use_sim_time",
+    "batch_size",
+    "joint_name",
+)
 
 
 @dataclass(frozen=True)
@@ -149,6 +159,8 @@ def load(name: str) -> dict[str, Any]:
         if not found:
             raise RigError(f"no rig {name!r}; expected one of {', '.join(names())}, or the path of a .yaml file")
         path = found[0]
+    if path.exists() and not path.is_file():
+        raise RigError(f"{name} is no file; expected a rig's .yaml file, or one of {', '.join(names())}")
     try:
         text = path.read_text(encoding="utf-8")
         if _INDENTED.search(text) or text.count("[") + text.count("{") > _BRACKETS:

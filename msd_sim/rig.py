@@ -92,6 +92,18 @@ class Rig:
         """Commanded force that acts at this instant, before offset, gain and lag [N]."""
         return self._command
 
+    @property
+    def pushed(self) -> bool:
+        """Whether a force acts by command, or will."""
+        return self._command != 0.0 or any(self._commands)
+
+    def release(self) -> float:
+        """Force 0 from now on, commands ahead forgotten; the instant [s]."""
+        self._stamps.clear()
+        self._commands.clear()
+        self.push(self.time, 0.0)
+        return self.time
+
     def push(self, time: float, force: float) -> bool:
         """Command ``force`` [N] from ``time`` [s] on; False when that is past, so that it acts from now on instead.
 

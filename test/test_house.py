@@ -18,6 +18,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "stopping"),
+    ("paths",),
     ("record", "provenance"),
     ("streams", "motion", "noise", "resampling", "autoregressive"),
     ("quality",),
@@ -28,11 +29,11 @@ STOREYS = (
     ("diagnose",),
     ("design",),
     ("one_rig", "force_hold", "known"),
-    ("identification",),
+    ("effort", "identification"),
     ("preparing",),
     ("spring_decision",),
     ("pipeline", "saved"),
-    ("validation",),
+    ("joints", "validation"),
     ("investigation",),
     ("report",),
     ("live",),
@@ -42,7 +43,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "record", "resampling", "streams"}
+BAG_KNOWS = {"errors", "paths", "record", "resampling", "streams"}
 KNOW_BAG = {"ros", "cli"}
 
 ROS = (

@@ -117,7 +117,7 @@ set_up() {
     local packages interfaces solver python
     packages=$( (echo "$ROOT $LOCK"; cat setup.py setup.cfg package.xml requirements/*.txt) | inputs -)
     interfaces=$( (echo "$ROOT $LOCK"; cat requirements/*.txt; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
-    solver=$( (echo "$packages"; find msd_ident/model -name '*.py' | LC_ALL=C sort | xargs cat) | inputs -)
+    solver=$( (echo "$packages"; find msd_ident/model msd_sim -name '*.py' | LC_ALL=C sort | xargs cat) | inputs -)
     if done_with packages "$packages" && done_with interfaces "$interfaces" && done_with solver "$solver" &&
         [ -x "$VENV/bin/msd" ]; then
         link_share  # files may be new
@@ -142,7 +142,7 @@ set_up() {
     fi
     if ! done_with solver "$solver"; then
         # Once for this user; without it the first fit compiles.
-        "$VENV/bin/python" -c 'from msd_ident.model import warm_up; warm_up()'
+        "$VENV/bin/msd" warm
         mark solver "$solver"
     fi
     say "done"

@@ -3,6 +3,7 @@
 from msd_ident.bag.bag import Bag, iterate_messages, open_bag
 from msd_ident.bag.csv_file import write_csv
 from msd_ident.bag.describe import BagInfo, TopicInfo, describe
+from msd_ident.bag.joints import Joint, joints, source_of
 from msd_ident.bag.options import SourceOptions
 from msd_ident.bag.qos import OfferedQos, qos_from_yaml, qos_to_yaml
 from msd_ident.bag.read import each_run, read, read_all
@@ -15,6 +16,7 @@ __all__ = [
     "Bag",
     "BagInfo",
     "BagWriter",
+    "Joint",
     "OfferedQos",
     "RawMessage",
     "Repair",
@@ -24,12 +26,14 @@ __all__ = [
     "describe",
     "each_run",
     "iterate_messages",
+    "joints",
     "open_bag",
     "qos_from_yaml",
     "qos_to_yaml",
     "read",
     "read_all",
     "repair",
+    "source_of",
     "write_bag",
     "write_csv",
 ]

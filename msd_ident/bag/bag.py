@@ -18,6 +18,7 @@ from msd_ident.bag.metadata import LOST, UNFINISHED
 from msd_ident.bag.qos import qos_from_yaml
 from msd_ident.bag.topic import RawMessage, StorageFile, Topic
 from msd_ident.errors import DataError
+from msd_ident.paths import check_plain
 
 
 class _McapStorage:
@@ -100,11 +101,12 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
     """Whether the path is for ``open_bag``; anything else that is there is taken for a table.
 
     Raises:
-        DataError: nothing is there, or a bag of ROS 1.
+        DataError: nothing is there, or a bag of ROS 1, or neither file nor folder.
     """
     where = Path(path)
     if not _exists(where):
         raise DataError(f"{where} does not exist; expected a bag folder, an .mcap or a .csv file: check the path")
+    check_plain(where, "a bag folder, an .mcap or a .csv file")
     if where.is_dir() or plain_name(where).endswith(STORAGE) or where.name == "metadata.yaml":
         return True
     begin = _begin(where)

@@ -15,18 +15,29 @@ _LEAST_BYTES = 10_000
 
 
 def make_folder(folder: Path, overwrite: bool) -> None:
-    """An empty folder for the bag; only a bag or an empty folder is ever removed for it.
+    """An empty folder for the bag; only a bag is ever removed for it, and an empty folder is taken as it is.
+
+    Of two that ask at once for a name that is not there, one gets it.
 
     Raises:
         UsageError: the folder exists and may not be replaced.
         SetupError: the disk does not take it.
     """
     try:
+        if is_empty(folder):
+            return
         if folder.exists() or folder.is_symlink():
             _clear(folder, overwrite)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
     except OSError as error:
         raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+
+
+def is_empty(folder: Path) -> bool:
+    """Whether it is a folder, no link, with nothing in it."""
+    return folder.is_dir() and not folder.is_symlink() and not any(folder.iterdir())
 
 
 def check_limits(sync_seconds: float, split_bytes: int, split_seconds: float) -> None:

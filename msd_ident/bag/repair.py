@@ -14,6 +14,7 @@ from msd_ident.bag.mcap_file import Loss, McapFile
 from msd_ident.bag.mcap_writer import McapWriter
 from msd_ident.bag.metadata import LOST, UNFINISHED, BagEntry, FileEntry, TopicEntry, read_entry
 from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.paths import check_plain
 
 #: Ending of a damaged file that is kept beside the one made of it.
 DAMAGED = ".damaged"
@@ -75,6 +76,7 @@ def repair(path: str | os.PathLike[str]) -> Repair:
     where = Path(path)
     if where.name == "metadata.yaml":
         where = where.parent
+    check_plain(where, "a bag folder or an .mcap file")
     try:
         return repair_folder(where) if where.is_dir() else _repair_file(where)
     except OSError as error:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from msd_ident.cli import pages, run, sources, trials
 
@@ -26,6 +28,7 @@ def diagnose(
     figures: pages.FiguresOption = None,
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
+    all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag, each on its own")] = False,
 ) -> int:
     """Diagnose: what the model lacks, how sure that is, what it costs, what was gained, what is still open."""
     from msd_ident import pipeline
@@ -33,6 +36,10 @@ def diagnose(
 
     options = pipeline.Options(model=model)
     output = run.Output(json, quiet, overwrite)
+    if all_joints:
+        from msd_ident.cli.joints import diagnose_joints
+
+        return diagnose_joints(paths, source, options, output, (force, position, report, markdown, figures))
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
     tried = trials.Trials(on or (), source)

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import signal
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from msd_ident.errors import UsageError
+from msd_ident.errors import DataError, UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.ros.recording import Summary
+    from msd_ident.ros.signals import Signals
+
+#: Longest wait for somebody who publishes, where the recording has a duration [s].
+WAIT = 5.0
 
 
 def record(
@@ -20,6 +27,7 @@ def record(
     duration: Annotated[float, typer.Option(min=0.0, help="seconds; 0: until Ctrl-C")] = 0.0,
     every: Annotated[bool, typer.Option("--all", help="every topic there is and those that come")] = False,
     compression: Annotated[str, typer.Option(help="of the bag's chunks: zstd or none")] = "zstd",
+    namespace: Annotated[str, typer.Option(help="of the topics; else the one in which they are published")] = "",
 ) -> int:
     """Record topics to a rosbag2 folder (MCAP) until Ctrl-C; topics that come later are waited for."""
     from msd_ident.cli.needs_ros import require_ros
@@ -31,7 +39,7 @@ def record(
 
     with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
         from msd_ident.ros.parameters import overrides
-        from msd_ident.ros.recorder_node import Recorder
+        from msd_ident.ros.recorder_node import Recorder, check_request
         from msd_ident.ros.run import run
 
         target = out.expanduser().absolute() if out else None
@@ -46,12 +54,42 @@ def record(
         made: list[Recorder] = []
 
         def make() -> Recorder:
-            made.append(Recorder(overrides(given)))
+            check_request(target, topics or [], compression)
+            place = namespace or _found(topics or [], every, signals, WAIT if duration else 0.0)
+            made.append(Recorder(overrides(given), namespace=place))
             if duration:
                 signals.finish_after(duration)
             return made[0]
 
         code = run(make, signals, args=[])
-    if made and made[0].summary:
-        print(made[0].summary.sentence)
+    return _told(made[0].summary if made else None, code)
+
+
+def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> str:
+    """Namespace of relative names, once somebody publishes one of them."""
+    from msd_ident.ros import names
+    from msd_ident.ros.finding import namespace_of
+
+    relative = [topic for topic in topics if not topic.startswith(("/", "~"))]
+    if every or (topics and not relative):
+        return "/"
+    place = namespace_of(relative or [names.ENCODER, names.ENCODER_BATCH], lambda: signals.ended, seconds)
+    if place is None:
+        raise UsageError("interrupted before anybody published what is to be recorded; nothing was recorded")
+    if place != "/":
+        typer.echo(f"recording in the namespace {place}", err=True)
+    return place
+
+
+def _told(summary: Summary | None, code: int) -> int:
+    """Say what was recorded; nothing is no success."""
+    if summary is None:
+        return code
+    if not summary.messages and not code:
+        heard = ", ".join(summary.topics) or "no topic"
+        raise DataError(
+            f"nothing was recorded in {summary.folder}: no message came, of {heard}; expected some: does the rig run, "
+            "under the same namespace and ROS_DOMAIN_ID?"
+        )
+    print(summary.sentence)
     return code

@@ -12,6 +12,7 @@ import yaml
 
 from msd_ident.design.profile import Profile
 from msd_ident.errors import DataError, UsageError
+from msd_ident.paths import check_plain
 
 _NAMES = ("force", "travel", "speed", "duration")
 _EXAMPLE = "force: 10, travel: 0.03, duration: 20, and speed: 1 if you like"
@@ -95,6 +96,7 @@ def read_limits(path: Path) -> Limits:
     Raises:
         DataError: the file is not there, or does not say all that is needed.
     """
+    check_plain(path, "limits in YAML")
     try:
         tree = yaml.safe_load(path.read_text(encoding="utf-8"))
     except UnicodeDecodeError:

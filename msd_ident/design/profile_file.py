@@ -12,6 +12,7 @@ import yaml
 
 from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment
 from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.paths import check_plain
 
 SCHEMA = "msd.profile/1"
 _HEADER = "time_s,force_n"
@@ -34,6 +35,7 @@ def read_profile(path: Path) -> Profile:
 def _text(path: Path) -> str:
     if path.suffix not in (".yaml", ".yml", ".csv"):
         raise DataError(f"{path} is no profile; expected a file that ends in .yaml or .csv")
+    check_plain(path, "a profile in YAML or CSV")
     try:
         if path.stat().st_size > _LARGEST_BYTES:
             raise DataError(f"{path} is larger than 64 MiB; expected a profile")

@@ -33,6 +33,8 @@ LEAD = 0.05
 #: The cart rests when its readings stay within this part of the travel for this long [s].
 _STILL, _STILL_SECONDS = 2e-3, 0.3
 _RESET = "rig/reset"
+#: Why an experiment ended that its caller cancelled.
+CANCELLED = "cancelled"
 _NAP = 0.0005
 
 _KINDS: tuple[tuple[str, Any], ...] = (
@@ -84,13 +86,12 @@ class Conductor:
     def __init__(self, node: Node, silence: float = 0.5, lead: float = LEAD) -> None:
         self._node, self._silence, self._lead = node, silence, lead
         self._ahead: deque[int] = deque(maxlen=10_000)
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos())
         self._lock = threading.Lock()
         self._guard: Guard | None = None
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
         self._halted = False
-        self._subscriptions = [self._listen(topic, kind) for topic, kind in _KINDS]
 
     def play(
         self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance, reset: bool = False
@@ -102,11 +103,16 @@ class Conductor:
             SetupError: no rig answers; nothing has moved.
         """
         limits.check(profile)
-        self._wait_for_rig()
-        if reset:
-            self._reset()
-        self._wait_for_rest(limits, stop)
-        return self._conduct(profile, limits, bag, stop, advance)
+        listening = [self._listen(topic, kind) for topic, kind in _KINDS]
+        try:
+            self._wait_for_rig()
+            if reset:
+                self._reset()
+            self._wait_for_rest(limits, stop)
+            return self._conduct(profile, limits, bag, stop, advance)
+        finally:
+            for subscription in listening:
+                self._node.destroy_subscription(subscription)
 
     def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
         recording = self._record(bag)
@@ -144,13 +150,14 @@ class Conductor:
             due = start + round(float(at) * 1e9)
             while (left := due - lead - clock.now().nanoseconds) > 0:
                 if stop.is_set():
-                    guard.stop("cancelled")
+                    guard.stop(CANCELLED)
                 if self._lag() > usual + self._silence:
                     guard.stop(f"the encoder's readings come {self._lag() - usual:.2f} s later than before")
                 if guard.reason or guard.silent():
                     return
                 if time.monotonic() - told > 0.1:
                     told = time.monotonic()
+                    self._force.assert_liveliness()  # the rig lets go of a force that nobody stands behind
                     played = 1.0 - left / 1e9 / profile.duration
                     advance(min(max(min(float(at) / profile.duration, played), 0.0), 1.0), float(force), guard.position)
                 time.sleep(min(left / 1e9, _NAP))
@@ -161,8 +168,9 @@ class Conductor:
                 self._push(float(force), max(now, due))
             delays.append(max(now - due, 0) / 1e9)
         while not guard.reason and not guard.silent() and clock.now().nanoseconds < due:
+            self._force.assert_liveliness()
             if stop.is_set():
-                guard.stop("cancelled")
+                guard.stop(CANCELLED)
             time.sleep(_NAP)
 
     def _halt(self) -> None:

@@ -29,6 +29,7 @@ RIG: dict[str, object] = {
     "friction_coefficient": 0.0133,
     "encoder.counts_per_metre": 226600.0,
     "rate": 1000.0,
+    "hold_last_command": True,  # the rig ends with the demo, and its forces are sent ahead, faster than the wall
 }
 #: Step amplitude 0.15 at 69.5 N per unit, eq. 8 [N].
 STEP = 0.15 * 69.5

@@ -9,8 +9,9 @@ from msd_ident import quality
 from msd_ident.diagnose import Diagnosis
 from msd_ident.diagnose.diagnosis import Cause
 from msd_ident.quantity import Quantity
+from msd_ident.ros.codes import with_nan
 from msd_ident.ros.conversions import time_message
-from msd_ident.ros.results import model_symbols, to_losses, to_parameter
+from msd_ident.ros.results import model_symbols, stamp_of, to_losses, to_parameter
 from msd_interfaces.msg import Cause as CauseMessage
 from msd_interfaces.msg import Diagnosis as DiagnosisMessage
 from msd_interfaces.msg import Parameter as ParameterMessage
@@ -29,6 +30,8 @@ def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> 
     held = found.heldout
     message = DiagnosisMessage(
         path=path,
+        window_start=time_message(stamp_of(found.records[0], 0)),
+        window_end=time_message(stamp_of(found.records[-1], -1)),
         samples=sum(record.samples for record in found.records),
         missing_samples=sum(quality.missing_samples(record) for record in found.records),
         losses=to_losses(found.records),
@@ -57,7 +60,9 @@ def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> 
 
 def failed(path: str, reason: str) -> DiagnosisMessage:
     """Stands in the place of a diagnosis that could not be made."""
-    return DiagnosisMessage(path=path, summary=reason)
+    message = DiagnosisMessage(path=path, summary=reason)
+    with_nan(message)
+    return message
 
 
 def healthy(found: Diagnosis) -> bool:

@@ -18,7 +18,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros import health, names
+from msd_ident.ros import codes, health, names
+from msd_ident.ros.codes import code_of
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.sources import Part, Sources
 from msd_ident.ros.worker import Worker, deliver
@@ -27,6 +28,7 @@ from msd_interfaces.action import Diagnose
 from msd_interfaces.msg import Diagnosis as DiagnosisMessage
 
 if TYPE_CHECKING:
+    from msd_ident.bag import Joint
     from msd_ident.diagnose import Diagnosis
 
 #: Paths that a goal may name.
@@ -94,11 +96,11 @@ class Diagnosing:
         self._node, self._worker, self._sources, self._settings = node, worker, sources, settings
         self._goals: dict[bytes, _Goal] = {}
         self._last: _Told | None = None
-        self._publisher = node.create_publisher(DiagnosisMessage, names.DIAGNOSIS, names.latest_qos())
+        self._publisher = node.create_publisher(DiagnosisMessage, names.private(names.DIAGNOSIS), names.latest_qos())
         self._server = ActionServer(
             node,
             Diagnose,
-            names.DIAGNOSE,
+            names.private(names.DIAGNOSE),
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             cancel_callback=self._on_cancel,
@@ -137,9 +139,9 @@ class Diagnosing:
             goal.stop.set()
         try:
             work = self._worker.submit(lambda: goal.settle(self._work(goal)), executor, stop=goal.stop)
-            work.add_done_callback(lambda done: goal.settle(_refused("stopped: the identifier ends")))
+            work.add_done_callback(lambda done: goal.settle(_refused("stopped: the identifier ends", codes.CANCELLED)))
         except MsdError as error:
-            goal.settle(_refused(str(error)))
+            goal.settle(_refused(str(error), codes.BUSY))
         result: Diagnose.Result = await goal.answer
         del self._goals[bytes(handle.goal_id.uuid)]
         if handle.status == GoalStatus.STATUS_CANCELING and goal.stop.is_set():
@@ -160,7 +162,7 @@ class Diagnosing:
         return CancelResponse.ACCEPT
 
     def _give_up(self, goal: _Goal) -> None:
-        goal.settle(_refused(_CANCELLED))
+        goal.settle(_refused(_CANCELLED, codes.CANCELLED))
         if (executor := self._node.executor) is not None:
             executor.wake()
 
@@ -170,12 +172,13 @@ class Diagnosing:
         try:
             result = self._diagnosed(goal)
         except Stopped:
-            result = _refused(_CANCELLED if goal.stop.is_set() else "stopped: the identifier ends")
+            words = _CANCELLED if goal.stop.is_set() else "stopped: the identifier ends"
+            result = _refused(words, codes.CANCELLED)
         except MsdError as error:
-            result = _refused(str(error))
+            result = _refused(str(error), code_of(error))
         except Exception as error:
             log.error(traceback.format_exc())
-            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}")
+            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}", code_of(error))
         health.log(log, result.success, result.message)
         return result
 
@@ -184,13 +187,16 @@ class Diagnosing:
         if len(request.bag_paths) > MOST_PATHS:
             raise UsageError(f"{len(request.bag_paths)} paths; expected at most {MOST_PATHS}: ask in several goals")
         target = self._sources.place.new(request.report_path, ".html") if request.report_path else None
-        groups: list[list[str]] = [[]]
-        if request.bag_paths:
-            groups = [list(request.bag_paths)] if request.together else [[path] for path in request.bag_paths]
+        groups: list[tuple[tuple[str, ...], Joint | None]]
+        if self._settings["all_joints"]:
+            groups = [((path,), joint) for path in request.bag_paths or [""] for joint in self._sources.joints(path)]
+        else:
+            apart: list[tuple[str, ...]] = [(path,) for path in request.bag_paths] or [()]
+            groups = [(tuple(request.bag_paths), None)] if request.together else [(paths, None) for paths in apart]
         result = Diagnose.Result(success=True)
         found: list[Diagnosis] = []
-        for index, paths in enumerate(groups):
-            self._one(goal, paths, (index / len(groups), 1.0 / len(groups)), result, found)
+        for index, (paths, joint) in enumerate(groups):
+            self._one(goal, paths, joint, (index / len(groups), 1.0 / len(groups)), result, found)
         if target is not None and found:
             from msd_ident.report import page
 
@@ -203,12 +209,14 @@ class Diagnosing:
         self,
         goal: _Goal,
         paths: Sequence[str],
+        joint: Joint | None,
         share: tuple[float, float],
         result: Diagnose.Result,
         found: list[Diagnosis],
     ) -> None:
         """Diagnose one experiment; ``result`` and ``found`` grow. One that cannot be read leaves the others alone."""
         from msd_ident import pipeline
+        from msd_ident.effort import judge
         from msd_ident.ros.diagnoses import failed, healthy, to_diagnosis
 
         def tell(stage: str, fraction: float, cause: str) -> None:
@@ -218,13 +226,18 @@ class Diagnosing:
             tell("reading", 0.0, f"{messages} messages" if messages else "")
 
         name = " + ".join(paths) or "live"
+        name = f"{name} {joint.name}" if joint else name
         try:
             tell("reading", 0.0, "")
             part = Part(goal.handle.request.start, goal.handle.request.end)
-            records = [self._sources.record(path, part, read) for path in paths or [""]]
+            records = [self._sources.record(path, part, read, joint) for path in paths or [""]]
+            if joint is not None and not (judged := judge(records[0])).usable:
+                result.diagnoses = [*result.diagnoses, failed(name, judged.sentence)]
+                return
             one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
         except MsdError as error:
-            result.success = False
+            if joint is None:  # of all joints, one that rests or is not measured leaves the others a success
+                result.success, result.code = False, code_of(error)
             result.diagnoses = [*result.diagnoses, failed(name, str(error))]
             return
         message = to_diagnosis(one, name, self._node.get_clock().now().nanoseconds, self._sources.frame)
@@ -234,5 +247,5 @@ class Diagnosing:
         self._publisher.publish(message)
 
 
-def _refused(reason: str) -> Diagnose.Result:
-    return Diagnose.Result(success=False, message=reason)
+def _refused(reason: str, code: int) -> Diagnose.Result:
+    return Diagnose.Result(success=False, message=reason, code=code)

@@ -63,7 +63,7 @@ class Player:
         self._watch = watch
         self._now_ns = 0
         self._health: dict[str, DiagnosticStatus] = {}
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos())
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos())
         node.create_subscription(JointState, names.ENCODER, self._on_encoder, names.encoder_qos())
         node.create_subscription(EncoderBatch, names.ENCODER_BATCH, self._on_batch, names.encoder_qos())
         node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._on_diagnostics, 100)
@@ -73,8 +73,8 @@ class Player:
         self._until(lambda: self._now_ns, "the rig's encoder")
         self._until(self._force.get_subscription_count, "the rig to listen")
         self._push(self._now_ns, 0.0)
-        self._until(lambda: self._count("identifier: data", "position samples"), "the identifier to hear the encoder")
-        self._until(lambda: self._count("identifier: data", "force samples"), "the identifier to hear the force")
+        self._until(lambda: self._count("identifier", "data", "position samples"), "the identifier to hear the encoder")
+        self._until(lambda: self._count("identifier", "data", "force samples"), "the identifier to hear the force")
 
     def record(self, folder: str) -> str:
         """Start a recording that hears force and encoder; its path."""
@@ -124,13 +124,13 @@ class Player:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         self._health.update({status.name: status for status in message.status})
 
-    def _count(self, status: str, key: str) -> int:
-        """A number that a node tells about itself."""
-        found = self._health.get(status)
+    def _count(self, node: str, what: str, key: str) -> int:
+        """A number that a node of the same namespace tells about itself."""
+        found = self._health.get(names.status_name(self._node.get_namespace(), node, what))
         return next((int(pair.value) for pair in found.values if pair.key == key), 0) if found else 0
 
     def _recorded(self, topic: str) -> int:
-        return self._count("recorder: bag", self._node.resolve_topic_name(topic))
+        return self._count("recorder", "bag", self._node.resolve_topic_name(topic))
 
     def _call(self, kind: Any, name: str, request: Any) -> Any:
         client = self._node.create_client(kind, name)
@@ -149,6 +149,7 @@ class Player:
         deadline = time.monotonic() + seconds
         while not condition():
             self._watch()
+            self._force.assert_liveliness()
             if time.monotonic() > deadline:
                 raise SetupError(
                     f"waited {seconds:.0f} s for {what}; expected it within a few: see the logs beside the bag"

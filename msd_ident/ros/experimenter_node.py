@@ -1,9 +1,11 @@
-"""The experimenter node: plays profiles on the rig by the action ``experiment/run``."""
+"""The experimenter node: plays profiles on the rig by the action ``experimenter/run``."""
 
 from __future__ import annotations
 
-import datetime
 import threading
+import traceback
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -18,14 +20,15 @@ from msd_ident.design.limits import Limits, from_tree
 from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import from_yaml
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros import names
-from msd_ident.ros.conducting import LEAD, Conductor, Played
+from msd_ident.ros import codes, names
+from msd_ident.ros.codes import code_of
+from msd_ident.ros.conducting import CANCELLED, LEAD, Conductor, Played
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.worker import Worker
 from msd_interfaces.action import RunExperiment
+from msd_interfaces.msg import ResultCode
 
-RUN = "experiment/run"
 SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("silence", 0.5, "longest time without a reading before an experiment is stopped [s]", 0.02, 60.0),
@@ -53,7 +56,7 @@ class Experimenter:
         self._server = ActionServer(
             self.node,
             RunExperiment,
-            RUN,
+            names.private(names.RUN),
             self._execute,
             callback_group=ReentrantCallbackGroup(),
             goal_callback=self._on_goal,
@@ -76,7 +79,8 @@ class Experimenter:
     def _on_goal(self, goal: RunExperiment.Goal) -> GoalResponse:
         """One at a time: a second goal is refused while the cart moves."""
         if self._busy.is_set():
-            self.node.get_logger().warning("an experiment is being played; expected its end before the next one")
+            words = "an experiment is being played; expected its end before the next one"
+            self.node.get_logger().warning(words, throttle_duration_sec=5.0)
             return GoalResponse.REJECT
         self._busy.set()
         return GoalResponse.ACCEPT
@@ -87,8 +91,10 @@ class Experimenter:
 
     async def _execute(self, handle: ServerGoalHandle) -> RunExperiment.Result:
         self._stop.clear()
-        result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
-        self._busy.clear()
+        try:
+            result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
+        finally:
+            self._busy.clear()
         if handle.status == GoalStatus.STATUS_CANCELING:
             handle.canceled()
         elif result.success:
@@ -104,13 +110,22 @@ class Experimenter:
         def tell(fraction: float, force: float, position: float) -> None:
             handle.publish_feedback(RunExperiment.Feedback(fraction=fraction, force=force, position=position))
 
+        bag: Path | None = None
         try:
             profile, limits = parsed(goal.profile, goal.limits)
-            folder = goal.folder or f"experiment_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
-            bag = Place(self.settings["bag_folder"]).new(folder)
+            place = Place(self.settings["bag_folder"])
+            bag = place.new(goal.folder) if goal.folder else place.automatic("experiment")
             return answer(self.conductor.play(profile, limits, bag, self._stop, tell, goal.reset))
         except MsdError as error:
-            return RunExperiment.Result(success=False, message=str(error))
+            return RunExperiment.Result(success=False, message=str(error), code=code_of(error))
+        except Exception as error:
+            self.node.get_logger().error(traceback.format_exc())
+            what = f"internal error, please report it: {type(error).__name__}: {error}"
+            return RunExperiment.Result(success=False, message=what, code=code_of(error))
+        finally:
+            if bag is not None and not goal.folder:
+                with suppress(OSError):
+                    bag.rmdir()  # one that nothing was recorded into
 
 
 def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
@@ -120,18 +135,24 @@ def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
         UsageError: either makes no sense.
     """
     try:
-        tree = yaml.safe_load(limits)
+        return from_yaml(profile), from_tree(yaml.safe_load(limits))
+    except RecursionError:
+        raise UsageError("profile or limits are nested too deeply; expected what `msd design --out` writes") from None
     except yaml.YAMLError as error:
         raise UsageError(
             f"limits are no YAML ({' '.join(str(error).split())}); expected force, travel, duration"
         ) from None
-    return from_yaml(profile), from_tree(tree)
+
+
+#: Codes of experiments that were played or cancelled; any other end is the rig's.
+_ENDS = {"": codes.DONE, CANCELLED: codes.CANCELLED}
 
 
 def answer(played: Played) -> RunExperiment.Result:
     """The action's result."""
     return RunExperiment.Result(
         success=not played.stopped,
+        code=_ENDS.get(played.stopped, ResultCode.UNAVAILABLE),
         message=played.sentence,
         bag_path=str(played.bag),
         stopped=played.stopped,

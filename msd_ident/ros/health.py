@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from msd_ident.ros.buffer import LiveBuffer
-from msd_ident.ros.inputs import Input, listed
+from msd_ident.ros.inputs import Input, crowds, listed
 from msd_ident.ros.losses import SILENCE, TopicCount
 from msd_ident.ros.watch import Watch
 
@@ -34,11 +34,14 @@ def status(name: str, level: bytes, sentence: str, values: Mapping[str, object])
 
 
 def log(logger: RcutilsLogger, good: bool, sentence: str) -> None:
-    """Say how something went. A line of its own for each severity: rclpy raises when one line changes it."""
+    """Say how something went. A line of its own for each severity: rclpy raises when one line changes it.
+
+    What went wrong is said once in a while: the same is in the answer to who asked, and on ``/diagnostics``.
+    """
     if good:
         logger.info(sentence)
     else:
-        logger.warning(sentence)
+        logger.warning(sentence, throttle_duration_sec=1.0)
 
 
 def data_status(
@@ -60,6 +63,7 @@ def data_status(
     }
     for entry in (*position, *force):
         if entry.count.received:
+            values[f"{entry.topic}: rate [Hz]"] = f"{entry.count.rate:.6g}"
             values[f"{entry.topic}: missing by numbers"] = entry.missing
             values[f"{entry.topic}: missing by stamps"] = entry.count.holes
     return status(name, level, sentence, {**values, **{f"seen: {kind}": n for kind, n in watch.counts.items()}})
@@ -79,19 +83,12 @@ def _judge_data(
     if silent > SILENCE:
         nobody = "" if any(entry.publishers for entry in position) else ", and nobody publishes them"
         return ERROR, f"no position sample for {silent:.0f} s{nobody}; expected them on {listed(position)}"
-    told = [*watch.recent, *_crowds((*position, *force)), *_silences(force)]
+    told = [*watch.recent, *crowds(position), *_silences(force)]
     if force and not counts.forces:
         told.append(f"no force samples yet; expected some on {listed(force)}")
     if told:
         return WARN, "; ".join(told[:MOST_TOLD])
     return OK, f"{counts.positions} position samples, {counts.forces} force samples"
-
-
-def _crowds(inputs: Sequence[Input]) -> Iterator[str]:
-    """Several publishers of one encoder. Of the force anybody may be one."""
-    for entry in inputs:
-        if entry.wanted.what == "position" and entry.publishers > 1:
-            yield f"{entry.topic}: {entry.publishers} publishers; expected one"
 
 
 def _silences(force: Sequence[Input]) -> Iterator[str]:

@@ -8,16 +8,18 @@ from functools import partial
 from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from msd_ident.errors import MsdError
-from msd_ident.ros import health, names
+from msd_ident.ros import codes, health, names
 from msd_ident.ros.buffer import LiveBuffer
+from msd_ident.ros.codes import code_of
 from msd_ident.ros.diagnosing import Diagnosing
+from msd_ident.ros.draining import Poller
 from msd_ident.ros.inputs import Input, Sink, wanted
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER
@@ -42,7 +44,7 @@ SETTINGS = (
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
     Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
     Setting("buffer_samples", 200_000, "position samples kept, oldest out", 100, 10_000_000),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports", fixed=False),
+    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports"),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
     Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
@@ -55,8 +57,10 @@ SETTINGS = (
         choices=("auto", "spring", "no_spring"),
         fixed=False,
     ),
+    Setting("all_joints", False, "a diagnosis of bags takes every joint of their JointState topics", fixed=False),
     Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
+    Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
 )
 
 #: How often the graph and the steps are looked at [s].
@@ -81,6 +85,10 @@ class Outcome:
     message: str
     estimate: Estimate | None = None
     doubt: str = ""
+    code: int = codes.DONE
+
+
+_ENDS = Outcome(False, "stopped: the identifier ends", code=codes.CANCELLED)
 
 
 class Identifier:
@@ -105,19 +113,19 @@ class Identifier:
             watch=self.watch,
         )
         self.watcher = StepWatcher(s["step_threshold"])
-        self.worker = Worker("fit")
+        self.worker, self._diagnoses = Worker("fit"), Worker("diagnose", patient=True)
         self._fitting_step = False
         self._last = Outcome(True, "no estimate yet")
         self._log = self.node.get_logger()
         self.inputs = self._make_inputs()
         self._sources = Sources(s, self.buffer, self.inputs)
         self._make_outputs()
-        self._diagnosing = Diagnosing(self.node, self.worker, self._sources, s)
+        self._diagnosing = Diagnosing(self.node, self._diagnoses, self._sources, s)
         self.worker.submit(self._prepare)
 
     def close(self) -> bool:
         """Drop fits that wait, stop the one in progress; whether it ended in time."""
-        ended = self.worker.close()
+        ended = all([self.worker.close(), self._diagnoses.close()])
         self._diagnosing.close()
         return ended
 
@@ -134,21 +142,22 @@ class Identifier:
         try:
             return self._identify(request)
         except MsdError as error:
-            return Outcome(False, str(error))
+            return Outcome(False, str(error), code=code_of(error))
         except Stopped:
-            return Outcome(False, "stopped: the identifier ends")
+            return _ENDS
         except Exception as error:
             self._log.error(traceback.format_exc())
-            return Outcome(False, f"internal error, please report it: {type(error).__name__}: {error}")
+            words = f"internal error, please report it: {type(error).__name__}: {error}"
+            return Outcome(False, words, code=code_of(error))
 
     def _make_inputs(self) -> dict[str, list[Input]]:
-        data = MutuallyExclusiveCallbackGroup()
+        poller = Poller(self.node)
         sink = Sink(self.buffer, self.watcher, self.watch)
         depth = self.settings["queue_depth"]
 
         def made(what: Literal["force", "position"]) -> list[Input]:
             signals = wanted(what, self.settings[what], self.settings[f"{what}_scale"])
-            return [Input(self.node, signal, sink, depth, data) for signal in signals]
+            return [Input(self.node, signal, sink, depth, poller) for signal in signals]
 
         return {"force": made("force"), "position": made("position")}
 
@@ -156,11 +165,12 @@ class Identifier:
         # Services wait for the worker as coroutines; the reentrant group lets others go on meanwhile.
         group = ReentrantCallbackGroup()
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
-        self._estimate = node.create_publisher(Estimate, names.ESTIMATE, names.latest_qos())
+        self._estimate = node.create_publisher(Estimate, names.private(names.ESTIMATE), names.latest_qos())
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
         many = {"qos_profile": names.service_qos(), "callback_group": group}
-        node.create_service(Identify, names.IDENTIFY, self._on_identify, **many)
-        node.create_service(Trigger, names.TRIGGER, self._on_trigger, **many)
+        node.create_service(Identify, names.private(names.IDENTIFY), self._on_identify, **many)
+        node.create_service(Trigger, names.private(names.TRIGGER), self._on_trigger, **many)
+        node.create_service(Trigger, names.private(names.CLEAR), self._on_clear, **many)
         # Steady timers go on when simulated time stands still.
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         node.create_timer(self.settings["diagnostics_period"], self._tell_health, clock=steady)
@@ -180,9 +190,11 @@ class Identifier:
     async def _on_identify(self, request: Identify.Request, response: Identify.Response) -> Identify.Response:
         asked = Request(request.bag_path, request.start, request.end, request.model)
         outcome = await self._answer(asked)
-        response.success, response.message = outcome.success, outcome.message
+        response.success, response.message, response.code = outcome.success, outcome.message, outcome.code
         if outcome.estimate is not None:
             response.estimate = outcome.estimate
+        else:
+            codes.with_nan(response.estimate)
         return response
 
     async def _on_trigger(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -190,13 +202,21 @@ class Identifier:
         response.success, response.message = outcome.success, outcome.message
         return response
 
+    def _on_clear(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        forgotten = self.buffer.position.size
+        self.buffer.clear()
+        self.watcher.forget()
+        response.success = True
+        response.message = f"{forgotten} position samples forgotten; the live buffer is empty"
+        return response
+
     async def _answer(self, asked: Request) -> Outcome:
         """Outcome of a request; those that ask for the same while it waits share it."""
         try:
             work = self.worker.submit(partial(self._fit, asked), self.node.executor, key=asked)
         except MsdError as error:
-            return Outcome(False, str(error))
-        return await work or Outcome(False, "stopped: the identifier ends")
+            return Outcome(False, str(error), code=codes.BUSY)
+        return await work or _ENDS
 
     def _look(self) -> None:
         for entry in (*self.inputs["force"], *self.inputs["position"]):
@@ -244,9 +264,13 @@ class Identifier:
         return Outcome(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
-        name, inputs = self.node.get_name(), self.inputs
-        data = health.data_status(f"{name}: data", self.buffer, inputs["force"], inputs["position"], self.watch)
+        inputs = self.inputs
+        place, node = self.node.get_namespace(), self.node.get_name()
+        name = partial(names.status_name, place, node)
+        data = health.data_status(name("data"), self.buffer, inputs["force"], inputs["position"], self.watch)
         level = health.OK if self._last.success and not self._last.doubt else health.WARN
-        estimate = health.status(f"{name}: estimate", level, self._last.doubt or self._last.message, {})
-        model = self._diagnosing.status(f"{name}: model")
+        estimate = health.status(name("estimate"), level, self._last.doubt or self._last.message, {})
+        model = self._diagnosing.status(name("model"))
+        for status in (data, estimate, model):
+            status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate, model))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -19,14 +18,16 @@ from msd_ident.errors import DataError, MsdError, SetupError
 from msd_ident.record import LARGEST, FloatArray, Origin
 from msd_ident.ros import names
 from msd_ident.ros.buffer import LiveBuffer, StampArray
-from msd_ident.ros.conversions import Signal, message_class
-from msd_ident.ros.draining import subscribe
+from msd_ident.ros.conversions import Signal, is_stamped, message_class
+from msd_ident.ros.draining import Poller, subscribe
 from msd_ident.ros.losses import Holes, TopicCount
 from msd_ident.ros.steps import StepWatcher
 from msd_ident.ros.watch import Watch
 
 #: Pause after which a publisher that began anew may have another zero [ns].
 _RESTART_NS = 100_000_000
+#: Least time between two log lines of one kind [s].
+QUIET = 5.0
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Input:
         count: messages that came and that did not.
     """
 
-    def __init__(self, node: Node, signal: Wanted, sink: Sink, depth: int, group: CallbackGroup) -> None:
+    def __init__(self, node: Node, signal: Wanted, sink: Sink, depth: int, poller: Poller) -> None:
         self.wanted = signal
         self.topic = node.resolve_topic_name(signal.topic)
         self.problem = ""
@@ -84,7 +85,7 @@ class Input:
         self._last_ns = 0
         self._tried = ""
         self._subscription: Subscription | None = None
-        self._node, self._sink, self._depth, self._group = node, sink, depth, group
+        self._node, self._sink, self._depth, self._poller = node, sink, depth, poller
         known = "" if signal.field else names.TYPES.get(signal.topic, "")
         if known:
             self._subscribe(known, names.force_qos(depth) if signal.what == "force" else names.encoder_qos(depth))
@@ -119,7 +120,10 @@ class Input:
             if self.signal is None or type_name != self.signal.type_name:
                 self.signal = Signal(self.wanted.what, type_name, self.wanted.field, self.wanted.scale)
             kind, topic = message_class(type_name), self.wanted.topic
-            self._subscription = subscribe(self._node, kind, topic, self._take, qos, callback_group=self._group)
+            if is_stamped(type_name):
+                self._subscription = self._poller.subscribe(kind, topic, self._take, qos)
+            else:  # the instant of receipt is its stamp
+                self._subscription = subscribe(self._node, kind, topic, self._take, qos)
         except MsdError as error:
             self._complain(error)
         except _rclpy.RCLError as error:  # another type of this topic stands in this very process
@@ -204,7 +208,7 @@ class Input:
 
     def _complain(self, error: MsdError) -> None:
         self.problem = f"{self.topic}: {error}"
-        self._node.get_logger().error(self.problem)
+        self._node.get_logger().error(self.problem, throttle_duration_sec=QUIET)
 
 
 class Sink:
@@ -250,3 +254,10 @@ class Sink:
 def listed(inputs: Sequence[Input]) -> str:
     """Their topics, for a sentence."""
     return " or ".join(entry.topic for entry in inputs)
+
+
+def crowds(position: Sequence[Input]) -> Iterator[str]:
+    """Several publishers of one encoder, in words. Of the force anybody may be one."""
+    for entry in position:
+        if entry.publishers > 1:
+            yield f"{entry.topic}: {entry.publishers} publishers; expected one"

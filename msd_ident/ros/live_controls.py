@@ -9,6 +9,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from rclpy.action import ActionClient
+from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from std_srvs.srv import Trigger
@@ -23,7 +24,7 @@ LEAD = Duration(nanoseconds=50_000_000)
 #: Name of the rig's service, as in the table of the graph.
 RESET = "rig/reset"
 #: How the recorder's status ends, and how its sentence begins while it records.
-BAG_STATUS, RECORDING = ": bag", "recording:"
+RECORDING = "recording:"
 
 
 class LiveControls:
@@ -42,13 +43,16 @@ class LiveControls:
         self._take = take
         self._commanded = 0.0
         self._goal: Any = None
-        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.force_qos()) if step_limit > 0 else None
+        self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos()) if step_limit > 0 else None
         self._clients = {
             "reset": node.create_client(Trigger, RESET),
             "record": node.create_client(StartRecording, names.RECORDER_START),
             "stop": node.create_client(Trigger, names.RECORDER_STOP),
             "identify": node.create_client(Identify, names.IDENTIFY),
         }
+        if self._force is not None:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            node.create_timer(names.LEASE / 5.0, self._stand_behind, clock=steady)
         self._diagnose = ActionClient(node, Diagnose, names.DIAGNOSE)
         node.create_subscription(DiagnosticArray, names.DIAGNOSTICS, self._on_diagnostics, 10)
 
@@ -104,6 +108,11 @@ class LiveControls:
 
     # -- in the executor's thread
 
+    def _stand_behind(self) -> None:
+        """Sign of life while a force acts that was commanded here."""
+        if self._force is not None and self._commanded:
+            self._force.assert_liveliness()
+
     def _later(self, work: Callable[[], object]) -> None:
         if (executor := self._node.executor) is not None:
             executor.create_task(work)
@@ -144,8 +153,9 @@ class LiveControls:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Recordings that others start and stop."""
+        own = names.status_name(self._node.get_namespace(), "recorder", "bag")
         for status in message.status:
-            if not status.name.endswith(BAG_STATUS):
+            if status.name != own:
                 continue
             on = status.message.startswith(RECORDING)
             if on and self._board.known.recording is None:

@@ -20,6 +20,8 @@ DIAGNOSE: Final = "identifier/diagnose"
 DIAGNOSIS: Final = "identifier/diagnosis"
 RECORDER_START: Final = "recorder/start"
 RECORDER_STOP: Final = "recorder/stop"
+RUN: Final = "experimenter/run"
+CLEAR: Final = "identifier/clear"
 DIAGNOSTICS: Final = "/diagnostics"
 CLOCK: Final = "/clock"
 
@@ -41,6 +43,28 @@ REPLAY_DEPTH: Final = 10_000
 def force_qos(depth: int = LEAST_DEPTH) -> QoSProfile:
     """Late joiners know the present force."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+#: Longest time between two signs of life of who commands a force [s].
+LEASE: Final = 1.0
+
+
+def private(name: str) -> str:
+    """A name as its node gives it: private, so that another name of the node, or another namespace, carries it."""
+    return f"~/{name.partition('/')[2]}"
+
+
+def status_name(namespace: str, node: str, what: str) -> str:
+    """Name of a status on ``/diagnostics``: the node with its namespace, then what it tells about."""
+    return f"{namespace.strip('/')}/{node}: {what}".lstrip("/")
+
+
+def command_qos() -> QoSProfile:
+    """Of who commands a force: late joiners know it, and the rig lets go when its sender shows no life."""
+    profile = force_qos()
+    profile.liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
+    profile.liveliness_lease_duration = Duration(seconds=LEASE)
+    return profile
 
 
 def encoder_qos(depth: int = LEAST_DEPTH) -> QoSProfile:

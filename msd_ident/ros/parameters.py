@@ -17,7 +17,7 @@ from msd_ident.errors import UsageError
 _KINDS = {
     bool: "true or false",
     int: "a whole number",
-    float: "a number with a decimal point",
+    float: "a number",
     str: "a text",
     list: "a list of texts",
 }
@@ -63,13 +63,14 @@ class Settings:
         self._settings = {setting.name: setting for setting in settings}
         for setting in settings:
             _declare(node, setting)
-        reasons = [self._reason(name, self[name]) for name in self._settings]
+        reasons = [self._reason(name, node.get_parameter(name).value) for name in self._settings]
         for reason in filter(None, reasons):
             raise UsageError(reason)
         node.add_on_set_parameters_callback(self._checked)
 
     def __getitem__(self, name: str) -> Any:
-        return self._node.get_parameter(name).value
+        value, setting = self._node.get_parameter(name).value, self._settings[name]
+        return float(value) if isinstance(setting.default, float) else value
 
     def _checked(self, parameters: list[Parameter]) -> SetParametersResult:
         reasons = [self._reason(parameter.name, parameter.value) for parameter in parameters]
@@ -83,9 +84,20 @@ class Settings:
             return ""
         if setting.choices and value not in setting.choices:
             return f"{name} is {value!r}; expected one of {', '.join(setting.choices)}"
-        if isinstance(value, float) and not math.isfinite(value):
-            return f"{name} is {value}; expected {_range(setting)}"
+        if isinstance(setting.default, float):
+            return _odd_number(setting, value)
         return ""
+
+
+def _odd_number(setting: Setting, value: Any) -> str:
+    """Why a value is no number for a setting; empty when it is one. A whole number is as good as one with a point."""
+    if isinstance(value, bool) or not isinstance(value, float | int):
+        return f"{setting.name} is {value!r}; expected {_KINDS[float]}"
+    low = -math.inf if setting.lower is None else setting.lower
+    high = math.inf if setting.upper is None else setting.upper
+    if not math.isfinite(value) or not low <= value <= high:
+        return f"{setting.name} is {value}; expected {_range(setting)}"
+    return ""
 
 
 def _declare(node: Node, setting: Setting) -> None:
@@ -106,6 +118,7 @@ def _range(setting: Setting) -> str:
 
 def _descriptor(setting: Setting) -> ParameterDescriptor:
     described = ParameterDescriptor(description=setting.meaning, read_only=setting.fixed)
+    described.dynamic_typing = isinstance(setting.default, float)  # 2 is as good as 2.0
     if setting.choices:
         described.additional_constraints = f"one of {', '.join(setting.choices)}"
     if setting.lower is None or setting.upper is None:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import stat
+from datetime import datetime
+from itertools import count
 from pathlib import Path
 
-from msd_ident.errors import UsageError
+from msd_ident.errors import SetupError, UsageError
 
 #: Where bags lie when nothing else is said.
 DEFAULT_FOLDER = "~/bags"
-#: Longest path that a request may hold, as Linux has it.
-LONGEST_PATH = 4096
+#: Longest path that a request may hold, and longest name in it, as Linux has them [bytes].
+LONGEST_PATH, LONGEST_NAME = 4096, 255
+#: Characters of a long text that a refusal quotes.
+_QUOTED = 60
 
 
 class Place:
@@ -35,7 +39,7 @@ class Place:
         for part in (path, *_entries(path)):
             if not self._holds(part.resolve()):
                 raise UsageError(f"{part} leads out of {self.root}; expected files there: copy it")
-            if not _plain(part):
+            if not is_plain(part):
                 raise UsageError(f"{part} is neither file nor folder; expected a bag or a CSV file")
         return path
 
@@ -54,24 +58,67 @@ class Place:
             raise UsageError(f"folder {path.parent} does not exist; expected one to write {path.name} into")
         return path
 
+    def automatic(self, prefix: str) -> Path:
+        """A new folder named by date and time; one that is made here, so that nobody else has it.
+
+        Two recordings within a second, and two rigs that share a folder, get names that differ.
+
+        Raises:
+            SetupError: the disk does not take it.
+        """
+        stem = f"{prefix}_{datetime.now():%Y_%m_%d-%H_%M_%S}"
+        for number in count(1):
+            path = self.root / (stem if number == 1 else f"{stem}_{number}")
+            try:
+                path.mkdir(parents=True)
+            except FileExistsError:
+                continue
+            except OSError as error:
+                raise SetupError(
+                    f"{path} cannot be made ({error.strerror}); expected a folder that can be written"
+                ) from None
+            return path
+        raise AssertionError("unreachable")
+
     def _below(self, text: str) -> Path:
         """The path with all links followed, relative ones counted from the root."""
-        if len(text) > LONGEST_PATH or "\0" in text:
-            raise UsageError(
-                f"a path of {len(text)} characters; expected at most {LONGEST_PATH}, and no zero among them"
-            )
+        _check_words(text)
         try:
             path = (self.root / Path(text).expanduser()).resolve()
-        except (OSError, RuntimeError) as error:  # links in a circle, a home that nobody has
-            raise UsageError(f"{text} cannot be followed: {error}; expected a path below {self.root}") from None
+            path.exists()
+        except (OSError, RuntimeError, ValueError) as error:  # links in a circle, a home that nobody has
+            raise UsageError(f"{quoted(text)} cannot be followed: {error}; expected a path below {self.root}") from None
         if not self._holds(path) or path == self.root:
             raise UsageError(
-                f"{text} is not below {self.root}; expected a bag there: give another name, or set {self._parameter}"
+                f"{quoted(text)} is not below {self.root}; expected a bag there: give another name, or set "
+                f"{self._parameter} when the node starts"
             )
         return path
 
     def _holds(self, path: Path) -> bool:
         return path == self.root or self.root in path.parents
+
+
+def quoted(text: str) -> str:
+    """A text in one line of a refusal: what cannot be printed as its code, the middle of a long one left out."""
+    line = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text)
+    return line if len(line) <= _QUOTED else f"{line[: _QUOTED - 10]}…{line[-9:]}"
+
+
+def _check_words(text: str) -> None:
+    """Refuse what no file system takes.
+
+    Raises:
+        UsageError: the text is too long, or has characters that no name has.
+    """
+    size = len(text.encode("utf-8", "surrogatepass"))
+    if size > LONGEST_PATH or "\0" in text:
+        raise UsageError(f"a path of {len(text)} characters; expected at most {LONGEST_PATH}, and no zero among them")
+    if not text.isprintable():
+        raise UsageError(f"{quoted(text)} has characters that cannot be printed; expected a name without them")
+    longest = max(text.split("/"), key=lambda part: len(part.encode()))
+    if (size := len(longest.encode())) > LONGEST_NAME:
+        raise UsageError(f"{quoted(longest)} is a name of {size} bytes; expected at most {LONGEST_NAME}: shorten it")
 
 
 def _entries(path: Path) -> list[Path]:
@@ -82,7 +129,7 @@ def _entries(path: Path) -> list[Path]:
         return []
 
 
-def _plain(path: Path) -> bool:
+def is_plain(path: Path) -> bool:
     """Whether reading it ends: a pipe's other side may never write."""
     try:
         mode = path.stat().st_mode

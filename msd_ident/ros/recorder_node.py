@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-import datetime
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.subscription import Subscription
+from rclpy.validate_topic_name import validate_topic_name
 from std_srvs.srv import Trigger
 
-from msd_ident.bag import OfferedQos
 from msd_ident.bag.writer import SPLIT_BYTES, Compression
-from msd_ident.errors import DataError, MsdError, UsageError
+from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros import health, names
-from msd_ident.ros.conversions import is_stamped, message_class, raw_stamp
-from msd_ident.ros.draining import subscribe, waiting
+from msd_ident.ros.codes import code_of
+from msd_ident.ros.draining import Poller
+from msd_ident.ros.following import Following
 from msd_ident.ros.parameters import Setting, Settings
 from msd_ident.ros.places import DEFAULT_FOLDER, Place
 from msd_ident.ros.recording import Limits, Recording, Summary
+from msd_ident.ros.resuming import Interrupted, Notebook
 from msd_ident.ros.watch import Watch
 from msd_interfaces.srv import StartRecording
 
@@ -35,6 +36,7 @@ SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
     Setting("autostart", False, "start recording at once"),
+    Setting("resume", False, "after a kill while it recorded: go on in a new bag (respawn:=true of the launch file)"),
     Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
     Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
     Setting("queue_megabytes", 512, "messages that may wait for the disk [MiB]", 1, 65_536),
@@ -43,6 +45,7 @@ SETTINGS = (
     Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
     Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
+    Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
 )
 
 #: How often the graph is looked at for new topics [s].
@@ -68,17 +71,23 @@ class Recorder:
         self._recording: Recording | None = None
         self._last: Summary | None = None
         self._wanted: frozenset[str] | None = frozenset()
-        self._refused: set[str] = set()
-        self._subscriptions: dict[str, Subscription] = {}
-        self._types: dict[str, str] = {}
+        self._following: Following | None = None
+        self._poller = Poller(self.node)
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
         many = names.service_qos()
-        node.create_service(StartRecording, names.RECORDER_START, self._on_start, qos_profile=many)
-        node.create_service(Trigger, names.RECORDER_STOP, self._on_stop, qos_profile=many)
+        node.create_service(StartRecording, names.private(names.RECORDER_START), self._on_start, qos_profile=many)
+        node.create_service(Trigger, names.private(names.RECORDER_STOP), self._on_stop, qos_profile=many)
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         node.create_timer(self.settings["diagnostics_period"], self._diagnose, clock=steady)
-        if self.settings["autostart"]:
+        self._notebook = Notebook(Place(self.settings["bag_folder"]).root, node.get_fully_qualified_name())
+        left = self._notebook.left() if self.settings["resume"] else None
+        if left is not None:
+            self._log.warning(
+                "the recorder died while it recorded; it goes on in a new bag (msd repair mends the other)"
+            )
+            self.start("", left.topics, left.every, left.compression)
+        elif self.settings["autostart"]:
             self.start(self.settings["folder"])
 
     @property
@@ -122,7 +131,9 @@ class Recorder:
         self._wanted = None if every else frozenset(self._resolved(topic) for topic in wanted)
         path = self._place(folder)
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
-        self._refused.clear()
+        self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
+        depth = self.settings["queue_depth"]
+        self._following = Following(self.node, self._recording, self._wanted, depth, self.watch, self._poller)
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
         self._log.info(f"recording {what} to {path}")
@@ -137,11 +148,11 @@ class Recorder:
         """
         if self._recording is None:
             raise UsageError("no recording in progress; expected recorder/start first")
-        for subscription in self._subscriptions.values():
-            _drain(subscription)
-            self.node.destroy_subscription(subscription)
-        self._subscriptions.clear()
+        if self._following is not None:
+            self._following.close()
+            self._following = None
         self._last = self._recording.close()
+        self._notebook.end()
         self._recording = None
         health.log(self._log, not self._last.error, f"stopped: {self._last.sentence}")
         return self._last
@@ -156,95 +167,28 @@ class Recorder:
         try:
             return str(self.node.resolve_topic_name(topic))
         except Exception as error:
-            raise UsageError(f"topic {topic!r}: {str(error).splitlines()[0]}; expected a ROS topic name") from None
+            raise _no_topic(topic, error) from None
 
     def _place(self, folder: str) -> Path:
         """Where the bag goes: below the recorder's bag folder, also through links and dots."""
-        name = folder or f"msd_{datetime.datetime.now():%Y_%m_%d-%H_%M_%S}"
-        return Place(self.settings["bag_folder"]).new(name)
+        place = Place(self.settings["bag_folder"])
+        return place.new(folder) if folder else place.automatic("msd")
 
     def _look(self) -> None:
-        """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""
-        if self._recording is None:
-            return
-        for topic, _ in self.node.get_topic_names_and_types():
-            chosen = topic in self._wanted if self._wanted is not None else not _hidden(topic)
-            if not chosen:
-                continue
-            try:
-                self._follow(self._recording, topic)
-                self._refused.discard(topic)
-            except MsdError as error:
-                if topic not in self._refused:
-                    self._refused.add(topic)
-                    self._log.warning(f"{topic} is not recorded: {error}")
-                    self.watch.note("not recorded", f"{topic} is not recorded: {error}")
-
-    def _follow(self, recording: Recording, topic: str) -> None:
-        """Subscribe as the publishers offer it. Of which type others would hear it is their affair."""
-        publishers = self.node.get_publishers_info_by_topic(topic)
-        if not publishers:
-            return
-        offered = [publisher.qos_profile for publisher in publishers]
-        qos = names.matching_qos(offered, self.settings["queue_depth"])
-        has = self._subscriptions.get(topic)
-        types = sorted({publisher.topic_type for publisher in publishers})
-        if has is None:
-            if len(types) > 1:
-                raise DataError(f"it is published as {len(types)} types ({', '.join(types)}); expected one")
-            self._add(recording, topic, types[0], [names.to_offered(profile) for profile in offered])
-        elif self._types[topic] not in types:
-            words = f"{topic} is of type {types[0]} now and no longer {self._types[topic]}: it is not recorded"
-            self.watch.note("another type", words)
-            return
-        elif not names.asks_for_more(has.qos_profile, qos):
-            return
-        else:
-            _drain(has)
-            self.node.destroy_subscription(has)
-        take = self._taker(recording, topic, self._types[topic])
-        kind = message_class(self._types[topic])
-        self._subscriptions[topic] = subscribe(self.node, kind, topic, take, qos, raw=True)
-
-    def _add(self, recording: Recording, topic: str, kind: str, offered: Sequence[OfferedQos]) -> None:
-        message_class(kind)
-        if not recording.add_topic(topic, kind, offered):
-            self._log.warning(f"the definition of {kind} is not here; only who knows the type can read {topic}")
-        self._types[topic] = kind
-
-    def _taker(self, recording: Recording, topic: str, kind: str) -> Callable[[bytes, dict[str, Any]], None]:
-        """Callback for one topic: log time is the time of receipt, on the simulated clock if that is used."""
-        clock = self.node.get_clock() if self.node.get_parameter("use_sim_time").value else None
-        stamped = is_stamped(kind)
-        count = recording.summary.topics[topic]
-
-        def take(raw: bytes, info: dict[str, Any]) -> None:
-            """Record a message and count what was lost before it."""
-            if clock is None:
-                received, sent = info["received_timestamp"], info["source_timestamp"]
-            else:
-                received = sent = clock.now().nanoseconds
-            lost, restarts = count.lost, count.restarts
-            stamp = raw_stamp(raw) if stamped else None
-            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"), stamp)
-            if count.lost != lost:
-                words = f"{topic}: {count.lost - lost} messages are missing by their numbers"
-                self.watch.note("missing", words, count.lost - lost)
-            if count.restarts != restarts:
-                self.watch.note("publisher restarted", f"{topic}: its publisher began anew, or there are two")
-
-        return take
+        if self._following is not None:
+            self._following.look()
 
     def _on_start(self, request: StartRecording.Request, response: StartRecording.Response) -> StartRecording.Response:
         try:
             path = self.start(request.folder, request.topics, request.all_topics, request.compression)
         except MsdError as error:
-            response.success, response.message = False, str(error)
+            response.success, response.message, response.code = False, str(error), code_of(error)
             return response
-        waiting = sorted((self._wanted or frozenset()) - set(self._subscriptions))
+        heard = self._following.subscriptions if self._following else {}
+        waiting = sorted((self._wanted or frozenset()) - set(heard))
         later = f"; as soon as they come: {', '.join(waiting)}" if waiting else ""
         response.success, response.path = True, str(path)
-        response.message = f"recording {len(self._subscriptions)} topics to {path}{later}"
+        response.message = f"recording {len(heard)} topics to {path}{later}"
         return response
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -257,12 +201,14 @@ class Recorder:
 
     def _diagnose(self) -> None:
         summary = self.summary
-        level, sentence, values = DiagnosticStatus.OK, "not recording", {}
+        level, sentence = DiagnosticStatus.OK, "not recording"
+        values: dict[str, object] = {}
         if summary is not None:
             state = "recording" if self._recording else "recorded"
             sentence = f"{state}: {summary.sentence}"
             for topic, count in summary.topics.items():
                 values[topic] = count.received
+                values[f"{topic}: rate [Hz]"] = f"{count.rate:.6g}"
                 values[f"{topic}: missing by numbers"] = count.lost
                 values[f"{topic}: missing by stamps"] = count.holes
             odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
@@ -270,7 +216,9 @@ class Recorder:
             level = DiagnosticStatus.ERROR if summary.error else level
             sentence = "; ".join((sentence, *odd[: health.MOST_TOLD]))
         values.update({f"seen: {kind}": times for kind, times in self.watch.counts.items()})
-        status = health.status(f"{self.node.get_name()}: bag", level, sentence, values)
+        place = self.node.get_namespace()
+        status = health.status(names.status_name(place, self.node.get_name(), "bag"), level, sentence, values)
+        status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
         self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), status))
 
     def _silences(self, summary: Summary) -> Iterator[str]:
@@ -280,19 +228,28 @@ class Recorder:
                 yield health.silence(topic, count)
 
 
+def check_request(bag: Path | None, topics: Sequence[str], compression: str) -> None:
+    """Refuse what a recording would refuse, before anybody waits for a graph.
+
+    Raises:
+        UsageError: the bag exists, or a word makes no sense.
+    """
+    _compression(compression)
+    if bag is not None:
+        Place(str(bag.parent)).new(bag.name)
+    for topic in topics:
+        try:
+            validate_topic_name(topic)
+        except InvalidTopicNameException as error:
+            raise _no_topic(topic, error) from None
+
+
+def _no_topic(topic: str, error: Exception) -> UsageError:
+    return UsageError(f"topic {topic!r}: {str(error).splitlines()[0]}; expected a ROS topic name")
+
+
 def _compression(word: str) -> Compression:
     for known in COMPRESSIONS:
         if word == known:
             return known
     raise UsageError(f"compression is {word!r}; expected one of {', '.join(COMPRESSIONS)}")
-
-
-def _drain(subscription: Subscription) -> None:
-    """Take what has arrived and waits in the subscription's queue, so that a stop loses nothing."""
-    for taken in waiting(subscription):
-        subscription.callback(*taken)
-
-
-def _hidden(topic: str) -> bool:
-    """Topics that ROS tools hide: a part of the name begins with an underscore."""
-    return any(part.startswith("_") for part in topic.split("/"))

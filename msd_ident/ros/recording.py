@@ -56,7 +56,7 @@ class Recording:
     """Takes messages from the executor's thread without ever waiting for the disk.
 
     Args:
-        folder: of the bag; must not exist.
+        folder: of the bag; must not exist, or be empty (``Place.automatic`` makes it so that nobody else has it).
         compression: ``zstd``, ``lz4`` or ``none``.
         most_bytes: messages that may wait for the disk; what comes beyond is refused and counted.
         limits: when the bag is seen onto the disk and when it goes on in another file.

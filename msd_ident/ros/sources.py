@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from msd_ident.bag import SourceOptions
+from msd_ident.bag import Joint, SourceOptions
+from msd_ident.errors import DataError, UsageError
 from msd_ident.record import Record
 from msd_ident.ros.buffer import LiveBuffer
-from msd_ident.ros.inputs import Input
+from msd_ident.ros.inputs import Input, crowds
 from msd_ident.ros.parameters import Settings
 from msd_ident.ros.places import Place
 from msd_ident.stopping import check
@@ -48,10 +49,16 @@ class Sources:
         frames = [entry.signal.frame for entry in self._inputs["position"] if entry.signal]
         return next(filter(None, frames), "")
 
-    def record(self, path: str, part: Part, told: Callable[[int], None] = lambda messages: None) -> Record:
+    def record(
+        self,
+        path: str,
+        part: Part,
+        told: Callable[[int], None] = lambda messages: None,
+        joint: Joint | None = None,
+    ) -> Record:
         """A bag or file that a request names, or the live buffer when it names none.
 
-        ``told`` hears how many messages of a bag were read.
+        ``told`` hears how many messages of a bag were read; with a ``joint``, force and position are that joint's.
 
         Raises:
             DataError: it cannot be a record.
@@ -67,12 +74,36 @@ class Sources:
             check()
             told(messages)
 
-        return bag.read(self.place.existing(path), options(self._settings, part), tell)
+        chosen = options(self._settings, part)
+        if joint is not None:
+            force_unit = "" if chosen.force_unit == "N" else chosen.force_unit
+            position_unit = "" if chosen.position_unit == "m" else chosen.position_unit
+            chosen = bag.source_of(replace(chosen, force_unit=force_unit, position_unit=position_unit), joint)
+        return bag.read(self.place.existing(path), chosen, tell)
+
+    def joints(self, path: str) -> tuple[Joint, ...]:
+        """All joints of a bag.
+
+        Raises:
+            UsageError: the live buffer, which holds one joint, or the path leads elsewhere.
+            DataError: it holds none.
+        """
+        from msd_ident import bag
+
+        if not path:
+            raise UsageError(
+                "all_joints goes with bags; expected bag_paths: the live buffer holds one joint, record a bag"
+            )
+        return bag.joints(self.place.existing(path))
 
     def _live(self, part: Part) -> Record:
         """The buffer as a record, its window cut as the bag reader does it."""
         window = options(self._settings, part).window
-        record = self._buffer.record()
+        crowd = "; ".join(crowds(self._inputs["position"]))
+        try:
+            record = self._buffer.record()
+        except DataError as error:
+            raise DataError(f"{crowd}: stop the others" if crowd else str(error)) from None
         heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
         origins = tuple(entry.origin(record.start_ns) for entry in heard)
         lost = tuple(
@@ -80,7 +111,8 @@ class Sources:
             for origin in origins
             if origin.lost
         )
-        record = replace(record, origins=origins, notes=(*record.notes, *lost))
+        crowded = (f"{crowd}.",) if crowd else ()
+        record = replace(record, origins=origins, notes=(*record.notes, *crowded, *lost))
         return record.window(*window) if any(map(math.isfinite, window)) else record
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable
@@ -17,6 +19,8 @@ from msd_ident.errors import UsageError
 
 Result = TypeVar("Result")
 
+#: Niceness of a patient worker's thread.
+_YIELDING = 10
 #: Jobs that may wait; more are refused.
 MOST_WAITING = 64
 
@@ -37,9 +41,15 @@ def deliver(give: Callable[[object], None], what: object) -> None:
 
 
 class Worker:
-    """Does one job after the other in a thread; the outcome comes as a future to wait for in a coroutine."""
+    """Does one job after the other in a thread; the outcome comes as a future to wait for in a coroutine.
 
-    def __init__(self, name: str) -> None:
+    Args:
+        name: of the thread.
+        patient: what others do goes first: on Linux, its thread yields the cores to them.
+    """
+
+    def __init__(self, name: str, patient: bool = False) -> None:
+        self._patient = patient
         self._jobs: deque[_Job] = deque()
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
@@ -100,6 +110,8 @@ class Worker:
         return not self._thread.is_alive()
 
     def _work(self) -> None:
+        if self._patient and sys.platform == "linux":
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _YIELDING)
         while (job := self._next()) is not None:
             with stopping.when(lambda stop=job.stop: self._closed or stop.is_set()):  # type: ignore[misc]
                 job.work()

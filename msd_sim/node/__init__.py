@@ -33,6 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for number in ENDING:
         signal.signal(number, stop.ask)
     try:
+        from msd_sim.node.preparing import leave, prepare
+
+        if not prepare(lambda: stop.asked, _load):
+            leave(0)
         from msd_sim.node.rig_node import run
 
         run(stop, arguments)
@@ -44,3 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)
     return 0
+
+
+def _load() -> None:
+    """All that takes time before the node is there."""
+    from msd_sim.node import rig_node  # noqa: F401
+    from msd_sim.node.preparing import warm_up
+
+    warm_up()

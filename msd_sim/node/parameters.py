@@ -17,6 +17,14 @@ from msd_sim.parameter import RigParameter
 _DEFAULTS = {"friction_coefficient": 0.0133, "encoder.counts_per_metre": 226600.0}
 _TIMING = (
     RigParameter("latency", "s", 0.005, 0.0, 1.0, "how far the rig stays behind the clock, so that no force is late"),
+    RigParameter(
+        "command_timeout",
+        "s",
+        1.0,
+        0.0,
+        1e6,
+        "silence after which a force goes to 0 that nobody stands behind; 0: never",
+    ),
     RigParameter("real_time_factor", "", 10.0, 1e-3, 1e3, "speed of the clock in the time mode fast"),
 )
 _WHOLE = {
@@ -28,10 +36,12 @@ _WORDS: dict[str, tuple[Any, str]] = {
         [],
         f"effects that the rig has, any of {', '.join(effects.ALL)}; each has its parameters under its name",
     ),
+    "hold_last_command": (False, "a force stays when who commanded it is gone or silent: no dead man's switch"),
     "time_mode": ("real_time", "real_time, or fast: the rig makes the time and publishes /clock"),
+    "frame_id": (names.NODE, "frame of the encoder's messages"),
     "joint_name": (names.JOINT, "name of the joint in encoder messages"),
 }
-_READ_ONLY = ("rate", "time_mode", "real_time_factor", "joint_name")
+_READ_ONLY = ("frame_id", "rate", "time_mode", "real_time_factor", "joint_name")
 
 
 def _numbers() -> Iterator[tuple[str, RigParameter]]:

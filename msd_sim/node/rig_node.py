@@ -20,7 +20,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import JointState
@@ -31,9 +30,12 @@ from msd_sim import names
 from msd_sim.encoder import EncoderReader
 from msd_sim.errors import RigError
 from msd_sim.node import Stop, parameters
+from msd_sim.node.commands import Commands
 from msd_sim.rig import Rig
 
 NANO = 1_000_000_000
+#: Least time between two log lines of one kind [s].
+QUIET = 5.0
 
 #: Wall time between two wakes of the rig [s], and the longest pause that it makes up for sample by sample.
 WAKE_SINGLE, WAKE_BATCH, LONGEST_PAUSE = 0.002, 0.005, 2.0
@@ -54,7 +56,6 @@ class RigNode(Node):
         self._period_ns = round(NANO / self._config.rate)
         self._fast = self._values["time_mode"] == "fast"
         self._factor = float(self._values["real_time_factor"]) if self._fast else 1.0
-        self.get_logger().info("preparing the rig (compiled once, at the first start: about 10 s)")
         self._rig = Rig(self._config.truth)
         self._rig.sample([0.0])
         self._reader = EncoderReader(self._config.encoder, self._config.seed)
@@ -85,15 +86,16 @@ class RigNode(Node):
     def _connect(self) -> None:
         self.add_on_set_parameters_callback(self._refuse_nonsense)
         self.add_post_set_parameters_callback(self._apply)
-        kept = QoSProfile(depth=names.DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.create_subscription(WrenchStamped, names.FORCE, self._on_force, kept)
-        self.create_service(Trigger, names.RESET, self._on_reset)
+        self._commands = Commands(self, self._rig, lambda: self._values, self._on_force, self._release)
+        self.create_service(Trigger, "~/reset", self._on_reset)
         self._batched = parameters.samples_per_second(self._values) > names.MOST_SINGLE
         if self._batched:
             self._batch = EncoderBatch(name=self._values["joint_name"], period_ns=self._period_ns)
+            self._batch.header.frame_id = self._values["frame_id"]
             self._batches = self.create_publisher(EncoderBatch, names.ENCODER_BATCH, names.DEPTH)
         else:
             self._sample = JointState(name=[self._values["joint_name"]], position=[0.0])
+            self._sample.header.frame_id = self._values["frame_id"]
             self._samples = self.create_publisher(JointState, names.ENCODER, names.DEPTH)
         if self._fast:
             self._clocks = self.create_publisher(ClockMessage, names.CLOCK, names.CLOCK_DEPTH)
@@ -121,7 +123,7 @@ class RigNode(Node):
         try:
             in_time = self._rig.push(acts / NANO, message.wrench.force.x)
         except RigError as error:
-            self.get_logger().warning(f"force refused: {error}")
+            self.get_logger().warning(f"force refused: {error}", throttle_duration_sec=QUIET)
             return
         if not in_time and stamp >= self._first_ns:
             self.late += 1
@@ -129,8 +131,12 @@ class RigNode(Node):
             self.get_logger().warning(
                 f"{self.late} forces came late and act from now on (the last one {behind:.3f} s); expected stamps of "
                 "the rig's clock, at most the parameter latency old: does the sender use the same clock?",
-                throttle_duration_sec=5.0,
+                throttle_duration_sec=QUIET,
             )
+
+    def _release(self) -> int:
+        """Force 0 from now on; since when [ns]."""
+        return self._zero_ns + round(self._rig.release() * NANO)
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._reset()
@@ -150,6 +156,7 @@ class RigNode(Node):
             rclpy.try_shutdown(context=self.context)
             return
         self._make_time()
+        self._commands.look()
         if self._first_ns == 0:  # with use_sim_time, until the first message on /clock
             self._first_ns = self._zero_ns = self._now_ns()
         horizon = self._now_ns() - int(self._values["latency"] * self._factor * NANO)
@@ -176,7 +183,8 @@ class RigNode(Node):
     def _skip_a_long_pause(self, due: int) -> None:
         missed = due - self._next
         if missed * self._period_ns > LONGEST_PAUSE * self._factor * NANO:
-            self.get_logger().warning(f"the clock jumped by {missed * self._period_ns / NANO:.3f} s; no samples there")
+            words = f"the clock jumped by {missed * self._period_ns / NANO:.3f} s; no samples there"
+            self.get_logger().warning(words, throttle_duration_sec=QUIET)
             self._next = due - 1
 
     def _read(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -187,7 +195,7 @@ class RigNode(Node):
         try:
             motion = self._rig.sample(np.maximum(instants - self._config.encoder.delay, self._rig.time))
         except RigError as error:
-            self.get_logger().error(f"{error}; the cart is put back to zero")
+            self.get_logger().error(f"{error}; the cart is put back to zero", throttle_duration_sec=QUIET)
             self._zero_ns += round((instants[0] - self._rig.time) * NANO)
             self._reset()
             self._next += count

@@ -62,11 +62,52 @@ def test_what_is_recorded_is_replayed(ros_domain: int, tmp_path: Path) -> None:
 
 
 @needs_ros
-def test_a_recording_ends_after_its_duration(ros_domain: int, tmp_path: Path) -> None:
-    with msd("record", "--out", str(tmp_path / "bag"), "--duration", "0.1") as recording:
-        output, _ = recording.communicate(timeout=60.0)
-    assert recording.returncode == 0
-    assert output == f"0 messages of 0 topics, none lost, in {tmp_path / 'bag'}\n"
+def test_nothing_recorded_is_no_success(ros_domain: int, tmp_path: Path) -> None:
+    with msd("record", "/joint_states", "--out", str(tmp_path / "bag"), "--duration", "0.1") as recording:
+        _, said = recording.communicate(timeout=60.0)
+    assert recording.returncode == 2
+    assert said.splitlines()[-1] == (
+        f"msd: nothing was recorded in {tmp_path / 'bag'}: no message came, of no topic; expected some: does the rig "
+        "run, under the same namespace and ROS_DOMAIN_ID?"
+    )
+
+
+@needs_ros
+def test_nobody_who_publishes_is_told_with_the_topics_that_are_there(ros_domain: int, tmp_path: Path) -> None:
+    from graph import graph
+    from sensor_msgs.msg import JointState
+
+    with graph(ros_domain) as ros:
+        ros.node.create_publisher(JointState, "/arm/joint_states", 1)
+        with msd("record", "--out", str(tmp_path / "bag"), "--duration", "0.1") as recording:
+            _, said = recording.communicate(timeout=60.0)
+    assert recording.returncode == 2 and not (tmp_path / "bag").exists()
+    assert "nobody publishes encoder or encoder_batch in any namespace, waited 5 s" in said
+    assert "/arm/joint_states" in said
+
+
+@needs_ros
+@pytest.mark.parametrize("spaces", [("msd",), ("one", "two")])
+def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[str, ...]) -> None:
+    """README's pipeline is in /msd, and ``msd record`` is typed beside it."""
+    from bagmaker import START_NS, joints
+    from graph import graph
+    from sensor_msgs.msg import JointState
+
+    with graph(ros_domain) as ros:
+        publishers = [ros.node.create_publisher(JointState, f"/{space}/encoder", 10) for space in spaces]
+        raw = joints(START_NS, [0.001])
+        ros.node.create_timer(0.01, lambda: [publisher.publish(raw) for publisher in publishers])
+        with msd("record", "--out", str(tmp_path / "bag"), "--duration", "2") as recording:
+            output, said = recording.communicate(timeout=60.0)
+        if len(spaces) == 1:
+            assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
+            assert "recording in the namespace /msd" in said
+            return
+        assert recording.returncode == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said
+        with msd("record", "--namespace", "two", "--out", str(tmp_path / "bag"), "--duration", "2") as recording:
+            output, _ = recording.communicate(timeout=60.0)
+        assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.errors import SetupError, UsageError  # noqa: E402
 from msd_ident.ros import conducting, names  # noqa: E402
 from msd_ident.ros.conducting import Conductor, Played  # noqa: E402
-from msd_ident.ros.experimenter_node import RUN, Experimenter  # noqa: E402
+from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
 from msd_ident.ros.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 
@@ -139,7 +139,7 @@ def test_the_action_plays_and_a_cancelled_goal_stops(ros: Graph, tmp_path: Path)
     rig(ros)
     ros.add(Experimenter([Parameter("bag_folder", value=str(tmp_path))], context=ros.context))
     told = Forces(ros)
-    client = ActionClient(ros.node, RunExperiment, RUN)
+    client = ActionClient(ros.node, RunExperiment, names.RUN)
     assert client.wait_for_server(20.0)
     limits = "force: 10\ntravel: 0.03\nduration: 20\n"
 

@@ -14,8 +14,9 @@ from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 from std_msgs.msg import Int32  # noqa: E402
 
+from bench.idle import measure  # noqa: E402
 from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.draining import HANDFUL, subscribe, waiting  # noqa: E402
+from msd_ident.ros.draining import HANDFUL, Poller, subscribe, waiting  # noqa: E402
 
 SENT = 2 * HANDFUL + 50
 
@@ -72,3 +73,34 @@ def test_a_queue_is_emptied_without_an_executor(ros: Graph) -> None:
     assert all(isinstance(raw, bytes) and info["source_timestamp"] for raw, info in some + rest)
     assert not list(waiting(subscription))
     listener.destroy_node()
+
+
+def test_a_poller_hands_over_everything_in_order_and_lets_go_of_what_is_destroyed(ros: Graph) -> None:
+    listener = Node("listener", context=ros.context)
+    poller = Poller(listener)
+    taken: list[int] = []
+    qos = names.encoder_qos(10_000)
+    subscription = poller.subscribe(Int32, "numbers", lambda message, info: taken.append(message.data), qos)
+    publisher = ros.node.create_publisher(Int32, "numbers", qos)
+    until(publisher.get_subscription_count, "the listener")
+    spinner = ros.spin(listener)
+    for number in range(3000):
+        publisher.publish(Int32(data=number))
+    until(lambda: len(taken) == 3000, "all messages")
+    assert taken == list(range(3000))
+    listener.destroy_subscription(subscription)
+    until(lambda: poller._timer.is_canceled(), "the poller to rest")
+    again = poller.subscribe(Int32, "numbers", lambda message, info: taken.append(-message.data), qos)
+    until(publisher.get_subscription_count, "the listener")
+    publisher.publish(Int32(data=7))
+    until(lambda: taken[-1] == -7, "the message")
+    spinner.stop()
+    listener.destroy_subscription(again)
+    listener.destroy_node()
+
+
+@pytest.mark.timeout(180)
+def test_nobody_costs_much_with_nothing_to_do() -> None:
+    """At 1 kHz; measured with bench.idle, where the bounds are half of these and more."""
+    found = measure(5.0, 1000.0)
+    assert found["identifier"] < 0.15 and found["experimenter"] < 0.05 and found["recorder"] < 0.05, found

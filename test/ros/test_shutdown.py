@@ -80,9 +80,10 @@ def test_the_identifier_ends_in_the_middle_of_a_diagnosis_while_many_call(ros: G
     stages: list[str] = []
     with running(ros, "identifier", bag_folder=tmp_path) as process:
         asked = Diagnose.Goal(bag_paths=["long.csv"])
-        ros.goal(Diagnose, "identifier/diagnose", asked, lambda feedback: stages.append(feedback.stage))
+        name = str(process.args).partition("__node:=")[2].partition("'")[0]
+        ros.goal(Diagnose, f"{name}/diagnose", asked, lambda feedback: stages.append(feedback.stage))
         until(lambda: stages[-1:] == ["looking at the data"], "the diagnosis to begin", 60.0)
-        client = ros.node.create_client(Trigger, "identifier/trigger")
+        client = ros.node.create_client(Trigger, f"{name}/trigger")
         assert client.wait_for_service(20.0)
         for _ in range(50):
             client.call_async(Trigger.Request())

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from bench.reliability.nodes import requests
+from bench.reliability.nodes import labs, requests
 from bench.reliability.nodes.world import PERIOD_NS, RATE, World
 from msd_ident.ros import names
 from msd_ident.ros.conversions import time_message
@@ -276,5 +276,9 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a pipe in place of a file", requests.pipe),
     Fault("diagnosis cancelled", requests.cancelled),
     Fault("recorder started and stopped at random", requests.recordings),
+    Fault("names too long", labs.long_names),
+    Fault("launch arguments that make no sense", labs.launch_arguments),
+    Fault("experimenter killed while it pushes", labs.dead_experimenter, share=0.2),
+    Fault("two recorders within a second", labs.two_recorders),
 )
 assert RATE * PERIOD_NS == 10**9

@@ -135,7 +135,6 @@ def recordings(world: World, rng: random.Random) -> None:
         world.feed(50)
         if rng.random() < 0.7:
             world.call(Trigger, names.RECORDER_STOP, Trigger.Request())
-            time.sleep(1.0 - time.time() % 1.0)  # a bag is named by the second
     world.call(Trigger, names.RECORDER_STOP, Trigger.Request())
     summary = world.recorder.summary
     world.expect(bool(folders) and summary is not None and not summary.lost and not summary.error, str(summary))

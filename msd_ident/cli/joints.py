@@ -1,0 +1,100 @@
+"""``msd diagnose --all-joints``: every joint of a bag, and whether its effort can be the force."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.cli import run
+from msd_ident.errors import DataError, MsdError, UsageError
+
+if TYPE_CHECKING:
+    from msd_ident import pipeline
+    from msd_ident.bag import SourceOptions
+
+SCHEMA = "msd.joint/1"
+
+
+def diagnose_joints(
+    paths: Sequence[Path],
+    source: SourceOptions,
+    options: pipeline.Options,
+    output: run.Output,
+    others: Sequence[object],
+) -> int:
+    """Diagnose all joints of each bag, in parallel; one table a bag, one JSON object a joint.
+
+    Args:
+        paths: bags.
+        source: how they are read; force and position are those of each joint.
+        options: of the diagnosis.
+        output: where the results go.
+        others: options that make no sense here, empty when not given.
+
+    Raises:
+        UsageError: one of them is given.
+        DataError: no bag holds a joint.
+    """
+    if any(others):
+        raise UsageError(
+            "--all-joints goes with one bag's joints; expected no --force, --position, --report, --markdown or "
+            "--figures beside it: take one joint with --force and --position for those"
+        )
+    output.check()
+    lines: list[dict[str, Any]] = []
+    failures: list[MsdError] = []
+    for path in paths:
+        try:
+            lines += _one_bag(path, source, options, output)
+        except MsdError as error:
+            failures.append(error)
+            lines.append({"schema": SCHEMA, "path": str(path), "error": str(error)})
+    run.write(lines, output)
+    if failures:
+        raise DataError("; ".join(map(str, failures)))
+    return 0
+
+
+def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, output: run.Output) -> list[dict[str, Any]]:
+    from rich.console import Console
+
+    from msd_ident import joints
+    from msd_ident.bag import joints as in_bag
+    from msd_ident.bag import read, source_of
+
+    found = in_bag(path)
+    with run.progress(output.quiet) as tell:
+        tell(f"{len(found)} joints", 0.1)
+        results = joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
+    if output.tables:
+        _show(path, results, Console(highlight=False))
+    return [_line(path, one) for one in results]
+
+
+def _line(path: Path, one: Any) -> dict[str, Any]:
+    line: dict[str, Any] = {
+        "schema": SCHEMA,
+        "path": str(path),
+        "joint": one.name,
+        "effort_usable": one.usable,
+        "sentence": one.sentence,
+    }
+    found: Mapping[str, Any] = one.diagnosis.to_json_dict() if one.diagnosis else {}
+    return {**line, "diagnosis": {key: value for key, value in found.items()} or None}
+
+
+def _show(path: Path, results: Sequence[Any], console: Any) -> None:
+    from rich.table import Table
+
+    table = Table(title=f"{path}: {len(results)} joints", show_lines=True)
+    for name in ("joint", "effort is the force", "verdict", "inertia", "what was found"):
+        table.add_column(name, overflow="fold")
+    for one in results:
+        verdict, inertia = ("–", "–")
+        if one.diagnosis is not None:
+            mass = one.diagnosis.base.quantities.get("mass")
+            verdict = one.diagnosis.verdict
+            inertia = f"{mass.value:.4g} {mass.unit}" if mass is not None else "–"
+        table.add_row(one.name, "yes" if one.usable else "no", verdict, inertia, one.sentence)
+    console.print(table)

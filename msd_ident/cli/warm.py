@@ -1,0 +1,17 @@
+"""``msd warm``: what is compiled at the first use, compiled now."""
+
+from __future__ import annotations
+
+import time
+from importlib.metadata import entry_points
+
+GROUP = "msd.warm"
+
+
+def warm() -> int:
+    """Compile solver and rig now, for this user, so that no first start takes a minute; nothing when that is done."""
+    for entry in entry_points(group=GROUP):
+        begin = time.monotonic()
+        entry.load()()
+        print(f"{entry.name}: ready after {time.monotonic() - begin:.1f} s")
+    return 0

@@ -1,0 +1,56 @@
+"""A rig that compiles its solver says so, and ends at once when it is asked to."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from msd_sim.node.preparing import prepare
+
+WORDS = "rig: compiling its solver for "
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_rig_that_compiles_says_so_and_obeys_within_a_second(tmp_path: Path, number: int) -> None:
+    cold = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-m", "msd_sim.node"]
+    with subprocess.Popen(command, env=cold, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr is not None
+            said = process.stderr.readline()
+            assert said.startswith(WORDS) and "`msd warm` does it beforehand" in said
+            begin = time.monotonic()
+            process.send_signal(number)
+            process.send_signal(number)
+            code = process.wait(30.0)
+            assert time.monotonic() - begin < 1.0
+            assert code == 0 and "Traceback" not in process.stderr.read()
+        finally:
+            process.kill()
+
+
+def test_what_fails_in_the_thread_is_raised() -> None:
+    def work() -> None:
+        raise ValueError("no compiler")
+
+    with pytest.raises(ValueError, match="no compiler"):
+        prepare(lambda: False, work)
+
+
+def test_a_quick_start_says_nothing() -> None:
+    said: list[str] = []
+    assert prepare(lambda: False, lambda: None, said.append)
+    assert said == []
+
+
+def test_warm_compiles_solver_and_rig() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "msd_ident.cli.main", "warm"], capture_output=True, text=True, check=True
+    )
+    assert "solver: ready after" in done.stdout and "rig: ready after" in done.stdout
