@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident import quality, seeds
 from msd_ident.design.profile import Profile
 from msd_ident.diagnose import Contender
 from msd_ident.fit.problem import Initial
@@ -156,7 +156,7 @@ class Predictor:
 
         None moves a parameter by more than ``_FAR`` of itself: beyond that no straight line holds.
         """
-        normal = np.random.default_rng(20140).standard_normal((DRAWS, self.point.size))
+        normal = np.random.default_rng(seeds.PREDICTION).standard_normal((DRAWS, self.point.size))
         size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
         values, vectors = np.linalg.eigh(self.covariance / np.outer(size, size))
         drawn = normal @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * size
