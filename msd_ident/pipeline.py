@@ -22,14 +22,13 @@ from msd_ident.errors import UsageError
 from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
 from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
+from msd_ident.fit.joint import joint_fit, linear_fit, structure
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.posing import Zero
 from msd_ident.fit.refine import GRAVITY, record_start
 from msd_ident.identification import Identification, ModelFit
 from msd_ident.known import Known
 from msd_ident.model import Model, Plant, Simulator
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.preparing import prepared, typical_plant
 from msd_ident.quantity import Quantity
 from msd_ident.record import FloatArray, Record
@@ -159,6 +158,7 @@ def diagnose(
     made = diagnose_records(
         data.used,
         sprung=sprung,
+        plant=_plant(data.used, data.form),
         findings=data.findings,
         warnings=data.warnings + decided,
         ring_down=ring_down(data.features, data.used[0].position_unit),
@@ -214,15 +214,14 @@ def _joint(
 
     Known parameters keep their values. The further fits have one of them a little higher, each.
     """
-    base = (typical_plant(records[0]) if form is None else _seen(form)) + CoulombFriction(0.0)
-    base = base if sprung else base + ForceOffset(0.0)
-    knowledge.check(options.known, base, records[0])
+    plant = _plant(records, form)
+    knowledge.check(options.known, structure(plant, sprung), records[0])
     fixed = {} if sprung else {"stiffness": 0.0}
     if sprung and _forceless(records) and not any(one.sets_scale for one in options.known):
         fixed["mass"] = 1.0
     fixed |= knowledge.values(options.known)
     zero: Zero = "free" if sprung else "known"
-    joint = fit(base, records, fixed=fixed, zero=zero, loss=options.loss)
+    joint = joint_fit(records, plant, sprung, fixed, options.loss)
     shifted = []
     for one in options.known:
         if one.std > 0.0:
@@ -233,6 +232,11 @@ def _joint(
             )
             shifted.append(_Shifted(near, one.std / step))
     return joint, tuple(shifted)
+
+
+def _plant(records: tuple[Record, ...], form: StandardForm | None) -> Model:
+    """The plant that fits start from."""
+    return typical_plant(records[0]) if form is None else _seen(form)
 
 
 def _seen(form: StandardForm) -> Model:
@@ -260,14 +264,9 @@ def _original(records: tuple[Record, ...], form: StandardForm | None, joint: Fit
 
 def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options) -> ModelFit:
     """Linear model by simulation error, from the joint refit's values: a careless start ends in a false valley."""
-    start = joint.model.without("coulomb_friction", "force_offset")
-    springless = "stiffness" not in joint.free
-    fixed = {name: joint.model[name] for name in ("mass", "damping", "stiffness") if name not in joint.free}
-    near = fit(start, records, fixed=fixed, loss=options.loss, search="near")
-    wide = fit(start, records, fixed=fixed, loss=options.loss)
-    what = "mass and damping" if springless else "mass, damping and stiffness"
+    what = "mass, damping and stiffness" if "stiffness" in joint.free else "mass and damping"
     method = f"{what} fitted by simulation error, as no response gives features"
-    return _with_friction(min(near, wide, key=lambda found: found.see), records, method)
+    return _with_friction(linear_fit(records, joint, options.loss), records, method)
 
 
 def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:

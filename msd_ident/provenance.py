@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from msd_ident import seeds
 from msd_ident.errors import DataError
 
 #: Packages whose version can move a digit of a result.
@@ -45,18 +46,23 @@ class Provenance:
         made: when, ISO 8601 in UTC.
         origins: what was read.
         versions: by package; ``python`` too.
-        seed: of all random numbers; they are drawn for the bootstrap of the held-out gain alone, always from this seed.
+        seeds: of all random numbers, by what they are drawn for.
     """
 
     command: str
     made: str
     origins: tuple[Origin, ...]
     versions: Mapping[str, str]
-    seed: int = 0
+    seeds: Mapping[str, int] = field(default_factory=lambda: dict(seeds.ALL))
+
+    @property
+    def drawn(self) -> str:
+        """The seeds in words."""
+        return "seeds " + ", ".join(f"{seed} ({what})" for what, seed in self.seeds.items())
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain words and numbers."""
-        return {**asdict(self), "versions": dict(self.versions)}
+        return {**asdict(self), "versions": dict(self.versions), "seeds": dict(self.seeds)}
 
 
 def versions() -> dict[str, str]:

@@ -17,7 +17,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity", "stopping"),
+    ("errors", "quantity", "seeds", "stopping"),
     ("paths",),
     ("record", "provenance"),
     ("streams", "motion", "noise", "resampling", "autoregressive"),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import platform
 from pathlib import Path
 
 import pytest
 
+from msd_ident import seeds
 from msd_ident.errors import DataError
-from msd_ident.provenance import fingerprint, versions
+from msd_ident.provenance import Provenance, fingerprint, versions
 
 
 def test_hash_of_a_file_is_what_sha256sum_says(tmp_path: Path) -> None:
@@ -41,3 +43,19 @@ def test_versions_name_python_and_what_computes() -> None:
         "scipy",
         "numba",
     }
+
+
+def test_all_seeds_are_told() -> None:
+    found = Provenance("msd diagnose a.csv", "2026-01-31T12:00:00Z", (), versions())
+    assert found.to_json_dict()["seeds"] == seeds.ALL
+    assert all(str(seed) in found.drawn for seed in (seeds.PREDICTION, seeds.RANDOM_STEPS))
+    assert {value for name, value in vars(seeds).items() if isinstance(value, int)} == set(seeds.ALL.values())
+
+
+def test_whatever_draws_takes_its_seed_from_there_or_from_the_profile(repository: Path) -> None:
+    taken = set()
+    for path in (repository / "msd_ident").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("default_rng", "random.seed")):
+                taken.add(", ".join(map(ast.unparse, node.args)))
+    assert taken == {"seeds.PREDICTION", "seeds.RANDOM_STEPS", "self.seed"}

@@ -14,7 +14,7 @@ from msd_ident.design.cores import each
 from msd_ident.design.discrimination import Parting
 from msd_ident.design.family import Pace, family
 from msd_ident.design.limits import Limits
-from msd_ident.design.prediction import Grid, Prediction, Predictor, Sensing, grid
+from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing, grid, instants
 from msd_ident.design.profile import Profile
 from msd_ident.diagnose import Contender
 from msd_ident.record import FloatArray, Record
@@ -82,6 +82,11 @@ class Question:
     def contenders(self) -> tuple[Contender, ...]:
         """The rivals."""
         return tuple(one.contender for one in self.predictors)
+
+    def work(self, profile: Profile) -> float:
+        """Readings that are simulated to predict a profile by every rival, with the slopes of each."""
+        rows = sum(1 + len(one.places) + NUISANCES for one in self.predictors) + len(self.cautions)
+        return float(rows * instants(profile, self.period, self.sensing))
 
 
 def period_of(contender: Contender, limits: Limits) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident import seeds
 from msd_ident.design import discrimination
 from msd_ident.design.designing import Option, Question, family_of, options
 from msd_ident.design.family import levels
@@ -113,7 +114,7 @@ def compared(duration: float, period: float) -> tuple[Profile, Profile]:
     rest = min(max(0.25 * period, 0.1), 0.2 * duration)
     lead = Segment("hold", rest)
     step = Profile((lead, Segment("step", duration - rest, force=1.0)), "single step")
-    rng = np.random.default_rng(20141)
+    rng = np.random.default_rng(seeds.RANDOM_STEPS)
     count = min(max(int((duration - rest) / (0.5 * period)), 2), _RANDOM)
     random = levels(tuple(float(v) for v in rng.uniform(-1.0, 1.0, count)), (duration - rest) / count)
     return step, Profile((lead, *random), "random steps")

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident import quality, seeds
 from msd_ident.design.profile import Profile
 from msd_ident.diagnose import Contender
 from msd_ident.fit.problem import Initial
@@ -76,11 +76,16 @@ class Grid:
     each: float
 
 
-def grid(profile: Profile, period: float, seen: Sensing) -> Grid:
-    """A grid fine enough for the plant's period [s] and the profile's swings."""
+def instants(profile: Profile, period: float, seen: Sensing) -> int:
+    """Instants that are fine enough for the plant's period [s] and the profile's swings."""
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
     step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
-    count = int(np.clip(profile.duration / step, _FEWEST, _MOST)) + 1
+    return int(np.clip(profile.duration / step, _FEWEST, _MOST)) + 1
+
+
+def grid(profile: Profile, period: float, seen: Sensing) -> Grid:
+    """A grid of so many instants, evenly over the profile."""
+    count = instants(profile, period, seen)
     time = np.linspace(0.0, profile.duration, count)
     at, force = profile.commands
     record = Record(time=time, position=np.zeros(count), force_time=at, force=force, name=profile.name)
@@ -151,7 +156,7 @@ class Predictor:
 
         None moves a parameter by more than ``_FAR`` of itself: beyond that no straight line holds.
         """
-        normal = np.random.default_rng(20140).standard_normal((DRAWS, self.point.size))
+        normal = np.random.default_rng(seeds.PREDICTION).standard_normal((DRAWS, self.point.size))
         size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
         values, vectors = np.linalg.eigh(self.covariance / np.outer(size, size))
         drawn = normal @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * size

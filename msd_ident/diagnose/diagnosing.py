@@ -8,27 +8,36 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident.diagnose import ahead, curves, dependence, evidence, identities, readings, settling, spread, verdict
+from msd_ident.diagnose import (
+    ahead,
+    curves,
+    dependence,
+    evidence,
+    handover,
+    identities,
+    readings,
+    settling,
+    spread,
+    verdict,
+)
 from msd_ident.diagnose.adequacy import judge
-from msd_ident.diagnose.candidates import Experiment, Fitted, refine
+from msd_ident.diagnose.beginning import base_fit, shared_fits
+from msd_ident.diagnose.candidates import Experiment, Fitted
 from msd_ident.diagnose.contenders import Contender, standing
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
-from msd_ident.diagnose.guesses import plain_axes
 from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
 from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.diagnose.search import NOTHING, Progress, Remembered
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
-from msd_ident.fit import FitResult, fit, see, see_reduction
+from msd_ident.fit import FitResult, see, see_reduction
 from msd_ident.fit.concluding import conclude
+from msd_ident.fit.joint import Shared
 from msd_ident.fit.problem import Initial
-from msd_ident.fit.solver import Outcome
-from msd_ident.model import Plant
+from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
 from msd_ident.record import Record
@@ -51,11 +60,13 @@ class Task:
     Attributes:
         records: one experiment, of one record or several.
         sprung: whether the plant has a spring.
+        plant: mass, damping and stiffness that the data shows at a glance, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
     """
 
     records: tuple[Record, ...]
     sprung: bool = True
+    plant: Model | None = None
     findings: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
@@ -75,6 +86,7 @@ def diagnose_records(
     records: Sequence[Record],
     *,
     sprung: bool = True,
+    plant: Model | None = None,
     findings: Sequence[Finding] = (),
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
@@ -86,6 +98,7 @@ def diagnose_records(
     Args:
         records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
         sprung: False for a plain axis, whose stiffness is 0.
+        plant: what the data shows at a glance, to start from.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
@@ -95,17 +108,18 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings), ring_down)
+    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down)
     progress("base model", 0.02, "")
     experiment = prepare(task)
-    base, friction = base_fit(task, experiment)
+    shared = shared_fits(experiment, task.plant or experiment.base)
+    base, friction = base_fit(experiment, shared)
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
         ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
     else:
         ranking = ahead.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    return _conclude(task, experiment, base, ranking, progress)
+    return _conclude(task, experiment, base, ranking, shared, progress)
 
 
 def prepare(task: Task) -> Experiment:
@@ -122,25 +136,6 @@ def prepare(task: Task) -> Experiment:
         stiffness = (20.0 / duration) ** 2
     model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
     return Experiment(readings.prepare(task.records), model, frozenset(fixed))
-
-
-def base_fit(task: Task, experiment: Experiment) -> tuple[Fitted, Fitted]:
-    """The base model, and the one with Coulomb friction, each the best from several starts.
-
-    The base starts from a regression, and from what is left of a fit with friction and offset: a careless start ends
-    anywhere.
-    """
-    fixed, few = tuple(experiment.fixed), experiment.thinned(ahead.MOST_SAMPLES).records
-    plain = fit(experiment.base, few, fixed=fixed)
-    helped = fit(experiment.base + CoulombFriction(0.0) + ForceOffset(0.0), few, fixed=fixed, zero="known")
-    near = fit(helped.model.without("coulomb_friction", "force_offset"), few, fixed=fixed, search="near")
-    rubbing = fit(helped.model.without("force_offset"), few, fixed=fixed, search="near")
-    starts = [(found.model, found.initial) for found in (plain, near)]
-    if not task.sprung:
-        starts += plain_axes(few)
-    bases = [refine(experiment, NOTHING, model, initial) for model, initial in starts]
-    friction = refine(experiment, frozenset({"coulomb_friction"}), rubbing.model, rubbing.initial)
-    return min(bases, key=lambda one: one.chi), friction
 
 
 def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:
@@ -161,7 +156,9 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
     ]
 
 
-def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:
+def _conclude(
+    task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, shared: Shared, progress: Progress
+) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     best, heldout = _predicting(experiment, base, ranking)
     if not ranking.best.causes:
@@ -169,7 +166,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
     progress("verdict", 0.95, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
-    fits = (_result(experiment, base), _result(experiment, shown))
+    fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     decision = verdict.decide(causes, *left)
     missing = _missing(experiment, base)
@@ -252,9 +249,9 @@ def _resting(experiment: Experiment, fitted: Fitted) -> Fitted:
     return replace(fitted, problem=replace(fitted.problem, balances=known))
 
 
-def _result(experiment: Experiment, fitted: Fitted) -> FitResult:
-    outcome = Outcome(fitted.point, 0.5 * fitted.chi, 0, True, "Converged: refined by the diagnosis.")
-    return conclude(fitted.problem, outcome, _floor(experiment))
+def _result(experiment: Experiment, fitted: Fitted, shared: Shared) -> FitResult:
+    """The model that is handed over: the set refitted by plain simulation error."""
+    return conclude(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
 
 
 def _floor(experiment: Experiment) -> float:

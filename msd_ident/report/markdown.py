@@ -129,7 +129,7 @@ def _origin(provenance: Provenance | None) -> Iterator[str]:
         signals = f"position {_code(origin.position)}, force {_code(origin.force)}"
         yield f"- {_code(origin.path)} ({origin.kind}, {origin.size} bytes, sha256 {_code(origin.sha256)}): {signals}"
     versions = ", ".join(f"{name} {version}" for name, version in provenance.versions.items())
-    yield f"- {versions}; seed {provenance.seed}; {provenance.made}"
+    yield f"- {versions}; {provenance.drawn}; {provenance.made}"
     yield f"- again with: {_code(provenance.command)}"
 
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from msd_ident.diagnose.candidates import Experiment, Fitted, refine
-from msd_ident.diagnose.heldout import FOLDS, predict, segments
+from bench import held_out
+from msd_ident.diagnose.candidates import Experiment, Fitted, refine, weigh
+from msd_ident.diagnose.descent import step
+from msd_ident.diagnose.heldout import FOLDS, predict, refitted, segments, training
 from msd_ident.diagnose.readings import prepare
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
-from msd_ident.record import Record
+from msd_ident.record import FloatArray, Record
 from msd_sim.api import simulate
 
 RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
@@ -52,4 +56,46 @@ def test_a_cause_that_is_not_there_gains_nothing() -> None:
     extra = refine(data, frozenset({"quadratic_drag"}), Plant(1.0, 2.0, 600.0) + QuadraticDrag(0.01), (Initial(),))
     found = predict(data, base_of(data), extra)
     assert abs(found.reduction_percent) < 1.0
-    assert found.interval_percent[0] < 0.5
+    assert found.interval_percent[0] < 0.0 < found.interval_percent[1]
+    assert not found.better
+
+
+def test_every_fold_moves_every_parameter_of_both_models() -> None:
+    data = experiment(effects={"coulomb_friction": {"coulomb_force": 0.3}})
+    right = refine(data, frozenset({"coulomb_friction"}), Plant(1.0, 2.0, 600.0) + CoulombFriction(0.3), (Initial(),))
+    cuts = [segments(record) for record in data.records]
+    for fitted in (base_of(data), right):
+        for fold in range(FOLDS):
+            masks = [training(cut, fold) for cut in cuts]
+            point = refitted(data, fitted, masks)
+            free = len(fitted.problem.free)
+            assert np.all(point[:free] != fitted.point[:free])
+            assert _promised(data, fitted, point, masks) < 0.05 * max(fitted.chi / data.evidence, 1.0)
+
+
+def _promised(data: Experiment, fitted: Fitted, point: FloatArray, masks: list[FloatArray]) -> float:
+    """Fall of the training data's chi² that a last full step still promises."""
+    weighting = weigh(fitted.problem, data.readings, masks)
+    return step(fitted.problem, weighting.exact(point, weighting.steps(None)), 1e-9)[1]
+
+
+def test_useless_effects_lose() -> None:
+    trials = list(held_out.useless(range(30)))
+    assert len(trials) == 60
+    assert sum(trial.held.better for trial in trials) <= 2
+    assert sum(trial.held.reduction_percent <= 0.0 for trial in trials) >= 20
+
+
+@pytest.mark.parametrize("fall", [100.0, np.inf])
+def test_true_effects_win_also_when_they_are_faint(fall: float) -> None:
+    trials = list(held_out.true(range(100, 118), fall=fall))
+    assert len(trials) >= 14
+    assert sum(not trial.held.better for trial in trials) <= (2 if fall < np.inf else 0)
+
+
+def test_errors_without_end_are_no_gain() -> None:
+    data = experiment()
+    extra = refine(data, frozenset({"quadratic_drag"}), Plant(1.0, 2.0, 600.0) + QuadraticDrag(0.01), (Initial(),))
+    lost = replace(extra, state=replace(extra.state, point=extra.point * 0.0 + extra.problem.upper.clip(max=1e9)))
+    found = predict(data, base_of(data), lost)
+    assert not found.better and np.isfinite(found.interval_percent).all()

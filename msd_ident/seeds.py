@@ -1,0 +1,15 @@
+"""Seeds of all random numbers that enter a result: each always the same, so that a record has one answer.
+
+A diagnosis draws none; what it proposes as a next experiment is judged with draws. Random trains of a designed profile
+carry their seed in the profile, and are played as they stand there.
+"""
+
+from __future__ import annotations
+
+#: Deviations of a rival's parameters, as far as the measured data leaves them open: they bound a predicted motion.
+PREDICTION = 20140
+#: Random steps that a design for narrower intervals is compared with.
+RANDOM_STEPS = 20141
+
+#: By what they are drawn for.
+ALL = {"prediction of the next experiment": PREDICTION, "random steps beside a designed profile": RANDOM_STEPS}

@@ -1,0 +1,66 @@
+"""What ``diagnose`` hands over simulates at least as well as what ``identify`` found on the same record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bench.real.rigs import RIGS
+from msd_ident.bag import read
+from msd_ident.fit import fit
+from msd_ident.model import Model
+from msd_ident.pipeline import diagnose, identify
+from msd_ident.preparing import typical_plant
+from msd_ident.record import Record
+from msd_sim import lottery
+from msd_sim.api import simulate
+
+#: Rounding, and what rest before the first push is allowed to cost.
+CLOSE = 1.0 + 1e-6
+#: Seed, hidden effect, whether Coulomb friction acts beside it, experiment.
+DRAWN = (
+    (1, "coulomb_friction", False, "steps"),
+    (2, "quadratic_drag", True, "steps"),
+    (3, "cubic_spring", True, "step"),
+    (4, "coulomb_friction", False, "release"),
+    (7, "quadratic_drag", True, "release"),
+    (8, "end_stop", True, "steps"),
+)
+MEASURED = ("polimi_decay_stiff", "ecp2023_release_2", "spring_cart_1", "step_1")
+
+
+def never_worse(record: Record, friction_known: bool) -> None:
+    """Compare both, and the base model with a fit of mass, damping and stiffness alone."""
+    identified, diagnosed = identify([record]), diagnose([record])
+    causes = {cause.name for cause in diagnosed.causes}
+    effects = set(identified.refined.model.effect_names)
+    assert not friction_known or effects <= causes
+    if effects <= causes:
+        assert diagnosed.extended.see <= CLOSE * identified.refined.see
+    assert diagnosed.base.see <= CLOSE * linear(diagnosed.records, identified.refined.model)
+    assert diagnosed.extended.see <= CLOSE * diagnosed.base.see
+
+
+def linear(records: tuple[Record, ...], found: Model) -> float:
+    """SEE of mass, damping and stiffness, fitted from two starts."""
+    fixed = {} if found["stiffness"] > 0.0 else {"stiffness": 0.0}
+    if not records[0].force.any():
+        fixed["mass"] = 1.0
+    near = fit(found.without("coulomb_friction", "force_offset"), records, fixed=fixed, search="near")
+    return min(near.see, fit(typical_plant(records[0]).with_values(fixed), records, fixed=fixed).see)
+
+
+@pytest.mark.parametrize(("seed", "hidden", "beside", "experiment"), DRAWN)
+def test_on_drawn_rigs(seed: int, hidden: str, beside: bool, experiment: str) -> None:
+    made = simulate(dict(lottery.draw(seed, hidden, beside, experiment).spec))
+    never_worse(Record(made.time, made.position, made.force_time, made.force, hold=made.hold), friction_known=True)
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("name", MEASURED)
+def test_on_measured_rigs(shared_data: Path, name: str) -> None:
+    (rig,) = (rig for rig in RIGS if rig.name == name)
+    if not (shared_data / rig.path).is_file():
+        pytest.skip(f"no {rig.path} among the measured data")
+    never_worse(read(shared_data / rig.path, rig.options), friction_known=False)
