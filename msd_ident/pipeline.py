@@ -17,6 +17,7 @@ from msd_ident import one_rig, quality, spring_decision
 from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
+from msd_ident.diagnose.remainder import TOLERANCE
 from msd_ident.diagnose.ringdown import ring_down
 from msd_ident.errors import UsageError
 from msd_ident.features import StandardForm
@@ -64,19 +65,23 @@ class Options:
         model: ``spring`` or ``no_spring`` (a plain axis); ``auto`` lets the data say.
         loss: ``linear``, or ``soft_l1`` where single samples are wild.
         known: parameters known beforehand, which the fit keeps; their uncertainty goes into all intervals.
+        tolerance: part of the motion's rms [%] that a diagnosis may leave unexplained and still be called complete.
 
     Raises:
-        UsageError: another word.
+        UsageError: another word, or a tolerance that is no part.
     """
 
     model: str = "auto"
     loss: Loss = "linear"
     known: tuple[Known, ...] = ()
+    tolerance: float = TOLERANCE
 
     def __post_init__(self) -> None:
         for what, found, known in (("model", self.model, MODELS), ("loss", self.loss, LOSSES)):
             if found not in known:
                 raise UsageError(f"{what} is {found!r}; expected one of {', '.join(known)}")
+        if not 0.0 <= self.tolerance < 100.0:
+            raise UsageError(f"tolerance is {self.tolerance} % of the motion; expected 0 to less than 100")
 
 
 @dataclass(frozen=True)
@@ -162,12 +167,13 @@ def diagnose(
         findings=data.findings,
         warnings=data.warnings + decided,
         ring_down=ring_down(data.features, data.used[0].position_unit),
+        tolerance=options.tolerance,
         progress=progress,
         earlier=earlier,
     )
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
-    if found.verdict == "unexplained":
+    if found.adequacy.material:
         said = [*push.sentences(found.records, found.extended, found.noise_floor), one_rig.doubt(found.records)]
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))
     progress("done", 1.0, "")

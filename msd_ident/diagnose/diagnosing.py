@@ -8,16 +8,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident.diagnose import ahead, curves, dependence, evidence, identities, readings, settling, spread, verdict
+from msd_ident.diagnose import (
+    ahead,
+    curves,
+    dependence,
+    evidence,
+    identities,
+    naming,
+    readings,
+    settling,
+    spread,
+    verdict,
+)
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
 from msd_ident.diagnose.contenders import Contender, standing
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.guesses import plain_axes
-from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
-from msd_ident.diagnose.ringdown import RingDown
+from msd_ident.diagnose.remainder import TOLERANCE, remainders
+from msd_ident.diagnose.ringdown import RingDown, read_with
 from msd_ident.diagnose.search import NOTHING, Progress, Remembered
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
@@ -52,6 +63,7 @@ class Task:
         records: one experiment, of one record or several.
         sprung: whether the plant has a spring.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
     """
 
     records: tuple[Record, ...]
@@ -59,6 +71,7 @@ class Task:
     findings: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
+    tolerance: float = TOLERANCE
 
     @property
     def forced(self) -> bool:
@@ -78,6 +91,7 @@ def diagnose_records(
     findings: Sequence[Finding] = (),
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
+    tolerance: float = TOLERANCE,
     progress: Progress = silent,
     earlier: Diagnosis | None = None,
 ) -> Diagnosis:
@@ -87,6 +101,7 @@ def diagnose_records(
         records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
         sprung: False for a plain axis, whose stiffness is 0.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
@@ -95,7 +110,7 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings), ring_down)
+    task = Task(tuple(records), sprung, tuple(findings), tuple(warnings), ring_down, tolerance)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     base, friction = base_fit(task, experiment)
@@ -163,21 +178,19 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
 
 def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, progress: Progress) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
-    best, heldout = _predicting(experiment, base, ranking)
-    if not ranking.best.causes:
-        ranking = ranking.led_by(best)
+    ranking, best, heldout = naming.predicting(experiment, base, ranking)
     progress("verdict", 0.95, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     fits = (_result(experiment, base), _result(experiment, shown))
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    decision = verdict.decide(causes, *left)
-    missing = _missing(experiment, base)
-    unit = task.records[0].force_unit
+    missing, still = _missing(experiment, base), _still_missing(experiment, shown)
+    lacking = (_still_missing(experiment, base) if best.causes else still, still)
+    lacks = remainders(task.records, _floor(experiment), fits, lacking, left, task.tolerance)
+    decision = verdict.decide(causes, lacks)
     characteristics = None
-    if decision == "unexplained":
+    if lacks.exceeds:
         characteristics = curves.measure(experiment.readings, base, shown, fits[0].see)
-    still = _still_missing(experiment, shown)
     tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else []
     moved = spread.between([_resting(experiment, one) for one in tied])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
@@ -186,7 +199,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, left, heldout, dependence.sentence(still, unit)),
+        summary=verdict.summary(decision, causes, lacks, heldout, dependence.sentence(still)),
         causes=causes,
         base=fits[0],
         extended=fits[1],
@@ -195,6 +208,7 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         noise_floor=_floor(experiment),
         base_adequacy=left[0],
         adequacy=left[1],
+        left=lacks,
         missing=missing,
         dependences=dependence.dependences(missing),
         still_missing=still,
@@ -202,30 +216,10 @@ def _conclude(task: Task, experiment: Experiment, base: Fitted, ranking: Ranking
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
-        ring_down=task.ring_down,
+        ring_down=read_with(task.ring_down, causes),
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),
         tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
-
-
-def _predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Fitted, HeldOut]:
-    """The likeliest set that predicts left-out data better than the base, or the base itself.
-
-    Where the base leads, only because few independent samples are left to speak against it, the likeliest set stands
-    when it predicts better beyond doubt.
-    """
-    if not ranking.best.causes and len(ranking.sets) > 1:
-        likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
-        heldout = predict(experiment, base, likeliest)
-        if likeliest.causes and heldout.interval_percent[0] > 0.0:
-            return likeliest, heldout
-    for fitted in ranking.sets[:3]:
-        if not fitted.causes:
-            break
-        heldout = predict(experiment, base, fitted)
-        if heldout.better:
-            return fitted, heldout
-    return base, predict(experiment, base, base)
 
 
 def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, ...]:
@@ -233,8 +227,7 @@ def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, .
     found = []
     for name in best.causes:
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
-        tied = evidence.alternatives(ranking, name) if best is ranking.best else ()
-        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), tied))
+        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), naming.tied(ranking, name)))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 
