@@ -18,6 +18,7 @@ def diagnose(
     paths: sources.PathsArgument,
     source: sources.Source,
     model: sources.ModelOption = "auto",
+    tolerance: sources.ToleranceOption = 1.0,
     together: sources.TogetherOption = False,
     on: trials.OnOption = None,
     json: sources.JsonOption = "",
@@ -31,7 +32,7 @@ def diagnose(
     from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
 
-    options = pipeline.Options(model=model)
+    options = pipeline.Options(model=model, tolerance=tolerance)
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()

@@ -123,6 +123,8 @@ class Diagnosing:
             "SEE of the base model": found.base_see,
             "SEE of the extended model": found.extended_see,
             "noise floor": found.noise_floor,
+            "unexplained part of the motion [%]": found.left_percent,
+            f"missing force [{found.force_unit} rms]": found.missing_force,
             "reduction on left-out data [%]": found.heldout_reduction_percent,
             "missing samples": found.missing_samples,
         }
@@ -222,7 +224,8 @@ class Diagnosing:
             tell("reading", 0.0, "")
             part = Part(goal.handle.request.start, goal.handle.request.end)
             records = [self._sources.record(path, part, read) for path in paths or [""]]
-            one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
+            options = pipeline.Options(model=self._settings["model"], tolerance=self._settings["tolerance"])
+            one = pipeline.diagnose(records, options, tell)
         except MsdError as error:
             result.success = False
             result.diagnoses = [*result.diagnoses, failed(name, str(error))]
