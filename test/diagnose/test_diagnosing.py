@@ -130,6 +130,12 @@ def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -
     assert slope == pytest.approx(600.0, rel=0.1)
 
 
+def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
+    """Neither a force nor a spring says how large a force may be: the inertia does."""
+    record = measured({}, experiment={"name": "release", "position": 0.02, "duration": 1.0})
+    assert diagnose_records([record], sprung=False).base.quantities["stiffness"].value == 0.0
+
+
 def test_no_records_is_refused() -> None:
     with pytest.raises(UsageError, match="no records to diagnose"):
         diagnose_records([])
