@@ -22,7 +22,7 @@ from msd_ident.diagnose.ringdown import ring_down
 from msd_ident.errors import UsageError
 from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
-from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
+from msd_ident.fit import FitResult, carried, fit, noise_floor, paper_refine, see
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.posing import Zero
 from msd_ident.fit.refine import GRAVITY, record_start
@@ -100,7 +100,7 @@ def identify(
     """Standard form, physical parameters and friction of one experiment, which may have several records.
 
     Raises:
-        DataError: the data cannot carry any estimate (a constant signal, for one).
+        DataError: the data cannot carry any estimate (a constant signal, a cart moved by hand).
         UsageError: no records, or records in different units.
     """
     progress("looking at the data", 0.05)
@@ -109,6 +109,7 @@ def identify(
     sprung, decided = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(used, sprung, form, options)
+    carried.check(joint.residuals, used, "mass, damping, stiffness and dry friction")
     progress("the linear model", 0.6)
     two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
     original = _original(used, two_peaks or form, joint, options)
@@ -171,6 +172,7 @@ def diagnose(
         progress=progress,
         earlier=earlier,
     )
+    carried.check(made.extended.residuals, made.records, "mass, damping, stiffness and all causes of the library")
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
     if found.adequacy.material:
