@@ -38,5 +38,5 @@ def check(diagnosis: Diagnosis) -> None:
     Raises:
         DataError: their natural frequencies are far apart, and nothing explains it.
     """
-    if diagnosis.verdict == "unexplained" and (said := doubt(diagnosis.records)):
+    if diagnosis.left.exceeds and (said := doubt(diagnosis.records)):
         raise DataError(said)

@@ -17,11 +17,12 @@ from msd_ident import one_rig, quality, spring_decision
 from msd_ident.design import proposing
 from msd_ident.diagnose import Diagnosis, diagnose_records, push
 from msd_ident.diagnose import Progress as DiagnosisProgress
+from msd_ident.diagnose.remainder import TOLERANCE
 from msd_ident.diagnose.ringdown import ring_down
 from msd_ident.errors import UsageError
 from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
-from msd_ident.fit import FitResult, fit, noise_floor, paper_refine, see
+from msd_ident.fit import FitResult, carried, fit, noise_floor, paper_refine, see
 from msd_ident.fit.joint import joint_fit, linear_fit, structure
 from msd_ident.fit.objective import Loss
 from msd_ident.fit.posing import Zero
@@ -63,19 +64,23 @@ class Options:
         model: ``spring`` or ``no_spring`` (a plain axis); ``auto`` lets the data say.
         loss: ``linear``, or ``soft_l1`` where single samples are wild.
         known: parameters known beforehand, which the fit keeps; their uncertainty goes into all intervals.
+        tolerance: part of the motion's rms [%] that a diagnosis may leave unexplained and still be called complete.
 
     Raises:
-        UsageError: another word.
+        UsageError: another word, or a tolerance that is no part.
     """
 
     model: str = "auto"
     loss: Loss = "linear"
     known: tuple[Known, ...] = ()
+    tolerance: float = TOLERANCE
 
     def __post_init__(self) -> None:
         for what, found, known in (("model", self.model, MODELS), ("loss", self.loss, LOSSES)):
             if found not in known:
                 raise UsageError(f"{what} is {found!r}; expected one of {', '.join(known)}")
+        if not 0.0 <= self.tolerance < 100.0:
+            raise UsageError(f"tolerance is {self.tolerance} % of the motion; expected 0 to less than 100")
 
 
 @dataclass(frozen=True)
@@ -94,7 +99,7 @@ def identify(
     """Standard form, physical parameters and friction of one experiment, which may have several records.
 
     Raises:
-        DataError: the data cannot carry any estimate (a constant signal, for one).
+        DataError: the data cannot carry any estimate (a constant signal, a cart moved by hand).
         UsageError: no records, or records in different units.
     """
     progress("looking at the data", 0.05)
@@ -103,6 +108,7 @@ def identify(
     sprung, decided = _sprung(used, options, form)
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(used, sprung, form, options)
+    carried.check(joint.residuals, used, "mass, damping, stiffness and dry friction")
     progress("the linear model", 0.6)
     two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
     original = _original(used, two_peaks or form, joint, options)
@@ -162,12 +168,14 @@ def diagnose(
         findings=data.findings,
         warnings=data.warnings + decided,
         ring_down=ring_down(data.features, data.used[0].position_unit),
+        tolerance=options.tolerance,
         progress=progress,
         earlier=earlier,
     )
+    carried.check(made.extended.residuals, made.records, "mass, damping, stiffness and all causes of the library")
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
-    if found.verdict == "unexplained":
+    if found.adequacy.material:
         said = [*push.sentences(found.records, found.extended, found.noise_floor), one_rig.doubt(found.records)]
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))
     progress("done", 1.0, "")

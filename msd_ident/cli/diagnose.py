@@ -20,6 +20,7 @@ def diagnose(
     paths: sources.PathsArgument,
     source: sources.Source,
     model: sources.ModelOption = "auto",
+    tolerance: sources.ToleranceOption = 1.0,
     together: sources.TogetherOption = False,
     on: trials.OnOption = None,
     json: sources.JsonOption = "",
@@ -34,7 +35,7 @@ def diagnose(
     from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
 
-    options = pipeline.Options(model=model)
+    options = pipeline.Options(model=model, tolerance=tolerance)
     output = run.Output(json, quiet, overwrite)
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints

@@ -46,6 +46,10 @@ RunOption = Annotated[
 StartOption = Annotated[Optional[float], typer.Option(help="first second to use")]  # noqa: UP045
 EndOption = Annotated[Optional[float], typer.Option(help="last second to use")]  # noqa: UP045
 ModelOption = Annotated[str, typer.Option(help="auto, spring, or no_spring for a plain axis")]
+ToleranceOption = Annotated[
+    float,
+    typer.Option("--tolerance", metavar="PERCENT", help="part of the motion that may stay unexplained"),
+]
 TogetherOption = Annotated[bool, typer.Option("--together", help="all paths are one experiment: one model for all")]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE|-", help="one JSON object a path; -: and nothing else on stdout")

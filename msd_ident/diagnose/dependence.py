@@ -53,13 +53,10 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
     return min(max(1.0 - loss / total, 0.0), 1.0)
 
 
-def sentence(missing: Sequence[MissingForce], unit: str) -> str:
-    """In words: how large the missing force is and what it goes with."""
-    size = float(np.sqrt(np.mean(np.concatenate([part.force for part in missing]) ** 2)))
+def sentence(missing: Sequence[MissingForce]) -> str:
+    """In words: what the missing force goes with."""
     known = [item for item in dependences(missing) if item.share >= _WORTH]
     if not known:
-        return (
-            f"The missing force ({size:.3g} {unit} rms) goes with neither position, velocity, time nor applied force."
-        )
-    listed = ", ".join(f"{item.signal} ({100.0 * item.share:.0f} %)" for item in known)
-    return f"The missing force ({size:.3g} {unit} rms) depends on {listed} of its variance, each taken alone."
+        return "This force goes with neither position, velocity, time nor applied force."
+    listed = ", ".join(f"{100.0 * item.share:.0f} % goes with the {item.signal}" for item in known)
+    return f"Of its variance {listed}, each taken alone."

@@ -15,6 +15,7 @@ from msd_ident.diagnose import (
     evidence,
     handover,
     identities,
+    naming,
     readings,
     settling,
     spread,
@@ -26,9 +27,9 @@ from msd_ident.diagnose.candidates import Experiment, Fitted
 from msd_ident.diagnose.contenders import Contender, standing
 from msd_ident.diagnose.diagnosis import Cause, Diagnosis, Rival
 from msd_ident.diagnose.evidence import Ranking
-from msd_ident.diagnose.heldout import HeldOut, predict
 from msd_ident.diagnose.missing import MissingForce, missing_force
-from msd_ident.diagnose.ringdown import RingDown
+from msd_ident.diagnose.remainder import TOLERANCE, remainders
+from msd_ident.diagnose.ringdown import RingDown, read_with
 from msd_ident.diagnose.search import NOTHING, Progress, Remembered
 from msd_ident.diagnose.tried import noted, tried
 from msd_ident.errors import UsageError
@@ -62,6 +63,7 @@ class Task:
         sprung: whether the plant has a spring.
         plant: mass, damping and stiffness that the data shows at a glance, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
     """
 
     records: tuple[Record, ...]
@@ -70,6 +72,7 @@ class Task:
     findings: tuple[Finding, ...] = ()
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
+    tolerance: float = TOLERANCE
 
     @property
     def forced(self) -> bool:
@@ -90,6 +93,7 @@ def diagnose_records(
     findings: Sequence[Finding] = (),
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
+    tolerance: float = TOLERANCE,
     progress: Progress = silent,
     earlier: Diagnosis | None = None,
 ) -> Diagnosis:
@@ -100,6 +104,7 @@ def diagnose_records(
         sprung: False for a plain axis, whose stiffness is 0.
         plant: what the data shows at a glance, to start from.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
@@ -108,7 +113,7 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down)
+    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     shared = shared_fits(experiment, task.plant or experiment.base)
@@ -160,21 +165,19 @@ def _conclude(
     task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, shared: Shared, progress: Progress
 ) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
-    best, heldout = _predicting(experiment, base, ranking)
-    if not ranking.best.causes:
-        ranking = ranking.led_by(best)
+    ranking, best, heldout = naming.predicting(experiment, base, ranking)
     progress("verdict", 0.95, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    decision = verdict.decide(causes, *left)
-    missing = _missing(experiment, base)
-    unit = task.records[0].force_unit
+    missing, still = _missing(experiment, base), _still_missing(experiment, shown)
+    lacking = (_still_missing(experiment, base) if best.causes else still, still)
+    lacks = remainders(task.records, _floor(experiment), fits, lacking, left, task.tolerance)
+    decision = verdict.decide(causes, lacks)
     characteristics = None
-    if decision == "unexplained":
+    if lacks.exceeds:
         characteristics = curves.measure(experiment.readings, base, shown, fits[0].see)
-    still = _still_missing(experiment, shown)
     tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else []
     moved = spread.between([_resting(experiment, one) for one in tied])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
@@ -183,7 +186,7 @@ def _conclude(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, left, heldout, dependence.sentence(still, unit)),
+        summary=verdict.summary(decision, causes, lacks, heldout, dependence.sentence(still)),
         causes=causes,
         base=fits[0],
         extended=fits[1],
@@ -192,6 +195,7 @@ def _conclude(
         noise_floor=_floor(experiment),
         base_adequacy=left[0],
         adequacy=left[1],
+        left=lacks,
         missing=missing,
         dependences=dependence.dependences(missing),
         still_missing=still,
@@ -199,30 +203,10 @@ def _conclude(
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
         warnings=tuple(dict.fromkeys(said)),
-        ring_down=task.ring_down,
+        ring_down=read_with(task.ring_down, causes),
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),
         tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
-
-
-def _predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Fitted, HeldOut]:
-    """The likeliest set that predicts left-out data better than the base, or the base itself.
-
-    Where the base leads, only because few independent samples are left to speak against it, the likeliest set stands
-    when it predicts better beyond doubt.
-    """
-    if not ranking.best.causes and len(ranking.sets) > 1:
-        likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
-        heldout = predict(experiment, base, likeliest)
-        if likeliest.causes and heldout.interval_percent[0] > 0.0:
-            return likeliest, heldout
-    for fitted in ranking.sets[:3]:
-        if not fitted.causes:
-            break
-        heldout = predict(experiment, base, fitted)
-        if heldout.better:
-            return fitted, heldout
-    return base, predict(experiment, base, base)
 
 
 def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, ...]:
@@ -230,8 +214,7 @@ def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, .
     found = []
     for name in best.causes:
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
-        tied = evidence.alternatives(ranking, name) if best is ranking.best else ()
-        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), tied))
+        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), naming.tied(ranking, name)))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 

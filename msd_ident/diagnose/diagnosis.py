@@ -13,6 +13,7 @@ from msd_ident.diagnose.curves import Characteristics
 from msd_ident.diagnose.dependence import Dependence
 from msd_ident.diagnose.heldout import HeldOut
 from msd_ident.diagnose.missing import MissingForce
+from msd_ident.diagnose.remainder import Remainders
 from msd_ident.diagnose.ringdown import RingDown
 from msd_ident.diagnose.tried import Tried
 from msd_ident.fit import FitResult
@@ -20,8 +21,8 @@ from msd_ident.quality import Finding
 from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 
-Verdict = Literal["adequate", "explained", "ambiguous", "unexplained"]
-SCHEMA = "msd.diagnosis/1"
+Verdict = Literal["adequate", "explained", "mostly_explained", "ambiguous", "unexplained"]
+SCHEMA = "msd.diagnosis/2"
 
 
 @dataclass(frozen=True)
@@ -57,18 +58,19 @@ class Diagnosis:
     Attributes:
         records: the data, as used.
         findings: what is odd about the data.
-        verdict: ``adequate``, ``explained``, ``ambiguous`` or ``unexplained``.
+        verdict: ``adequate``, ``explained``, ``mostly_explained``, ``ambiguous`` or ``unexplained``.
         summary: the verdict in words.
         causes: what the extended model holds beyond the base, strongest first.
         base, extended: both models, refitted; the same where the base is adequate.
         see_reduction_percent: in sample, eq. 15.
         heldout: on data that the fit did not see.
         noise_floor: what no model can beat, in the position unit.
-        base_adequacy, adequacy: what the base and the extended model leave.
+        base_adequacy, adequacy: whether what the base and the extended model leave is noise.
+        left: how much both leave: as a force, and as a part of the motion.
         missing: the force that the base model lacks, for each record.
         dependences: what that force goes with.
         still_missing: the same of the extended model.
-        characteristics: measured spring and damping curves, where no cause of the library does.
+        characteristics: measured spring and damping curves, where more than the tolerance is left.
         spread: least and largest m, b, k and Fc over tied explanations.
         rivals: the best other sets.
         warnings: what a reader must know, a sentence each.
@@ -91,6 +93,7 @@ class Diagnosis:
     noise_floor: float
     base_adequacy: Adequacy
     adequacy: Adequacy
+    left: Remainders
     missing: tuple[MissingForce, ...]
     dependences: tuple[Dependence, ...]
     still_missing: tuple[MissingForce, ...]
@@ -121,6 +124,8 @@ class Diagnosis:
                 "interval_percent": list(self.heldout.interval_percent),
             },
             "noise_floor_m": self.noise_floor,
+            "tolerance_percent": self.left.tolerance_percent,
+            "remainder": self.left.to_json_dict(),
             "residual_noise_floors": {"base": self.base_adequacy.ratio, "extended": self.adequacy.ratio},
             "missing_force_depends_on": {item.signal: item.share for item in self.dependences},
             "spread": {name: list(ends) for name, ends in self.spread.items()},

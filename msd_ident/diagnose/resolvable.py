@@ -27,9 +27,9 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)
     speed = max(_top_speed(record) for record in records)
-    force = max(float(np.max(np.abs(record.force))) for record in records) or stiffness * span
     fastest = 0.6 * np.pi / period
     rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
+    force = max(float(np.max(np.abs(record.force))) for record in records) or mass * span * rate**2
     return {
         "second_mass": (0.02 * mass, 5.0 * mass),
         "second_stiffness": (1e-3 * mass * rate**2, 30.0 * mass * rate**2),

@@ -6,9 +6,9 @@ friction, one that falls means drag; ωn(A) bends with the spring alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,54 @@ from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
 from msd_ident.record import FloatArray
 
+if TYPE_CHECKING:
+    from msd_ident.diagnose.diagnosis import Cause
+
 _FEWEST = 3
+#: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
+Reading = tuple[str, Mapping[str, tuple[int, ...]]]
+_RUBS: Reading = (
+    "dry friction",
+    dict.fromkeys(("coulomb_friction", "hysteresis", "position_dependent_friction", "stribeck_friction"), (1,)),
+)
+_DRAGS: Reading = ("drag that grows with the square of the speed", {"quadratic_drag": (1,)})
+_SOFTENS: Reading = (
+    "a softening spring",
+    {"asymmetric_spring": (-1, 1), "cubic_spring": (-1,), "hysteresis": (-1, 1)},
+)
+_HARDENS: Reading = ("a hardening spring", {"backlash": (1,), "cubic_spring": (1,), "end_stop": (1,)})
 #: Chi² by which a slope must beat a constant before a word is said, and standard deviation that is never undercut.
 _DECISIVE, _LEAST_RATIO, _LEAST_RELATIVE = 16.0, 2e-4, 5e-4
+
+
+@dataclass(frozen=True)
+class Observation:
+    """How a value moves with the amplitude, and what does that.
+
+    Attributes:
+        seen: the values, a sentence without its end.
+        law: what makes them so, in words.
+        causes: effects that do: name → signs of their first parameter for which they do.
+    """
+
+    seen: str
+    law: str
+    causes: Mapping[str, tuple[int, ...]]
+
+    def told(self, named: Mapping[str, float], tied: Collection[str] = ()) -> str:
+        """The observation as a sentence; its reading stands in it as far as a diagnosis has it too.
+
+        Args:
+            named: causes of the diagnosis, each with the value of its first parameter.
+            tied: causes that could stand in the place of those.
+        """
+        if any(np.sign(value) in self.causes.get(name, ()) for name, value in named.items()):
+            return f"{self.seen}, as {self.law} makes it."
+        if any(name in self.causes for name in tied):
+            return (
+                f"{self.seen}; {self.law} would do this, which is one of the causes that this data cannot tell apart."
+            )
+        return f"{self.seen}; {self.law} would do this, but the diagnosis does not call for it."
 
 
 @dataclass(frozen=True)
@@ -29,7 +74,8 @@ class RingDown:
         amplitude: half the way between turning points [m].
         damping_ratio, damping_ratio_std: ζ from three turning points.
         natural_frequency, natural_frequency_std: ωn [rad/s] from the same.
-        sentences: what they say at a glance.
+        observations: what is seen at a glance.
+        sentences: the same, read with the causes of a diagnosis; without one the observations alone.
     """
 
     amplitude: FloatArray
@@ -37,6 +83,7 @@ class RingDown:
     damping_ratio_std: FloatArray
     natural_frequency: FloatArray
     natural_frequency_std: FloatArray
+    observations: tuple[Observation, ...]
     sentences: tuple[str, ...]
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -61,13 +108,23 @@ def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | Non
     rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
     said = _said(
         amplitude, ratio * rate, ratio_std * rate, ("The damping ratio", "", length), _LEAST_RATIO,
-        "as dry friction makes it", "as drag that grows with the square of the speed makes it",
+        _RUBS, _DRAGS,
     ) + _said(
         amplitude, frequency, frequency_std, ("The natural frequency", " rad/s", length),
         _LEAST_RELATIVE * float(np.median(frequency)),
-        "as a softening spring makes it", "as a hardening spring makes it",
+        _SOFTENS, _HARDENS,
     )  # fmt: skip
-    return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said)
+    plain = tuple(f"{one.seen}." for one in said)
+    return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said, plain)
+
+
+def read_with(found: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:
+    """The same with sentences that never contradict a diagnosis: read as far as its causes have it so."""
+    if found is None:
+        return None
+    named = {cause.name: next(iter(cause.parameters.values())).value for cause in causes if cause.parameters}
+    tied = {name for cause in causes for name in cause.tied_with}
+    return replace(found, sentences=tuple(one.told(named, tied) for one in found.observations))
 
 
 def _row(swing: Swing) -> tuple[float, ...]:
@@ -82,9 +139,9 @@ def _row(swing: Swing) -> tuple[float, ...]:
 
 def _said(
     amplitude: FloatArray, value: FloatArray, std: FloatArray, named: tuple[str, str, str], least: float,
-    rising: str, falling: str,
-) -> tuple[str, ...]:  # fmt: skip
-    """A sentence when the values go with 1/A or with A far better than with nothing.
+    rising: Reading, falling: Reading,
+) -> tuple[Observation, ...]:  # fmt: skip
+    """An observation when the values go with 1/A or with A far better than with nothing.
 
     ``named`` are what the value is, its unit, and that of the amplitude.
     """
@@ -97,10 +154,11 @@ def _said(
         return ()
     large, small = best[1][0], best[1][-1]
     way, means = ("rises", rising) if small > large else ("falls", falling)
-    return (
+    seen = (
         f"{what} {way} from {large:.3g}{unit} at an amplitude of {amplitude[0]:.3g} {length} to {small:.3g}{unit} at "
-        f"{amplitude[-1]:.3g} {length}, {means}.",
+        f"{amplitude[-1]:.3g} {length}"
     )
+    return (Observation(seen, *means),)
 
 
 def _line(shape: FloatArray, value: FloatArray, weight: FloatArray) -> tuple[float, FloatArray]:

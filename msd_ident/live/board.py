@@ -83,7 +83,11 @@ class Cause:
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """The present verdict; the numbers as in the message of the same name."""
+    """The present verdict; the numbers as in the message of the same name.
+
+    ``left_percent`` is the part of the motion that stays unexplained [%], ``force`` the missing force's rms and its
+    95 % interval [force_unit].
+    """
 
     verdict: str
     summary: str
@@ -95,6 +99,10 @@ class Diagnosed:
     noise: float
     unit: str
     source: str
+    left_percent: float = math.nan
+    tolerance_percent: float = math.nan
+    force: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+    force_unit: str = "N"
     warnings: tuple[str, ...] = ()
 
 

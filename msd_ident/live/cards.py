@@ -14,6 +14,7 @@ from msd_ident.report.tables import WORDS
 VERDICTS = {
     "adequate": "the model is enough",
     "explained": "cause named",
+    "mostly_explained": "cause named, more is missing",
     "ambiguous": "several causes possible",
     "unexplained": "no known cause",
 }
@@ -112,6 +113,12 @@ def _gain(found: Diagnosed) -> str:
     if found.causes:
         pairs.append(("SEE with the cause", length(found.see_extended, found.unit)))
     pairs.append(("noise floor", length(found.noise, found.unit)))
+    if math.isfinite(found.left_percent):
+        pairs.append(
+            ("unexplained motion", f"{number(found.left_percent, 2)} % (tolerated {found.tolerance_percent:g} %)")
+        )
+        force, lower, upper = (number(value, 2) for value in found.force)
+        pairs.append(("missing force", f"{force} {escape(found.force_unit)} rms ({lower} to {upper})"))
     if found.causes and math.isfinite(found.heldout_percent):
         low, high = found.heldout_interval
         pairs.append(("gain on left-out data", f"{found.heldout_percent:.0f} % ({low:.0f} to {high:.0f})"))

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from msd_ident.diagnose import Diagnosis
     from msd_ident.quantity import Quantity
 
-_COLOURS = {"adequate": "green", "explained": "green", "ambiguous": "yellow", "unexplained": "red"}
+_COLOURS = {
+    "adequate": "green",
+    "explained": "green",
+    "mostly_explained": "yellow",
+    "ambiguous": "yellow",
+    "unexplained": "red",
+}
 
 
 def causes_table(diagnosis: Diagnosis) -> Table | None:
@@ -57,6 +63,15 @@ def models_table(diagnosis: Diagnosis) -> Table:
     table.add_row("SEE", numbers.number(diagnosis.base.see), numbers.number(diagnosis.extended.see), unit)
     table.add_row("SEE on left-out data", numbers.number(held.see_base), numbers.number(held.see_extended), unit)
     table.add_row("left over", numbers.number(base.ratio, 3), numbers.number(extended.ratio, 3), "noise floors")
+    left = diagnosis.left
+    table.add_row(
+        "  of the motion", *(numbers.number(one.motion_percent, 2) for one in (left.base, left.extended)), "%"
+    )
+    table.add_row(
+        "  missing force",
+        *(numbers.number(one.force, 2) for one in (left.base, left.extended)),
+        f"{left.force_unit} rms",
+    )
     return table
 
 
@@ -85,7 +100,9 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     for sentence in ties(diagnosis):
         say(console, "tied", "yellow", sentence)
     unit = diagnosis.records[0].position_unit
-    console.print(f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit}; {_gain(diagnosis)}")
+    share = words.percent(diagnosis.left.noise_percent)
+    floor = f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit} ({share} of the motion)"
+    console.print(f"{floor}; {_gain(diagnosis)}")
     if diagnosis.ring_down is not None:
         for sentence in diagnosis.ring_down.sentences:
             say(console, "ring-down", "cyan", sentence)

@@ -60,6 +60,8 @@ def _diagnosis(found: Diagnosis) -> Iterator[str]:
         ("SEE of the extended model", f"{number(scale.factor * found.extended.see, 3)} {scale.unit}"),
         ("noise floor", f"{number(scale.factor * found.noise_floor, 3)} {scale.unit}"),
     ]
+    motion, force = words.remainder(found)
+    rows += [("unexplained motion", motion), ("missing force", force)]
     if gain := words.gain(found):
         rows.append(("better on unseen data", gain))
     yield from _table(("", ""), rows)

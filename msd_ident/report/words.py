@@ -6,7 +6,8 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.diagnose import verdict as said
+from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.model.model import PLANT_PARAMETERS
 from msd_ident.report.tables import WORDS
 
@@ -17,18 +18,16 @@ if TYPE_CHECKING:
 VERDICTS = {
     "adequate": "the model is enough",
     "explained": "cause named",
+    "mostly_explained": "cause named, more is missing",
     "ambiguous": "several causes possible",
     "unexplained": "no known cause",
 }
-#: Effects that bear a person's name.
-_PEOPLE = ("coulomb", "stribeck")
 _PARAMETERS = {p.name: p for p in (*PLANT_PARAMETERS, *(p for effect in LIBRARY for p in effect.parameters))}
 
 
 def effect(name: str) -> str:
     """``quadratic drag`` for ``quadratic_drag``."""
-    words = name.replace("_", " ")
-    return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words
+    return spoken(name)
 
 
 def effects(names: str) -> str:
@@ -64,16 +63,36 @@ def headline(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence that a technician understands."""
     names = [cause.name for cause in diagnosis.causes]
     if diagnosis.verdict == "adequate":
+        if diagnosis.left.extended.seen:
+            rest = f"less than the tolerance of {diagnosis.left.tolerance_percent:g} % of the motion"
+            return f"The simulation is right enough: a mass, a damper and a spring leave {rest}."
         return "The simulation is right: a mass, a damper and a spring explain all that the encoder saw."
     if diagnosis.verdict == "unexplained":
-        helped = f"; {listed([effect(name) for name in names])} help, but not enough" if names else ""
-        return f"The simulation misses something that no cause we know repairs{helped}."
+        return "The simulation misses something that no cause we know repairs."
     if diagnosis.verdict == "ambiguous":
         choices = [listed([effect(c.name), *map(effect, c.tied_with)], "or") for c in diagnosis.causes]
-        return f"The simulation misses {listed(choices)}: this data cannot tell which."
+        open_ends = "which" if any(cause.tied_with for cause in diagnosis.causes) else "for certain"
+        return f"The simulation misses {listed(choices)}: this data cannot tell {open_ends}."
+    if diagnosis.verdict == "mostly_explained":
+        rest = f"{percent(diagnosis.left.extended.motion_percent)} of the motion stays unexplained"
+        return f"The simulation misses {listed([effect(name) for name in names])}, and something more: {rest}."
     if len(names) == 1:
         return f"The simulation misses {effect(names[0])}: {meaning(names[0])}."
     return f"The simulation misses {listed([effect(name) for name in names])}."
+
+
+def percent(value: float) -> str:
+    """Per cent in two digits, never in powers of ten."""
+    return said.percent(value)
+
+
+def remainder(diagnosis: Diagnosis) -> tuple[str, str]:
+    """What the extended model leaves: of the motion, and as a force with its interval and its part of another."""
+    left = diagnosis.left
+    found = left.extended
+    share = f", {percent(found.force_percent)} of the {left.yardstick}" if math.isfinite(found.force_percent) else ""
+    motion = percent(found.motion_percent) if found.seen else "nothing that this data can see"
+    return motion, f"{said.force(found, left.force_unit)}{share}"
 
 
 def gain(diagnosis: Diagnosis) -> str:

@@ -27,7 +27,7 @@ def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> 
         frame: frame_id of the encoder.
     """
     symbols = model_symbols(found.extended.model)
-    held = found.heldout
+    held, left = found.heldout, found.left.extended
     message = DiagnosisMessage(
         path=path,
         window_start=time_message(stamp_of(found.records[0], 0)),
@@ -49,6 +49,18 @@ def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> 
         heldout_reduction_percent=held.reduction_percent,
         heldout_reduction_lower=held.interval_percent[0],
         heldout_reduction_upper=held.interval_percent[1],
+        tolerance_percent=found.left.tolerance_percent,
+        base_left_percent=found.left.base.motion_percent,
+        left_percent=left.motion_percent,
+        left_seen=left.seen,
+        force_unit=found.left.force_unit,
+        base_missing_force=found.left.base.force,
+        missing_force=left.force,
+        missing_force_lower=left.force_interval[0],
+        missing_force_upper=left.force_interval[1],
+        missing_force_percent=left.force_percent,
+        missing_force_of=found.left.yardstick,
+        noise_percent=found.left.noise_percent,
         noise_floor=found.noise_floor,
         warnings=list(found.warnings),
         next_experiment=json.dumps(found.next_experiment) if found.next_experiment else "",
@@ -68,7 +80,7 @@ def failed(path: str, reason: str) -> DiagnosisMessage:
 def healthy(found: Diagnosis) -> bool:
     """Whether the model is good enough: nothing is missing, or what is missing has one name and repairs it."""
     if found.verdict == "explained":
-        return found.heldout.better and not found.adequacy.material
+        return found.heldout.better
     return found.verdict == "adequate"
 
 

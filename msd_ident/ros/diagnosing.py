@@ -125,6 +125,8 @@ class Diagnosing:
             "SEE of the base model": found.base_see,
             "SEE of the extended model": found.extended_see,
             "noise floor": found.noise_floor,
+            "unexplained part of the motion [%]": found.left_percent,
+            f"missing force [{found.force_unit} rms]": found.missing_force,
             "reduction on left-out data [%]": found.heldout_reduction_percent,
             "missing samples": found.missing_samples,
         }
@@ -234,7 +236,8 @@ class Diagnosing:
             if joint is not None and not (judged := judge(records[0])).usable:
                 result.diagnoses = [*result.diagnoses, failed(name, judged.sentence)]
                 return
-            one = pipeline.diagnose(records, pipeline.Options(model=self._settings["model"]), tell)
+            options = pipeline.Options(model=self._settings["model"], tolerance=self._settings["tolerance"])
+            one = pipeline.diagnose(records, options, tell)
         except MsdError as error:
             if joint is None:  # of all joints, one that rests or is not measured leaves the others a success
                 result.success, result.code = False, code_of(error)

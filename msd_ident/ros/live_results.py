@@ -45,6 +45,10 @@ def to_diagnosed(message: Diagnosis) -> Diagnosed:
         noise=message.noise_floor,
         unit=message.position_unit,
         source=message.path,
+        left_percent=message.left_percent,
+        tolerance_percent=message.tolerance_percent,
+        force=(message.missing_force, message.missing_force_lower, message.missing_force_upper),
+        force_unit=message.force_unit,
         warnings=tuple(message.warnings),
     )
 

@@ -36,7 +36,7 @@ def test_words_and_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert run(monkeypatch, path) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("rubbing.csv: explained\n")
-    assert "The model lacks coulomb_friction (probability 0.999)." in shown.replace("\n", " ")
+    assert "The model lacks Coulomb friction (probability 0.999)." in shown.replace("\n", " ")
     assert "on left-out data" in shown
 
 
@@ -48,7 +48,7 @@ def test_json_on_standard_output_is_one_object_a_path(
     assert run(monkeypatch, clean, missing, "--json", "-") == 2
     told = capsys.readouterr()
     first, second = (json.loads(line) for line in told.out.splitlines())
-    assert first["schema"] == "msd.diagnosis/1" and first["path"] == str(clean)
+    assert first["schema"] == "msd.diagnosis/2" and first["path"] == str(clean)
     assert first["verdict"] == "adequate" and first["causes"] == []
     assert second["path"] == str(missing) and "error" in second
     assert len(told.err.splitlines()) == 1

@@ -31,7 +31,7 @@ def rubbing() -> Diagnosis:
 
 def test_the_contract(rubbing: Diagnosis) -> None:
     found = json.loads(json.dumps(rubbing.to_json_dict()))
-    assert found["schema"] == "msd.diagnosis/1"
+    assert found["schema"] == "msd.diagnosis/2"
     assert found["verdict"] == "explained"
     cause = found["causes"][0]
     assert cause["name"] == "coulomb_friction" and cause["tied_with"] == []
@@ -53,7 +53,7 @@ def test_the_extended_model_has_the_rigs_numbers(rubbing: Diagnosis) -> None:
         quantity = rubbing.extended.quantities[name]
         assert abs(quantity.value / RIG[name] - 1.0) < 0.005
     assert rubbing.adequacy.ratio < 1.2 < rubbing.base_adequacy.ratio
-    assert rubbing.summary.startswith("The model lacks coulomb_friction")
+    assert rubbing.summary.startswith("The model lacks Coulomb friction")
 
 
 def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
@@ -121,12 +121,19 @@ def test_a_free_decay_knows_ratios_only() -> None:
 def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -> None:
     record = measured({"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}})
     found = diagnose_records([record])
-    assert found.verdict == "unexplained"
-    assert "depends on" in found.summary or "goes with neither" in found.summary
+    assert found.verdict == "ambiguous" and found.left.exceeds
+    assert "more than the tolerance of 1 %" in found.summary
+    assert "Of its variance" in found.summary or "goes with neither" in found.summary
     assert found.characteristics is not None
     spring = found.characteristics.spring
     slope = np.polyfit(spring.over, spring.force, 1)[0]
     assert slope == pytest.approx(600.0, rel=0.1)
+
+
+def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
+    """Neither a force nor a spring says how large a force may be: the inertia does."""
+    record = measured({}, experiment={"name": "release", "position": 0.02, "duration": 1.0})
+    assert diagnose_records([record], sprung=False).base.quantities["stiffness"].value == 0.0
 
 
 def test_no_records_is_refused() -> None:

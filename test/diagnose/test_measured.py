@@ -26,8 +26,8 @@ def cart(folder: Path, name: str, force: str = "control_effort_v") -> Diagnosis:
 def test_the_cart_rubs_and_what_remains_is_said(shared_data: Path, name: str) -> None:
     found = cart(shared_data, name)
     assert found.causes[0].name in DRY
-    assert found.verdict == "unexplained"
-    assert "noise floors remain" in found.summary
+    assert found.verdict in ("mostly_explained", "ambiguous") and found.left.exceeds
+    assert "of the motion is still unexplained, more than the tolerance of 1 %" in found.summary
     assert found.heldout.reduction_percent > 20.0
     assert found.characteristics is not None
     assert any("known only up to that gain" in sentence for sentence in found.warnings)

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from msd_ident.diagnose.ringdown import RingDown, ring_down
+from msd_ident import pipeline
+from msd_ident.diagnose.diagnosis import Cause
+from msd_ident.diagnose.ringdown import RingDown, read_with, ring_down
 from msd_ident.features import extract
+from msd_ident.quantity import Quantity
 from msd_ident.record import Record
 from msd_sim import api
 
@@ -35,7 +38,7 @@ def found(effects: dict[str, dict[str, float]]) -> RingDown:
 def test_dry_friction_raises_the_ratio_of_small_swings_by_the_known_law() -> None:
     coulomb = 0.15
     result = found({"coulomb_friction": {"coulomb_force": coulomb}})
-    assert "rises" in result.sentences[0] and "dry friction" in result.sentences[0]
+    assert "rises" in result.sentences[0] and result.observations[0].law == "dry friction"
     viscous = 0.8 / (2.0 * np.sqrt(MASS * STIFFNESS))
     expected = viscous + 2.0 * coulomb / (np.pi * STIFFNESS * result.amplitude)
     large = result.amplitude > 0.2 * AMPLITUDE
@@ -46,7 +49,7 @@ def test_dry_friction_raises_the_ratio_of_small_swings_by_the_known_law() -> Non
 def test_drag_lowers_it_by_the_known_law() -> None:
     drag = 4.0
     result = found({"quadratic_drag": {"drag_coefficient": drag}})
-    assert "falls" in result.sentences[0] and "drag" in result.sentences[0]
+    assert "falls" in result.sentences[0] and "drag" in result.observations[0].law
     viscous = 0.8 / (2.0 * np.sqrt(MASS * STIFFNESS))
     expected = viscous + 4.0 * drag * result.amplitude / (3.0 * np.pi * MASS)
     assert result.damping_ratio == pytest.approx(expected, rel=0.06)
@@ -55,7 +58,48 @@ def test_drag_lowers_it_by_the_known_law() -> None:
 def test_a_hardening_spring_is_told_by_its_frequency_alone() -> None:
     result = found({"cubic_spring": {"cubic_stiffness": 1e5}})
     assert len(result.sentences) == 1
-    assert "natural frequency falls" in result.sentences[0] and "hardening" in result.sentences[0]
+    assert "natural frequency falls" in result.sentences[0] and "hardening" in result.observations[0].law
+
+
+def cause(name: str, value: float, tied: tuple[str, ...] = ()) -> Cause:
+    return Cause(name, 0.99, {"first": Quantity(value, 0.1, "N")}, tied)
+
+
+CALLED, NOT = (
+    "as a hardening spring makes it.",
+    "a hardening spring would do this, but the diagnosis does not call for it.",
+)
+
+
+@pytest.mark.parametrize(
+    ("causes", "reading"),
+    [
+        ([cause("cubic_spring", 1e5)], CALLED),
+        ([cause("coulomb_friction", 0.1), cause("backlash", 1e-3)], CALLED),
+        ([cause("cubic_spring", -1e5)], NOT),
+        ([cause("coulomb_friction", 0.1)], NOT),
+        ([], NOT),
+        (
+            [cause("coulomb_friction", 0.1, ("end_stop",))],
+            "which is one of the causes that this data cannot tell apart.",
+        ),
+    ],
+)
+def test_what_is_read_in_it_never_contradicts_the_diagnosis(causes: list[Cause], reading: str) -> None:
+    plain = found({"cubic_spring": {"cubic_stiffness": 1e5}})
+    told = read_with(plain, causes)
+    assert told is not None and told.sentences[0].endswith(reading)
+    assert told.sentences[0].startswith(plain.sentences[0].rstrip("."))
+    assert "hardening" not in plain.sentences[0]
+
+
+def test_a_diagnosis_reads_it_with_its_own_causes() -> None:
+    """The frequency of a rubbing cart on a linear spring, says nothing of a bent one."""
+    result = pipeline.diagnose([released({"coulomb_friction": {"coulomb_force": 0.15}})])
+    assert [one.name for one in result.causes] == ["coulomb_friction"] and result.ring_down is not None
+    said = result.ring_down.sentences
+    assert said[0].endswith("as dry friction makes it.")
+    assert all("but the diagnosis does not call for it" in sentence for sentence in said if "spring" in sentence)
 
 
 def test_a_linear_plant_says_nothing() -> None:

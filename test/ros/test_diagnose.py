@@ -103,6 +103,20 @@ def as_printed(found: Diagnosis) -> dict[str, Any]:
                 found.heldout_reduction_upper,
             )
         ],
+        "left": [
+            found.tolerance_percent,
+            found.base_missing_force,
+            found.missing_force,
+            found.missing_force_lower,
+            found.missing_force_upper,
+            found.missing_force_percent,
+            found.missing_force_of,
+            found.force_unit,
+            found.base_left_percent,
+            found.left_percent,
+            found.left_seen,
+            found.noise_percent,
+        ],
         "noise_floor": none(found.noise_floor),
         "warnings": list(found.warnings),
     }
@@ -116,6 +130,12 @@ def as_told(printed: dict[str, Any]) -> dict[str, Any]:
 
     def model(part: dict[str, Any]) -> tuple[dict[str, Any], float]:
         return numbers(part["parameters"]), part["see_m"]
+
+    def left(part: dict[str, Any]) -> list[Any]:
+        base, extended = part["base"], part["extended"]
+        force = [base["force_rms"], extended["force_rms"], *extended["force_interval"], extended["force_percent"]]
+        motion = [base["motion_percent"], extended["motion_percent"], extended["seen"], part["noise_percent"]]
+        return [*force, part["force_percent_of"], part["force_unit"], *motion]
 
     gain = printed["gain"]
     return {
@@ -131,6 +151,7 @@ def as_told(printed: dict[str, Any]) -> dict[str, Any]:
             gain["heldout_reduction_percent"],
             *gain["interval_percent"],
         ],
+        "left": [printed["tolerance_percent"], *left(printed["remainder"])],
         "noise_floor": printed["noise_floor_m"],
         "warnings": printed["warnings"],
     }
@@ -170,7 +191,7 @@ def test_live_and_bag_and_command_line_agree_to_the_last_digit(
     assert {one.stage for one in feedback if one.cause} == {"search"}
     until(lambda: len(told) == 2, "both on the topic")
     assert [one.path for one in told] == ["live", "bag"] and told[0].verdict == "explained"
-    assert "coulomb_friction" in (tmp_path / "page.html").read_text()
+    assert "Coulomb friction" in (tmp_path / "page.html").read_text()
 
 
 def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(ros: Graph, tmp_path: Path) -> None:

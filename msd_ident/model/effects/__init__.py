@@ -8,9 +8,11 @@ import pkgutil
 from msd_ident.errors import UsageError
 from msd_ident.model.effects.base import ARGUMENTS, Effect, Parameter
 
-__all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name"]
+__all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "spoken"]
 
 _HELPERS = ("base", "typical")
+#: Effects that bear a person's name.
+_PEOPLE = ("coulomb", "stribeck")
 
 
 def _discover() -> tuple[type[Effect], ...]:
@@ -39,3 +41,9 @@ def by_name(name: str) -> type[Effect]:
         if effect.name == name:
             return effect
     raise UsageError(f"no effect is called {name!r}; expected one of {', '.join(e.name for e in LIBRARY)}")
+
+
+def spoken(name: str) -> str:
+    """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``."""
+    words = name.replace("_", " ")
+    return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words

@@ -60,13 +60,23 @@ class DiagnosisVerdict(Section):
             floors = number(found.adequacy.ratio, 3)
             less = f"{number(found.see_reduction_percent, 3)} % less: {floors} noise floors"
             yield Card("error of the extended model", after, less, "extended")
+        yield self._left()
         floor = marked.length("noise_floor_m", found.noise_floor, scale)
-        yield Card("noise floor", floor, "what no model can beat", "noise")
+        share = f"what no model can beat: {words.percent(found.left.noise_percent)} of the motion"
+        yield Card("noise floor", floor, share, "noise")
         held = found.heldout
         if found.causes and math.isfinite(held.reduction_percent):
             gained = Marked("gain.heldout_reduction_percent", held.reduction_percent, f"{held.reduction_percent:.1f} %")
             low, high = held.interval_percent
             yield Card("better on unseen data", gained, f"95 % interval {low:.1f} to {high:.1f} %", "law")
+
+    def _left(self) -> Card:
+        """What is left after the extended model."""
+        left = self._found.left.extended
+        _, force = words.remainder(self._found)
+        value = Marked("remainder.extended.motion_percent", left.motion_percent, f"{number(left.motion_percent, 2)} %")
+        seen = "missing force" if left.seen else "not seen: any missing force is"
+        return Card("of the motion unexplained", value, f"{seen} {force}", "extended")
 
 
 class IdentificationVerdict(Section):
