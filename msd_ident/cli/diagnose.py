@@ -40,7 +40,7 @@ def diagnose(
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints
 
-        return diagnose_joints(paths, source, options, output, (force, position, report, markdown, figures))
+        return diagnose_joints(paths, source, options, output, (source.force, source.position, report, markdown, figures))
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
     tried = trials.Trials(on or (), source)

@@ -18,7 +18,7 @@ from msd_ident.design.discrimination import occam
 from msd_ident.design.nearest import SILENT, Measured, settled
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnose import Contender, Diagnosis
-from msd_ident.diagnose.evidence import PRIOR_ODDS
+from msd_ident.diagnose.evidence import log_prior
 from msd_ident.errors import UsageError
 from msd_ident.fit.units import in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
@@ -195,7 +195,8 @@ def _told(lead: Contender, trial: Contender, rise: float, information: FloatArra
     """The rival with its information, and its evidence beside the lead's."""
     trial = replace(trial, information=information)
     complete = Predictor(trial, 0.0)
-    evidence = lead.evidence + np.log(PRIOR_ODDS) - 0.5 * rise + occam(complete, information)
+    prior = log_prior(frozenset(trial.causes) - set(lead.causes))
+    evidence = lead.evidence + prior - 0.5 * rise + occam(complete, information)
     evidence -= occam(Predictor(lead, 0.0), lead.information)
     return replace(trial, evidence=float(evidence))
 

@@ -7,15 +7,16 @@ whichever they are. With the variance v of what is left along them, in units of 
 
     −½ ν log v + constant,    v = 1 + (χ² − N) / ν,    ν = SHAPES.
 
-Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none is,
-only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is no
+Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none
+is, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is no
 inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place of
 the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
 
 The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible parameter
 space that the data leaves, det(I + S H S / v)^(-1/2), where H is the information matrix, S the prior width of each
-parameter and v the set's own; those of the plant, which all sets share, are counted alike in all. A parameter that the data does not see costs nothing and gains nothing; one that it
-pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.)
+parameter and v the set's own; those of the plant, which all sets share, are counted alike in all. A parameter that the
+data does not see costs nothing and gains nothing; one that it pins down must earn its place. (MacKay 1992; Kass and
+Raftery 1995.)
 """
 
 from __future__ import annotations
@@ -32,9 +33,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 #: Independent features of a model's error that a record shows.
-SHAPES = 10.0
-#: Odds, before any data, that a given cause acts.
-PRIOR_ODDS = 1.0 / 20.0
+SHAPES = 16.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
@@ -91,7 +90,12 @@ def log_evidence(fitted: Fitted, scale: Scale) -> float:
     sign, occam = np.linalg.slogdet(information)
     shared = fitted.problem.size - sum(p in fitted.problem.names for p in _own(fitted))
     penalty = 0.5 * (float(occam) + shared * math.log(variance)) if sign > 0 else 1e6
-    return scale.log_likelihood(fitted.chi) - penalty + len(fitted.causes) * math.log(PRIOR_ODDS)
+    return scale.log_likelihood(fitted.chi) - penalty + log_prior(fitted.causes)
+
+
+def log_prior(causes: Causes) -> float:
+    """Log odds [nats] of a set before any data."""
+    return sum(math.log(by_name(name).prior_odds) for name in causes)
 
 
 def _own(fitted: Fitted) -> tuple[str, ...]:

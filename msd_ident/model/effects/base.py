@@ -81,6 +81,8 @@ class Effect:
     steady: ClassVar[bool] = True
     #: The motion stays piecewise linear with it, so the exact path of the solver carries it.
     piecewise_linear: ClassVar[bool] = False
+    #: Odds, before any data, that it acts on a rig.
+    prior_odds: ClassVar[float] = 1.0 / 20.0
     #: Its force law is not smooth at v = 0, so the solver stops there.
     turns: ClassVar[bool] = False
     #: Start values of what the law remembers from the last reversal: (name, value) pairs.
