@@ -158,5 +158,6 @@ def _compared(blocks: _Blocks) -> HeldOut:
     count = change.size
     spread = math.sqrt(float(change @ change)) * float(stdtrit(max(count - 1, 1), _LEVEL))
     middle = math.log(extended / base)
-    low, high = (-100.0 * math.expm1(min(0.5 * (middle + side * spread), _WORST)) for side in (1.0, -1.0))
+    ratios = (min(0.5 * (middle + side * spread), _WORST) for side in (1.0, -1.0))
+    low, high = (0.0 - 100.0 * math.expm1(ratio) for ratio in ratios)
     return HeldOut(see_base, see_extended, see_reduction(see_base, see_extended), (low, high))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -99,3 +100,11 @@ def test_errors_without_end_are_no_gain() -> None:
     lost = replace(extra, state=replace(extra.state, point=extra.point * 0.0 + extra.problem.upper.clip(max=1e9)))
     found = predict(data, base_of(data), lost)
     assert not found.better and np.isfinite(found.interval_percent).all()
+
+
+def test_a_model_is_not_better_than_itself() -> None:
+    data = experiment()
+    base = base_of(data)
+    found = predict(data, base, base)
+    assert (found.reduction_percent, *found.interval_percent) == (0.0, 0.0, 0.0) and not found.better
+    assert all(math.copysign(1.0, end) == 1.0 for end in found.interval_percent)
