@@ -60,7 +60,7 @@ def _left(lead: str, left: Remainders) -> str:
     """How much is left, and whether that is more than the lab cares about."""
     found, part = left.extended, _part(left)
     if not found.seen:
-        missing = f"any missing force is {force(found, left.force_unit)}{part}"
+        missing = f"any slow missing force is {force(found, left.force_unit)}{part}"
         return f"{lead}, nothing is left that this data can see: {missing}."
     tolerance = f"{'more' if left.exceeds else 'less'} than the tolerance of {left.tolerance_percent:g} %"
     return (

@@ -122,7 +122,7 @@ def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:
           "0.015), 0.8 % of the applied force.", "The noise is 0.05 % of the motion.",
           "Without it, 7 % of the motion is unexplained; left-out data is predicted 90 % better (80 to 95 %)."]),
         ("explained", [cause(0.98)], left(0.4, seen=False), ["With it, nothing is left that this data can see: "
-          "any missing force is below 0.015 N rms, 0.8 % of the applied force."]),
+          "any slow missing force is below 0.015 N rms, 0.8 % of the applied force."]),
         ("mostly_explained", [cause(0.98), cause(0.95, (), "cogging")], left(4.0), ["Coulomb friction (probability "
           "0.98) and cogging (probability 0.95).", "With them, 4 % of the motion is still unexplained, more than the "
           "tolerance of 1 %", "DEPENDS"]),

@@ -75,7 +75,7 @@ class DiagnosisVerdict(Section):
         left = self._found.left.extended
         _, force = words.remainder(self._found)
         value = Marked("remainder.extended.motion_percent", left.motion_percent, f"{number(left.motion_percent, 2)} %")
-        seen = "missing force" if left.seen else "not seen: any missing force is"
+        seen = "missing force" if left.seen else "not seen: any slow missing force is"
         return Card("of the motion unexplained", value, f"{seen} {force}", "extended")
 
 

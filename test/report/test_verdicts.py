@@ -1,0 +1,40 @@
+"""Every verdict has its words, its colour and its headline, wherever a person reads it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from reportrigs import diagnosed
+
+import msd_ident
+from msd_ident.diagnose.diagnosis import Verdict
+from msd_ident.live import cards
+from msd_ident.report import diagnosis, words
+
+pytestmark = pytest.mark.xdist_group("report")
+
+ROOT = Path(msd_ident.__file__).parent
+
+
+@pytest.mark.parametrize("verdict", get_args(Verdict))
+def test_every_verdict_is_known_everywhere(verdict: Verdict) -> None:
+    assert verdict in words.VERDICTS and cards.VERDICTS[verdict] == words.VERDICTS[verdict]
+    assert verdict in diagnosis._COLOURS
+    for sheet in ("report/templates/page.css", "live/card.css"):
+        assert f".pill.{verdict}" in (ROOT / sheet).read_text()
+    interfaces = ROOT.parent / "msd_interfaces" / "msg" / "Diagnosis.msg"
+    assert f'{verdict.upper()}="{verdict}"' in interfaces.read_text()
+
+
+def test_headlines_of_what_is_left_and_of_what_is_not_certain() -> None:
+    found = diagnosed()
+    left = replace(found.left, extended=replace(found.left.extended, motion_percent=4.2, seen=True))
+    told = words.headline(replace(found, verdict="mostly_explained", left=left))
+    assert told == "The simulation misses Coulomb friction, and something more: 4.2 % of the motion stays unexplained."
+    assert words.headline(replace(found, verdict="ambiguous")).endswith("this data cannot tell for certain.")
+    enough = replace(left, extended=replace(left.extended, motion_percent=0.4))
+    told = words.headline(replace(found, verdict="adequate", causes=(), left=enough))
+    assert told.endswith("leave less than the tolerance of 1 % of the motion.")
