@@ -40,7 +40,8 @@ def diagnose(
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints
 
-        return diagnose_joints(paths, source, options, output, (source.force, source.position, report, markdown, figures))
+        others = (source.force, source.position, report, markdown, figures)
+        return diagnose_joints(paths, source, options, output, others)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
     tried = trials.Trials(on or (), source)

@@ -8,9 +8,9 @@ whichever they are. With the variance v of what is left along them, in units of 
     −½ ν log v + constant,    v = 1 + (χ² − N) / ν,    ν = SHAPES.
 
 Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none
-is, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is no
-inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place of
-the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
+is, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is
+no inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place
+of the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
 
 The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible parameter
 space that the data leaves, det(I + S H S / v)^(-1/2), where H is the information matrix, S the prior width of each
