@@ -22,7 +22,7 @@ Raftery 1995.)
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -166,12 +166,27 @@ def _same_as(fitted: Fitted) -> set[Causes]:
     return found
 
 
+def _ceilings(
+    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Fitted], scale: Scale
+) -> Iterator[float]:
+    """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
+
+    The marginal likelihood of a larger model is an average of such values, over the further parameters. Laplace's
+    determinant, taken where a law has a knee, may say otherwise.
+    """
+    for smaller, value in own.items():
+        if smaller < causes:
+            gain = scale.log_likelihood(sets[causes].chi) - scale.log_likelihood(sets[smaller].chi)
+            yield value + max(gain, 0.0) + log_prior(causes - smaller)
+
+
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
     """All sets by evidence; the likeliest is put first, without causes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.
     """
-    values = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
+    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
+    values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
     near = [causes for causes in order if causes <= order[0] and values[causes] >= top - CALLED]
