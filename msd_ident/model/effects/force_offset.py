@@ -26,7 +26,6 @@ class ForceOffset(Effect):
     law = "F0"
     source = "Janot, Gautier, Brunot 2019 (EMPS benchmark): the drive's offset"
     neutral = (("offset_force", 0.0),)
-    prior_odds = 1.0 / 4.0  # no table is level, and few amplifiers have no offset
     mirror = False
     piecewise_linear = True
 
