@@ -1,6 +1,6 @@
 """Which of the explanations that the data cannot tell apart is the one that is named.
 
-The simplest leads, as ``evidence.rank`` puts it first, unless that names a cause with less probability than one that it
+The set leads that ``evidence.rank`` puts first, unless it names a cause with less probability than one that it
 leaves out: then the next that does not.
 """
 
