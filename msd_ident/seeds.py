@@ -1,7 +1,7 @@
 """Seeds of all random numbers that enter a result: each always the same, so that a record has one answer.
 
-A diagnosis draws none; what it proposes as a next experiment is judged with draws. Random trains of a designed profile
-carry their seed in the profile, and are played as they stand there.
+A diagnosis draws the swings that bound the missing force; what it proposes as a next experiment is judged with draws.
+Random trains of a designed profile carry their seed in the profile, and are played as they stand there.
 """
 
 from __future__ import annotations
@@ -10,6 +10,12 @@ from __future__ import annotations
 PREDICTION = 20140
 #: Random steps that a design for narrower intervals is compared with.
 RANDOM_STEPS = 20141
+#: Swings of a record, with replacement: the interval of the missing force.
+REMAINDER = 20142
 
 #: By what they are drawn for.
-ALL = {"prediction of the next experiment": PREDICTION, "random steps beside a designed profile": RANDOM_STEPS}
+ALL = {
+    "prediction of the next experiment": PREDICTION,
+    "random steps beside a designed profile": RANDOM_STEPS,
+    "interval of the missing force": REMAINDER,
+}

@@ -21,6 +21,7 @@ LAUNCH_FILES = sorted((REPOSITORY / "launch").glob("*.launch.py"))
 ROSDEP_KEYS = {
     "bokeh": "python3-bokeh-pip",
     "control": "python-control-pip",
+    "h5py": "python3-h5py",
     "jinja2": "python3-jinja2",
     "lz4": "mcap-ros2-support",
     "markupsafe": "python3-jinja2",

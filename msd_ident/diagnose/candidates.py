@@ -29,6 +29,8 @@ HOLDING_COULOMB = {
     "hysteresis": "hysteresis_force",
 }
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
+#: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
+_A_SWING = 20.0
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
 #: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
@@ -59,10 +61,14 @@ class Experiment:
         return sum(part.evidence for part in self.readings)
 
     def thinned(self, keep: int) -> Experiment:
-        """The same with about ``keep`` samples in all."""
+        """The same with about ``keep`` samples in all, but ``_A_SWING`` of them or more in each swing."""
         total = sum(part.record.samples for part in self.readings)
-        parts = tuple(part.thinned(max(keep * part.record.samples // total, 200)) for part in self.readings)
-        return Experiment(parts, self.base, self.fixed)
+        swing = 2.0 * math.pi * self.typical.time
+        parts = []
+        for part in self.readings:
+            fewest = int(_A_SWING * part.record.duration / swing)
+            parts.append(part.thinned(max(keep * part.record.samples // total, fewest, 200)))
+        return Experiment(tuple(parts), self.base, self.fixed)
 
     def with_mean_force(self) -> Experiment:
         """The same with one force between any two samples, which is simulated in fewer steps."""

@@ -40,6 +40,8 @@ DECISIVE = 3.5
 CALLED = 1.0
 #: Relative error that the estimate of the noise's variance may have.
 _NOISE_ERROR = 0.1
+#: Part of the estimated noise's chi² below which a set shows that the estimate is none: few samples a swing look noisy.
+_OVERRATED = 0.5
 #: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
 _STRENGTHS = 1e3
 #: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
@@ -79,6 +81,8 @@ def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: flo
     pieces = sum(part.evidence for part in readings)
     least = min(fitted.chi for fitted in sets)
     noise = least if least < (1.0 + _NOISE_ERROR) * pieces else pieces
+    if least < _OVERRATED * pieces:
+        noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
     return Scale(noise, Scale(noise, shapes=shapes).spread(least), shapes)
 
 

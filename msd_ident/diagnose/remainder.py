@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident import seeds
 from msd_ident.diagnose.adequacy import Adequacy
 from msd_ident.diagnose.missing import MissingForce
 from msd_ident.fit import FitResult
@@ -147,7 +148,7 @@ def _rms(parts: Sequence[FloatArray]) -> float:
 def _force(missing: Sequence[MissingForce], plant: Model, is_noise: bool) -> tuple[float, tuple[float, float]]:
     """Root mean square of the missing force and its 95 % interval."""
     sums, counts = np.concatenate([_by_swing(part, plant) for part in missing], axis=1)
-    draws = np.random.default_rng(0).integers(sums.size, size=(_DRAWS, sums.size))
+    draws = np.random.default_rng(seeds.REMAINDER).integers(sums.size, size=(_DRAWS, sums.size))
     drawn = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
     low, high = np.quantile(drawn, (0.025, 0.975))
     force = math.sqrt(float(sums.sum() / counts.sum()))

@@ -152,7 +152,7 @@ def test_a_law_that_leaves_nothing_but_noise_gains_with_every_sample() -> None:
 
 def test_the_noise_is_what_was_estimated_or_the_least_that_a_set_leaves_near_it(experiment: Experiment) -> None:
     pieces = sum(part.evidence for part in experiment.readings)
-    for part, noise in ((0.9, 0.9), (1.05, 1.05), (1.5, 1.0)):
+    for part, noise in ((0.9, 0.9), (1.05, 1.05), (1.5, 1.0), (0.2, 0.0)):
         found = evidence.scale_from([fitted(experiment, BASE, part * pieces)], experiment.readings)
         assert found.noise == pytest.approx(noise * pieces)
 
