@@ -15,23 +15,82 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "actuator_lag": {"lag_time": 0.004},
     "asymmetric_spring": {"quadratic_stiffness": 4e3},
     "backlash": {"backlash_half_width": 0.002},
+    "bilinear_spring": {"bend_position": 0.006, "bend_stiffness": 150.0},
+    "bouc_wen": {"hysteresis_stiffness": 120.0, "loading_rate": 40.0, "unloading_rate": 250.0},
     "cogging": {"cogging_amplitude": 0.3, "cogging_pitch": 0.01, "cogging_phase": 0.4},
+    "cogging_harmonic": {
+        "cogging_amplitude": 0.3, "cogging_pitch": 0.02, "cogging_phase": 0.4, "harmonic_amplitude": 0.2,
+        "harmonic_phase": 0.9,
+    },
     "coulomb_friction": {"coulomb_force": 0.3},
     "cubic_spring": {"cubic_stiffness": 2e5},
+    "damped_stop": {"stop_position": 0.018, "stop_stiffness": 5e3, "stop_damping": 0.8},
+    "direction_dependent_damping": {"damping_difference": 1.5},
+    "drive_damping": {"drive_damping": 2.0},
     "end_stop": {"stop_position": 0.018, "stop_stiffness": 5e3},
+    "force_dead_zone": {"dead_zone": 0.6},
+    "force_gain_asymmetry": {"gain_asymmetry": 0.05},
     "force_gain_nonlinearity": {"gain_slope": 0.01, "force_limit": 11.0},
     "force_offset": {"offset_force": 0.5},
+    "gravity": {"gravity_moment": 300.0},
     "hysteresis": {"hysteresis_force": 0.4, "hysteresis_length": 0.003},
+    "load_dependent_friction": {"coulomb_force": 0.1, "load_ratio": 0.03},
+    "one_sided_stop": {"one_stop_position": 0.018, "one_stop_stiffness": 5e3},
     "periodic_disturbance": {
         "disturbance_amplitude": 0.3, "disturbance_frequency": 60.0, "disturbance_phase": 0.3,
     },
     "position_dependent_friction": {"coulomb_force": 0.3, "position_friction_slope": 20.0},
+    "power_drag": {"drag_force": 0.5, "drag_speed": 0.4, "drag_exponent": 1.5},
+    "power_spring": {"power_force": 1.5, "power_position": 0.02, "power_exponent": 2.0},
     "quadratic_drag": {"drag_coefficient": 3.0},
     "second_mode": {"second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5},
+    "sensor_eccentricity": {"eccentricity": 1e-4, "eccentricity_pitch": 0.02, "eccentricity_phase": 0.5},
+    "settling_sensor": {"sensor_settling": 2e-4, "sensor_settling_time": 0.7},
+    "settling_stiffness": {"settling_ratio": 0.04, "settling_time": 0.7},
     "sensor_drift": {"sensor_drift_rate": 1e-4},
     "stiffness_drift": {"stiffness_drift_rate": 0.02},
+    "stribeck_shape": {
+        "coulomb_force": 0.2, "static_force": 0.4, "stribeck_velocity": 0.03, "stribeck_exponent": 1.0,
+    },
     "stribeck_friction": {"coulomb_force": 0.2, "static_force": 0.4, "stribeck_velocity": 0.02},
     "time_offset": {"time_offset": 0.0023},
+    "two_tone_disturbance": {
+        "disturbance_amplitude": 0.3, "disturbance_frequency": 60.0, "disturbance_phase": 0.0,
+        "second_tone_amplitude": 0.2, "second_tone_frequency": 90.0, "second_tone_phase": 0.0,
+    },
+}  # fmt: skip
+
+_SETTLED = 1.0 + EXAMPLES["settling_stiffness"]["settling_ratio"]
+
+#: The same laws in the words of msd_sim where it has others: its effect, its parameters, and what its plant differs by.
+RIG: dict[str, tuple[str, dict[str, float], dict[str, float]]] = {
+    "bilinear_spring": ("two_slope_spring", EXAMPLES["bilinear_spring"], {}),
+    "damped_stop": (
+        "damped_stop",
+        {"soft_stop_position": 0.018, "soft_stop_stiffness": 5e3, "soft_stop_damping": 0.8},
+        {},
+    ),
+    "direction_dependent_damping": ("one_way_damping", {"up_damping": 3.0}, {"damping": DAMPING - 1.5}),
+    "drive_damping": ("drive_brake", {"driven_damping": 2.0}, {}),
+    "load_dependent_friction": ("load_friction", EXAMPLES["load_dependent_friction"], {}),
+    "power_drag": ("power_drag", {"power_drag": 0.5 / 0.4**1.5}, {}),
+    "settling_sensor": ("settling_sensor", EXAMPLES["settling_sensor"], {}),
+    "settling_stiffness": (
+        "settling_stiffness",
+        {"settling_ratio": 1.0 / _SETTLED - 1.0, "settling_time": 0.7},
+        {"stiffness": STIFFNESS * _SETTLED},
+    ),
+    "two_tone_disturbance": (
+        "two_tone_disturbance",
+        {
+            "low_tone_amplitude": 0.3, "low_tone_frequency": 60.0,
+            "high_tone_amplitude": 0.2, "high_tone_frequency": 90.0,
+        },
+        {},
+    ),
+    "stribeck_shape": (
+        "exponential_stribeck", {"coulomb_force": 0.2, "static_force": 0.4, "stribeck_velocity": 0.03}, {},
+    ),
 }  # fmt: skip
 
 

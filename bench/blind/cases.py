@@ -180,7 +180,7 @@ def _opened(
         odd=case.kind in ("odd", "variant"),
         strength=dict(draw.spec["effects"].get(case.hidden, {})),
         verdict=diagnosis.verdict,
-        named=tuple((cause.name, cause.probability, cause.tied_with) for cause in diagnosis.causes),
+        named=tuple((_kind(c.name), c.probability, tuple(map(_kind, c.tied_with))) for c in diagnosis.causes),
         base_floors=base,
         extended_floors=diagnosis.extended.see / noise,
         without_floors=_least_seen(draw, record) / noise if case.kind in ("beside", "pair") else base,
@@ -193,11 +193,17 @@ def _opened(
     )
 
 
+def _kind(law: str) -> str:
+    """The cause whose law it is: a curve of another form is the same thing on a rig."""
+    return by_name(law).cause()
+
+
 def _beside(diagnosis: Diagnosis) -> tuple[tuple[str, float], ...]:
     """Causes of the rival sets that are not named, and the probability that each acts."""
-    named = {cause.name for cause in diagnosis.causes}
-    others = sorted({name for rival in diagnosis.rivals for name in rival.causes} - named)
-    return tuple((name, sum(r.probability for r in diagnosis.rivals if name in r.causes)) for name in others)
+    named = {_kind(cause.name) for cause in diagnosis.causes}
+    others = sorted({_kind(name) for rival in diagnosis.rivals for name in rival.causes} - named)
+    rivals = [({_kind(name) for name in rival.causes}, rival.probability) for rival in diagnosis.rivals]
+    return tuple((name, sum(p for causes, p in rivals if name in causes)) for name in others)
 
 
 def _plant_error(draw: lottery.Draw, diagnosis: Diagnosis) -> float:

@@ -10,7 +10,9 @@ from collections.abc import Iterator, Mapping
 #: Effects that bend the spring, so that its zero can be seen.
 BENDING = frozenset({"cubic_spring", "asymmetric_spring", "backlash", "end_stop", "cogging"})
 #: Laws of dry friction.
-DRY = frozenset({"coulomb_friction", "stribeck_friction", "position_dependent_friction", "hysteresis"})
+DRY = frozenset(
+    {"coulomb_friction", "stribeck_friction", "position_dependent_friction", "hysteresis", "load_dependent_friction"}
+)
 
 #: What may be said of rigs whose law the library does not have: the effects of the same family.
 FAMILIES: Mapping[str, frozenset[str]] = {
@@ -27,21 +29,21 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "rational_stribeck": DRY,
     "exponential_stribeck": DRY,
     "load_friction": DRY,
-    "one_sided_stop": frozenset({"end_stop", "asymmetric_spring", "cubic_spring", "force_offset"}),
-    "damped_stop": frozenset({"end_stop", "cubic_spring", "quadratic_drag"}),
+    "one_sided_stop": frozenset({"end_stop", "bilinear_spring"}),
+    "damped_stop": frozenset({"end_stop"}),
     "power_drag": frozenset({"quadratic_drag"}),
-    "one_way_damping": frozenset({"quadratic_drag", "force_offset"}),
-    "drive_brake": frozenset({"quadratic_drag"}),
-    "two_slope_spring": frozenset({"asymmetric_spring", "cubic_spring", "end_stop", "backlash", "force_offset"}),
+    "one_way_damping": frozenset({"direction_dependent_damping"}),
+    "drive_brake": frozenset({"drive_damping"}),
+    "two_slope_spring": frozenset({"bilinear_spring"}),
     "settling_stiffness": frozenset({"stiffness_drift"}),
     "two_tone_disturbance": frozenset({"periodic_disturbance"}),
     "soft_saturation": frozenset({"force_gain_nonlinearity"}),
     "settling_sensor": frozenset({"sensor_drift"}),
-    "sensor_eccentricity": frozenset({"cogging", "asymmetric_spring", "cubic_spring"}),
+    "sensor_eccentricity": frozenset({"sensor_eccentricity"}),
     "band_limited_force": frozenset({"time_offset", "actuator_lag"}),
 }
-#: Variants whose family the library has not: nothing in it needs to be named.
-UNNAMED = frozenset({"one_way_damping", "drive_brake", "sensor_eccentricity", "band_limited_force"})
+#: Variants that are no cause: nothing needs to be named.
+UNNAMED = frozenset({"band_limited_force"})
 
 
 def same(effects: frozenset[str]) -> Iterator[frozenset[str]]:

@@ -25,6 +25,8 @@ COULOMB = "coulomb_friction"
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {
     "stribeck_friction": "coulomb_force",
+    "stribeck_shape": "coulomb_force",
+    "load_dependent_friction": "coulomb_force",
     "position_dependent_friction": "coulomb_force",
     "hysteresis": "hysteresis_force",
 }
@@ -87,8 +89,20 @@ class Experiment:
         return tuple(
             effect.name
             for effect in LIBRARY
-            if (sprung or not effect.needs_spring) and (forced or effect.acts_on != "input")
+            if (sprung or not effect.needs_spring)
+            and (forced or effect.acts_on != "input")
+            and any(effect.fits(record) for record in self.records)
         )
+
+    @property
+    def tried_alone(self) -> tuple[str, ...]:
+        """Those that are tried whatever explains the data so far: all but forms of a cause's simple law."""
+        return tuple(name for name in self.library if by_name(name).stands_alone or not by_name(name).form_of)
+
+    def forms(self, name: str) -> tuple[str, ...]:
+        """Other laws of the same cause."""
+        cause = by_name(name).cause()
+        return tuple(other for other in self.library if by_name(other).cause() == cause and other != name)
 
     @cached_property
     def nuisances(self) -> tuple[Nuisance, ...]:
@@ -176,11 +190,11 @@ class Fitted:
 
 
 def switched_off(model: Model) -> frozenset[str]:
-    """Parameters that stand for the absence of a part of an effect: a limit at infinity, and the slope beside a
-    limit.
+    """Parameters that are not fitted: they state something, or stand for the absence of a part of an effect (a limit at
+    infinity, and the slope beside a limit).
     """
     values = dict(zip(model.names, model.values.tolist(), strict=True))
-    off = {name for name, value in values.items() if math.isinf(value)}
+    off = {name for name, value in values.items() if math.isinf(value)} | {n for e in model.effects for n in e.held}
     if values.get("gain_slope") == 0.0 and "force_limit" not in off:
         off.add("gain_slope")
     return frozenset(off)
@@ -189,7 +203,8 @@ def switched_off(model: Model) -> frozenset[str]:
 def causes_that_fit(causes: Causes) -> bool:
     """Whether the effects make sense together."""
     families = [by_name(name).family for name in causes if by_name(name).family]
-    return len(families) == len(set(families))
+    kinds = [by_name(name).cause() for name in causes]
+    return len(families) == len(set(families)) and len(kinds) == len(set(kinds))
 
 
 @dataclass(frozen=True)

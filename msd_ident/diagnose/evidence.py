@@ -22,7 +22,7 @@ Raftery 1995.)
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -33,7 +33,8 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 #: Independent features of a model's error that a record shows.
-SHAPES = 16.0
+import os  # TEMP
+SHAPES = float(os.environ.get("MSD_SHAPES", "16"))  # TEMP
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
@@ -102,6 +103,11 @@ def log_prior(causes: Causes) -> float:
     return sum(math.log(by_name(name).prior_odds) for name in causes)
 
 
+def kinds(causes: Iterable[str]) -> frozenset[str]:
+    """The causes that act where these laws do: two forms of a law are one cause."""
+    return frozenset(by_name(name).cause() for name in causes)
+
+
 def _own(fitted: Fitted) -> tuple[str, ...]:
     """Names of the parameters that a set has beyond the plant's."""
     return tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
@@ -150,8 +156,9 @@ class Ranking:
         )
 
     def of_cause(self, name: str) -> float:
-        """Probability that a cause acts: of all sets that hold it together."""
-        return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if name in fitted.causes)
+        """Probability that a cause acts, in whatever law: of all sets that hold it together."""
+        kind = by_name(name).cause()
+        return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if kind in kinds(fitted.causes))
 
     def within(self, nats: float) -> list[Fitted]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -165,8 +172,9 @@ def _same_as(fitted: Fitted) -> set[Causes]:
     for name in fitted.causes:
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
             found.add(fitted.causes - {name})
-    if "stribeck_friction" in fitted.causes and model["static_force"] <= (1.0 + _NO_PEAK) * model["coulomb_force"]:
-        found.add(fitted.causes - {"stribeck_friction"} | {"coulomb_friction"})
+    peaked = next((name for name in fitted.causes if by_name(name).cause() == "stribeck_friction"), None)
+    if peaked and model["static_force"] <= (1.0 + _NO_PEAK) * model["coulomb_force"]:
+        found.add(fitted.causes - {peaked} | {"coulomb_friction"})
     return found
 
 
@@ -208,12 +216,12 @@ def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
 
 def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
     """Causes that could stand for ``name`` in the leading set without the data objecting, likeliest first."""
-    rest = ranking.best.causes - {name}
+    kind, rest = by_name(name).cause(), kinds(ranking.best.causes - {name})
     found: list[str] = []
     for fitted in ranking.within(DECISIVE):
-        if name in fitted.causes or not rest <= fitted.causes:
+        if kind in kinds(fitted.causes) or not rest <= kinds(fitted.causes):
             continue
-        for other in sorted(fitted.causes - rest):
-            if other not in found:
+        for other in sorted(fitted.causes):
+            if by_name(other).cause() not in rest and other not in found:
                 found.append(other)
     return tuple(found)

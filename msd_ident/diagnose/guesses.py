@@ -10,16 +10,19 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.diagnose.missing import missing_force
-from msd_ident.diagnose.resolvable import PITCHES
+from msd_ident.model.effects.cogging import PITCHES
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.model.effects.hysteresis import Hysteresis
+from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.model.effects.stribeck_shape import StribeckShape
 from msd_ident.record import FloatArray, Record
 
 _LINES = 4
@@ -57,6 +60,10 @@ def from_coulomb(name: str, plant: Model, record: Record, force: float) -> tuple
     """A law that holds Coulomb's as a limit, started next to a fitted Coulomb friction of ``force`` [N]."""
     if name == "position_dependent_friction":
         return (PositionDependentFriction(force, 0.0),)
+    if name == "load_dependent_friction":
+        return LoadDependentFriction.from_simple(CoulombFriction(force), record, plant)
+    if name == "stribeck_shape":
+        return tuple(StribeckShape(*one.values, 1.0) for one in from_coulomb("stribeck_friction", plant, record, force))
     if name == "stribeck_friction":
         scales = {guess.stribeck_velocity for guess in StribeckFriction.guess(record, plant)}
         return tuple(StribeckFriction(force, 1.3 * force, scale) for scale in sorted(scales))

@@ -14,6 +14,7 @@ from msd_ident.diagnose import evidence
 from msd_ident.diagnose.candidates import Causes, Experiment, Fitted
 from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.heldout import HeldOut, predict
+from msd_ident.model.effects import by_name
 
 #: Probability from which a cause is named with certainty.
 CERTAIN = 0.9
@@ -67,7 +68,7 @@ def predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[
 
 def margin(ranking: Ranking, named: Causes) -> float:
     """Least probability of a named cause, less the greatest of one that is not; infinite where none is named."""
-    others = _all(ranking.sets) - named
+    others = evidence.kinds(_all(ranking.sets)) - evidence.kinds(named)
     least = min((ranking.of_cause(name) for name in named), default=math.inf)
     return least - max((ranking.of_cause(name) for name in others), default=0.0)
 
@@ -92,10 +93,17 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(evidence.alternatives(ranking, name))
     if not found and sure < CERTAIN:
-        near = [one for one in ranking.within(evidence.DECISIVE) if name not in one.causes]
-        found += sorted(_all(near) - named)
-    found += sorted(other for other in _all(ranking.sets) - named if ranking.of_cause(other) > sure + _ROUNDING)
+        kind = by_name(name).cause()
+        near = [one for one in ranking.within(evidence.DECISIVE) if kind not in evidence.kinds(one.causes)]
+        found += _unnamed(near, named)
+    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + _ROUNDING]
     return tuple(dict.fromkeys(found))
+
+
+def _unnamed(sets: Iterable[Fitted], named: Causes) -> list[str]:
+    """Laws of these sets whose cause is not named in another form, sorted."""
+    known = evidence.kinds(named)
+    return sorted(name for name in _all(sets) if by_name(name).cause() not in known)
 
 
 def _all(sets: Iterable[Fitted]) -> frozenset[str]:

@@ -37,6 +37,7 @@ from msd_ident.diagnose.evidence import Ranking, Scale, rank, scale_from
 from msd_ident.diagnose.starting import proposals
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Model
+from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 
 _Task = TypeVar("_Task", Causes, list[Start], list[Fitted])
@@ -92,8 +93,11 @@ class Search:
             self.tried.add(fitted.causes)
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
-        self._fit([frozenset({name}) for name in self.experiment.library], 0.05, 0.35)
+        self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
         leader = self._leader()
+        if not self.at_floor(leader):
+            self._fit(self._reformed(leader.causes), 0.35, 0.36)
+            leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
@@ -196,8 +200,12 @@ class Search:
         for name in sorted(causes):
             rest = causes - {name}
             found.append(rest)
-            found += [rest | {other} for other in self.experiment.library if other not in causes]
-        return found
+            found += [rest | {other} for other in self.experiment.tried_alone if other not in causes]
+        return self._reformed(causes) + found
+
+    def _reformed(self, causes: Causes) -> list[Causes]:
+        """Sets with another law of one of the causes."""
+        return [causes - {name} | {form} for name in sorted(causes) for form in self.experiment.forms(name)]
 
     def _resolved(self, causes: Causes) -> list[Causes]:
         """Sets in which a law that holds Coulomb's as a limit is Coulomb's and one cause more: what they can mimic."""
@@ -210,7 +218,7 @@ class Search:
         """Sets with one cause more."""
         if len(causes) >= LARGEST:
             return []
-        return [causes | {name} for name in self.experiment.library if name not in causes]
+        return [causes | {name} for name in self.experiment.tried_alone if name not in causes]
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """Fit those of the sets that are new; False when none was."""
@@ -270,6 +278,7 @@ class Search:
         smaller.sort(key=lambda fitted: fitted.chi)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in causes & set(HOLDING_COULOMB) if COULOMB not in causes]
+        twins += [causes - {name} | {by_name(name).form_of} for name in causes if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
 
 

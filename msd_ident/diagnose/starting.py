@@ -41,7 +41,10 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
         return []  # a parent that ended without a spring is no place to bend it
     for name in sorted(causes - parent.causes):
-        if rubs > 0.0 and name in HOLDING_COULOMB:
+        simple = next((effect for effect in parent.model.effects if effect.name == by_name(name).form_of), None)
+        if simple is not None and simple.name not in causes:
+            found = by_name(name).from_simple(simple, seen, plant)
+        elif rubs > 0.0 and name in HOLDING_COULOMB:
             found = from_coulomb(name, plant, seen, rubs)
         else:
             found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)

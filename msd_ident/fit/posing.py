@@ -44,7 +44,8 @@ def pose(
     if isinstance(fixed, Mapping):
         model = model.with_values(fixed)
     unbounded = [name for name, value in zip(model.names, model.values, strict=True) if math.isinf(value)]
-    kept = frozenset(fixed) | frozenset(unbounded)  # an infinite limit is no limit: nothing to fit
+    held = frozenset(name for effect in model.effects for name in effect.held)
+    kept = frozenset(fixed) | held | frozenset(unbounded)  # an infinite limit is no limit: nothing to fit
     if zero not in ("free", "known"):
         raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
     springless = "stiffness" in kept and model["stiffness"] == 0.0 and not set(_PLACED) & set(model.names)

@@ -139,8 +139,10 @@ def _check_together(effects: tuple[Effect, ...]) -> None:
             raise UsageError(f"{first.name} stands in the model twice; expected once: change its values instead")
     for i, one in enumerate(effects):
         for other in effects[i + 1 :]:
-            if one.family and one.family == other.family:
+            shared = one.family if one.family == other.family else ""
+            shared = shared or (one.cause().replace("_", " ") if one.cause() == other.cause() else "")
+            if shared:
                 raise UsageError(
-                    f"{one.name} and {other.name} are both {one.family} laws; expected one at most: "
+                    f"{one.name} and {other.name} are both {shared} laws; expected one at most: "
                     f"drop {one.name} or {other.name}"
                 )

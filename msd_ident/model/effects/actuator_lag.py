@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -27,6 +27,11 @@ class ActuatorLag(Effect):
     source = "first-order current loop or valve"
     neutral = (("lag_time", 0.0),)
     piecewise_linear = True
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"lag_time": (0.0, 0.25 * seen.duration)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ActuatorLag, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -32,6 +32,11 @@ class Backlash(Effect):
     source = "dead-zone model; Nordin & Gutman 2002 (Automatica 38)"
     neutral = (("backlash_half_width", 0.0),)
     piecewise_linear = True
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"backlash_half_width": (0.0, 0.5 * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Backlash, ...]:

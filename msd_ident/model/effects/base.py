@@ -16,10 +16,38 @@ if TYPE_CHECKING:
     from msd_ident.record import Record
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "u")
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
+
+#: Sides of a knee, see ``Effect.knee``.
+BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
+#: Knee of a law that is not smooth at x = 0.
+AT_ZERO = ("0", "0", ABOVE)
 
 #: Kinds of law that an effect may have, see ``Effect``.
 KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map", "reading")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What records show, in their units: what the ranges of inner parameters are made of.
+
+    Attributes:
+        mass, stiffness: of roughly the base model.
+        reach, span: largest position off zero, and largest range of positions [m].
+        duration, period: of the longest record, and between the closest samples [s].
+        speed, rate: top speed [m/s], and of the plant's motion [rad/s].
+        force: largest force [N].
+    """
+
+    mass: float
+    stiffness: float
+    reach: float
+    span: float
+    duration: float
+    period: float
+    speed: float
+    rate: float
+    force: float
 
 
 @dataclass(frozen=True)
@@ -47,8 +75,9 @@ class Effect:
 
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
-    motion, ``spring_force`` [N] of the linear spring (behind its backlash), a commanded force ``u`` [N], any
-    parameter of the effect or of the plant, any of its ``memory``. The kernel looks for
+    motion, ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is commanded,
+    else 0), a commanded force ``u`` [N], any parameter of the effect or of the plant, any of its ``memory``.
+    The kernel looks for
 
     - ``force(...)`` [N]: on the left-hand side of m x'' + b x' + k x + force = F, smooth between guards;
     - ``constant(...)`` [N]: the same for a force that depends on parameters alone;
@@ -71,8 +100,18 @@ class Effect:
     neutral: ClassVar[tuple[tuple[str, float], ...]]
     #: Effects of one family replace each other; a model holds one of them at most.
     family: ClassVar[str] = ""
+    #: The effect whose cause this is another law of: the same thing on a rig, in another form. Empty for a cause's
+    #: first, simple law.
+    form_of: ClassVar[str] = ""
+    #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
+    stands_alone: ClassVar[bool] = False
+    #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
+    #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE``, ``OUTSIDE`` (seen from zero).
+    knee: ClassVar[tuple[str, str, str] | None] = None
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
+    #: Its position is an angle: it means nothing on a slide.
+    angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
     dissipative: ClassVar[bool] = False
     #: Turning all forces and positions round turns the motion round.
@@ -83,6 +122,8 @@ class Effect:
     piecewise_linear: ClassVar[bool] = False
     #: Odds, before any data, that it acts on a rig.
     prior_odds: ClassVar[float] = 1.0 / 20.0
+    #: Parameters that state something and are never fitted.
+    held: ClassVar[tuple[str, ...]] = ()
     #: Its force law is not smooth at v = 0, so the solver stops there.
     turns: ClassVar[bool] = False
     #: Start values of what the law remembers from the last reversal: (name, value) pairs.
@@ -123,6 +164,28 @@ class Effect:
             plant: a fitted or roughly known model without this effect.
         """
         raise NotImplementedError
+
+    @classmethod
+    def cause(cls) -> str:
+        """Name of the cause that acts where this law does."""
+        return cls.form_of or cls.name
+
+    @classmethod
+    def fits(cls, record: Record) -> bool:
+        """Whether the law can act on a rig that gave this record, and be seen in it."""
+        return not cls.angular or record.position_unit == "rad"
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """Ranges of inner parameters, by name, within which the samples of these records can tell them."""
+        del seen
+        return {}
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[Self, ...]:
+        """Starting values next to the cause's simple law, as it was fitted."""
+        del simple
+        return cls.guess(record, plant)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[Self, ...]:
         """Where a fit that ended here may find deeper valleys next to its own; none unless the effect is known for it.

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
     from msd_ident.record import Record
+
+#: Pitches that can be told, in parts of the travel.
+PITCHES = (0.02, 1.5)
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,11 @@ class Cogging(Effect):
     def force(x: float, cogging_amplitude: float, cogging_pitch: float, cogging_phase: float) -> float:
         """Force [N] against +x."""
         return cogging_amplitude * math.sin((2.0 * math.pi / cogging_pitch) * x + cogging_phase)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """Of a pitch longer than the travel the cart sees a bent spring."""
+        return {"cogging_pitch": (PITCHES[0] * seen.span, PITCHES[1] * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Cogging, ...]:

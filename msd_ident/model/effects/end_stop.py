@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import BOTH, Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -33,6 +33,15 @@ class EndStop(Effect):
     source = "penalty contact; Shaw & Holmes 1983 (J. Sound Vib. 90)"
     neutral = (("stop_stiffness", 0.0),)
     piecewise_linear = True
+    knee = ("stop_position", "stop_stiffness", BOTH)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {
+            "stop_position": (0.02 * seen.span, seen.reach + 0.2 * seen.span),
+            "stop_stiffness": (0.0, 300.0 * max(seen.stiffness, seen.force / seen.span)),
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[EndStop, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -38,6 +38,14 @@ class ForceGainNonlinearity(Effect):
         """Force [N] that a commanded u [N] becomes."""
         made = u * (1.0 + gain_slope * abs(u))
         return min(max(made, -force_limit), force_limit)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {
+            "gain_slope": (-0.9 / seen.force, 10.0 / seen.force),
+            "force_limit": (0.1 * seen.force, seen.force),
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ForceGainNonlinearity, ...]:

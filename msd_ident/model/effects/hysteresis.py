@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -56,6 +56,11 @@ class Hysteresis(Effect):
         """z at the reversal."""
         way = direction * (x - anchor_x)
         return direction + (anchor_z - direction) * math.exp(-way / hysteresis_length)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"hysteresis_length": (1e-3 * seen.span, 2.0 * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Hysteresis, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -41,6 +41,11 @@ class PeriodicDisturbance(Effect):
     ) -> float:
         """Force [N] against +x."""
         return disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"disturbance_frequency": (math.pi / seen.duration, 0.6 * math.pi / seen.period)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[PeriodicDisturbance, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -35,6 +35,15 @@ class SecondMode(Effect):
     law = "k2·(x - x2) + b2·(x' - x2'), with m2·x2'' equal to it"
     source = "two-mass oscillator; Den Hartog, Mechanical Vibrations, 1934, chapter 3"
     neutral = (("second_mass", 0.0),)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {
+            "second_mass": (0.02 * seen.mass, 5.0 * seen.mass),
+            "second_stiffness": (1e-3 * seen.mass * seen.rate**2, 30.0 * seen.mass * seen.rate**2),
+            "second_damping": (0.0, seen.mass * seen.rate),
+        }
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SecondMode, ...]:

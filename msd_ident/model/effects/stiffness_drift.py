@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -34,6 +34,11 @@ class StiffnessDrift(Effect):
     def force(t: float, spring_force: float, stiffness_drift_rate: float) -> float:
         """Force [N] against +x beyond that of the spring at time 0."""
         return spring_force * stiffness_drift_rate * t
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"stiffness_drift_rate": (-0.9 / seen.duration, 5.0 / seen.duration)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StiffnessDrift, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -51,6 +51,11 @@ class StribeckFriction(Effect):
     def breakaway(coulomb_force: float, static_force: float) -> float:
         """Largest force [N] that it holds at rest."""
         return max(static_force, coulomb_force)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"stribeck_velocity": (3e-3 * seen.speed, 2.0 * seen.speed)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -27,6 +27,11 @@ class TimeOffset(Effect):
     source = "clocks of two publishers; transport delay"
     neutral = (("time_offset", 0.0),)
     piecewise_linear = True
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"time_offset": (-0.05 * seen.duration, 0.05 * seen.duration)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[TimeOffset, ...]:

@@ -120,7 +120,7 @@ def rest(world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c
 
     Where nothing but the commanded force changes (not ``restless``) the answer is exact for the whole segment.
     """
-    hold = laws.breakaway(world[0], p, w, x) if world[0] & laws.DRY_BITS else 0.0
+    hold = laws.breakaway(world[0], p, w, x, place[3] + place[2] * x) if world[0] & laws.DRY_BITS else 0.0
     net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
     if abs(net) > hold:
         return 0.0, True, y, u, c, longest

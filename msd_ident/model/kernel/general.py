@@ -110,6 +110,8 @@ def _cruise(
         last = _outside(world, p, w, drive, left, half * half)
         # Position and velocity go on smoothly, so only the force can have jumped.
         a0 = a + _jump(length, level, slope, transient, j) * world[1]
+        if world[0] & laws.DRIVEN_BITS:  # the drive may go on or off as the segment begins
+            a0 = acceleration_at(world, p, w, place, drive, s, 0.0, x, v, y, u)
         turning = quick and near_turn(left, v, a0)
         fifth = turning or left > longest4
         known = known if known > 0 and _goes_on(j, length, level, slope) else 0
@@ -202,6 +204,8 @@ def general(
         drive = _drive(start, level, slope, transient, decay, j)
         if s != 0.0 or not eventful:
             a += _jump(length, level, slope, transient, j) / m
+            if active & laws.DRIVEN_BITS:
+                a = acceleration_at(world, p, w, place_of(springs, i), drive, s, 0.0, x, v, y, u)
         x, v, a, y, u, c, s, i, longest4, longest5, budget = passage(
             world, held, p, w, edges, springs, drive, length[j], eventful, restless, quick,
             (x, v, a, y, u, c, s, i, longest4, longest5, budget), tolerances, k,

@@ -18,8 +18,11 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.kernel.compiled import inlined, joined
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH
+from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.model import PLANT_PARAMETERS
 
@@ -50,6 +53,10 @@ DRY_BITS, READING_BITS, MAP_BITS = (
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 #: Effects whose force may change quickly just after a turn.
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
+#: Effects whose force depends on whether any is commanded.
+DRIVEN_BITS = sum(
+    BIT[e.name] for e in LIBRARY for law in e.laws().values() if "driven" in inspect.signature(law).parameters
+)
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
@@ -86,9 +93,9 @@ def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
     return _compile(kind, lines, scope)
 
 
-def _compile(name: str, lines: list[str], scope: dict[str, Any]) -> Any:
+def _compile(name: str, lines: list[str], scope: dict[str, Any], how: Callable[[Any], Any] = inlined) -> Any:
     exec(compile("\n".join(lines), f"<{name} of the effect library>", "exec"), scope)
-    return inlined(scope[name])
+    return how(scope[name])
 
 
 def _active() -> Any:
@@ -117,12 +124,32 @@ def _remember() -> Any:
     return _compile("remember", lines, scope)
 
 
+def _knees() -> Any:
+    """knees(active, p): (n, 3) position, stiffness and side of each knee of the spring, see ``spring``."""
+    lines = ["def knees(active, p):", f"    found = np.empty(({2 * sum(bool(e.knee) for e in LIBRARY)}, 3))", "    n = 0"]
+    for effect in LIBRARY:
+        if not effect.knee:
+            continue
+        place, stiffness, side = effect.knee
+        # A law with a kink at x = 0 has a knee there that bends nothing to speak of: the solver stops at it.
+        place, stiffness = ("0.0", "1e-300") if effect.knee == AT_ZERO else (f"p[{INDEX[place]}]", f"p[{INDEX[stiffness]}]")
+        lines += [f"    if active & {BIT[effect.name]}:"]
+        for at, beyond in ((place, "1.0"), (f"-{place}", "-1.0")) if side == BOTH else ((place, _beyond(place, side)),):
+            lines += [f"        found[n, 0], found[n, 1], found[n, 2] = {at}, {stiffness}, {beyond}", "        n += 1"]
+    return _compile("knees", [*lines, "    return found[:n]"], {"np": np}, making)
+
+
+def _beyond(place: str, side: str) -> str:
+    return "1.0" if side == ABOVE else f"1.0 if {place} > 0.0 else -1.0"
+
+
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
 disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, speed, spring_force", "0.0", "+=")
-friction = _dispatcher("friction", "x, speed", "0.0", "=")
-breakaway = _dispatcher("breakaway", "x", "0.0", "=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven", "0.0", "+=")
+knees = _knees()
+friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
+breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
 input_map = _dispatcher("input_map", "u", "u", "=")
 reading = _dispatcher("reading", "t, x", "x", "=")
 remember = _remember()

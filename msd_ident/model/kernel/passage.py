@@ -34,7 +34,7 @@ _NONE, _TURN, _KNEE, _AGAIN = 0, 1, 2, 3
 def _settle(world, p, w, place, drive, t, x, y, u):
     """Direction in which a cart at v = 0 goes on; 0 if dry friction holds it."""
     net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
-    hold = laws.breakaway(world[0], p, w, x) if world[0] & laws.DRY_BITS else 0.0
+    hold = laws.breakaway(world[0], p, w, x, place[3] + place[2] * x) if world[0] & laws.DRY_BITS else 0.0
     if abs(net) <= hold:
         return 0.0
     return 1.0 if net > 0.0 else -1.0

@@ -71,7 +71,8 @@ def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     plain = outside - intercept - (slope * x + b * v)
     if m2 > 0.0:
         plain -= k2 * (x - y) + b2 * (v - u)
-    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own_intercept + own_slope * x)
+    driven = 1.0 if drive[1] != 0.0 or drive[2] != 0.0 else 0.0
+    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own_intercept + own_slope * x, driven)
 
 
 @inlined
@@ -79,7 +80,7 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     """x'' [m/s²] while sliding in direction s."""
     net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
     if world[0] & laws.DRY_BITS:
-        net -= s * laws.friction(world[0], p, w, x, s * v)
+        net -= s * laws.friction(world[0], p, w, x, s * v, piece[3] + piece[2] * x)
     return net * world[1]
 
 

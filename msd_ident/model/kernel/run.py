@@ -21,12 +21,11 @@ RIGID = 150.0
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _PARAMETERS = len(laws.INDEX)
 _GAP = laws.INDEX.get("backlash_half_width", 0)
-_STOP, _STOP_K = laws.INDEX.get("stop_position", 0), laws.INDEX.get("stop_stiffness", 0)
 _LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
 _SECOND = tuple(laws.INDEX.get(name, 0) for name in ("second_mass", "second_stiffness", "second_damping"))
 _SECOND_MODE = laws.bits("second_mode")
 _MEMORY = np.array(laws.MEMORY_START)
-_BACKLASH, _END_STOP = laws.bits("backlash"), laws.bits("end_stop")
+_BACKLASH = laws.bits("backlash")
 _ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
 
 
@@ -71,8 +70,7 @@ def row(bits, values, place, plan, out_x, out_v):
         return
     start, length, kind, pick, lengths, level, slope, transient, decay = _on_the_cart(bits, p, w, plan)
     gap = p[_GAP] if bits & _BACKLASH else 0.0
-    stop, stop_k = (p[_STOP], p[_STOP_K]) if bits & _END_STOP else (math.inf, 0.0)
-    edges, springs = characteristic(k, gap, stop, stop_k)
+    edges, springs = characteristic(k, gap, laws.knees(bits, p))
     constant = laws.constant(bits, p, w)
     second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
     if bits & _SECOND_MODE and _rate_between(m, second) * (time[-1] - time[0]) > RIGID * time.size:
@@ -89,7 +87,7 @@ def row(bits, values, place, plan, out_x, out_v):
     else:
         kinetic, hold = 0.0, 0.0
         if bits & laws.DRY_BITS:
-            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0)
+            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0)
         exact(
             (m, b, constant, kinetic, hold), edges, springs[0], springs[1],
             length, kind, lengths, level, slope, transient, decay, x, v, path_x, path_v,

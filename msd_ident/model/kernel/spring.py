@@ -1,4 +1,4 @@
-"""The spring's characteristic as straight pieces: linear spring, backlash and end stops."""
+"""The spring's characteristic as straight pieces: linear spring, backlash, end stops and bends."""
 
 # Compiled for the types that they are called with, so functions here have no annotations.
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -11,30 +11,38 @@ from msd_ident.model.kernel.compiled import lean, making
 
 
 @making
-def characteristic(k, gap, stop, stop_k):
+def characteristic(k, gap, knees):
     """Pieces of the spring force c(x) = intercept + slope x.
 
     Args:
         k: stiffness [N/m] of the linear spring, which acts beyond ``gap`` [m] either side of 0.
-        stop, stop_k: position [m] and stiffness [N/m] of the end stops.
+        knees: (n, 3) of stops and bends: position [m], further stiffness [N/m] beyond it, and the side beyond it (±1).
 
     Returns:
         (edges, springs): piece i lies between edges[i] and edges[i + 1], the outer edges are infinite; springs[:, i] is
         its slope, intercept, and slope and intercept of the linear spring without the stops.
     """
-    edges = np.empty(6)
+    wanted = np.empty(knees.shape[0] + 2)
+    wanted[0], wanted[1] = (-gap, gap) if gap > 0.0 and k != 0.0 else (np.inf, np.inf)
+    for n in range(knees.shape[0]):
+        wanted[n + 2] = knees[n, 0] if knees[n, 1] != 0.0 else np.inf
+    wanted.sort()
+    edges = np.empty(wanted.size + 2)
     edges[0] = -np.inf
     count = 1
-    for edge in (-max(gap, stop), -min(gap, stop), min(gap, stop), max(gap, stop)):
-        wanted = (abs(edge) == gap and gap > 0.0 and k != 0.0) or (abs(edge) == stop and stop_k != 0.0)
-        if wanted and abs(edge) < np.inf and edge != edges[count - 1]:
+    for edge in wanted:
+        if abs(edge) < np.inf and edge != edges[count - 1]:
             edges[count] = edge
             count += 1
     edges[count] = np.inf
     springs = np.empty((4, count))
     for i in range(count):
         own_slope, own_intercept = _beyond(k, gap, edges[i], edges[i + 1])
-        more, shift = _beyond(stop_k, stop, edges[i], edges[i + 1])
+        more, shift = 0.0, 0.0
+        for n in range(knees.shape[0]):
+            place, stiffness, side = knees[n, 0], knees[n, 1], knees[n, 2]
+            if abs(place) < np.inf and ((side > 0.0 and edges[i] >= place) or (side < 0.0 and edges[i + 1] <= place)):
+                more, shift = more + stiffness, shift - stiffness * place
         springs[0, i], springs[1, i] = own_slope + more, own_intercept + shift
         springs[2, i], springs[3, i] = own_slope, own_intercept
     return edges[: count + 1], springs

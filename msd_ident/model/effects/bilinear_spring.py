@@ -1,0 +1,54 @@
+"""A spring with two slopes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from msd_ident.model.effects.base import ABOVE, Effect, Parameter, Seen
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class BilinearSpring(Effect):
+    """A further stiffness kb, of either sign, beyond xb on one side of it; up to the plant's own.
+
+    A stiffer one is a stop (``one_sided_stop``).
+    """
+
+    bend_position: float
+    bend_stiffness: float
+
+    name = "bilinear_spring"
+    parameters = (
+        Parameter("bend_position", "xb", "m", -math.inf, math.inf, "position from which on the stiffness is another"),
+        Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "what the stiffness is more beyond it"),
+    )
+    acts_on = "force"
+    law = "kb·(x - xb) for x > xb"
+    source = "Shaw & Holmes 1983 (J. Sound Vib. 90): the piecewise linear oscillator"
+    neutral = (("bend_stiffness", 0.0),)
+    needs_spring = True
+    piecewise_linear = True
+    mirror = False
+    knee = ("bend_position", "bend_stiffness", ABOVE)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {
+            "bend_position": (-seen.reach, seen.reach),
+            "bend_stiffness": (-0.9 * seen.stiffness, seen.stiffness),
+        }
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[BilinearSpring, ...]:
+        """A tenth stiffer or softer beyond the middle and the quarters of the way."""
+        places = np.quantile(record.position, (0.5, 0.25, 0.75))
+        return tuple(cls(float(place), share * plant["stiffness"]) for place in places for share in (0.1, -0.1))

@@ -1,0 +1,43 @@
+"""Viscous damping that is another in each direction."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class DirectionDependentDamping(Effect):
+    """b·(1 + a·sign(v))·v in place of b·v: a damper with a valve, a cable that drags one way."""
+
+    damping_difference: float
+
+    name = "direction_dependent_damping"
+    parameters = (
+        Parameter("damping_difference", "bd", "N·s/m", -math.inf, math.inf, "damping upwards less the mean of both"),
+    )
+    acts_on = "force"
+    law = "bd·abs(v): the damping is b + bd upwards and b - bd downwards"
+    source = "asymmetric damper, e.g. of a vehicle: Dixon, The Shock Absorber Handbook, 2007"
+    neutral = (("damping_difference", 0.0),)
+    mirror = False
+    turns = True
+
+    @staticmethod
+    def force(speed: float, damping_difference: float) -> float:
+        """Force [N] against +x beyond that of the mean damping."""
+        return damping_difference * speed
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[DirectionDependentDamping, ...]:
+        """A twentieth of the largest force at top speed, either way."""
+        size = 0.05 * typical.force(record, plant) / typical.speed(record)
+        return cls(size), cls(-size)

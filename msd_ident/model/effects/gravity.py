@@ -1,0 +1,40 @@
+"""Gravity on a joint."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """G·sin(x): a pendulum, an arm that a joint lifts. x counts from where it hangs."""
+
+    gravity_moment: float
+
+    name = "gravity"
+    parameters = (Parameter("gravity_moment", "G", "N·m", 0.0, math.inf, "m·g·l: weight times lever"),)
+    acts_on = "force"
+    law = "G·sin(x), x [rad] from where it hangs"
+    source = "Newton's pendulum; for small angles a spring of stiffness G"
+    neutral = (("gravity_moment", 0.0),)
+    angular = True
+
+    @staticmethod
+    def force(x: float, gravity_moment: float) -> float:
+        """Moment [N·m] against +x."""
+        return gravity_moment * math.sin(x)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[Gravity, ...]:
+        """All of the spring, and half of it."""
+        stiffness = plant["stiffness"] or typical.force(record, plant) / typical.amplitude(record)
+        return cls(stiffness), cls(0.5 * stiffness)

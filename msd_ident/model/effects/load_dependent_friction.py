@@ -1,0 +1,59 @@
+"""Dry friction that grows with the load."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import AT_ZERO, Effect, Parameter
+from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class LoadDependentFriction(Effect):
+    """Fc + mu·abs(k·x) while sliding and at rest: the spring's force presses the slide, or the gear's teeth."""
+
+    coulomb_force: float
+    load_ratio: float
+
+    name = "load_dependent_friction"
+    parameters = (
+        COULOMB_FORCE,
+        Parameter("load_ratio", "mu", "1", 0.0, 0.9, "friction per force of the spring"),
+    )
+    acts_on = "force"
+    law = "(Fc + mu·abs(k·x))·sign(v), k·x the force of the linear spring"
+    source = "Coulomb 1785 with the spring's force as a part of the load"
+    neutral = (("coulomb_force", 0.0), ("load_ratio", 0.0))
+    family = "dry friction"
+    dissipative = True
+    needs_spring = True
+    knee = AT_ZERO
+
+    @staticmethod
+    def friction(spring_force: float, coulomb_force: float, load_ratio: float) -> float:
+        """Kinetic friction [N]."""
+        return coulomb_force + load_ratio * abs(spring_force)
+
+    @staticmethod
+    def breakaway(spring_force: float, coulomb_force: float, load_ratio: float) -> float:
+        """Largest force [N] that it holds at rest."""
+        return coulomb_force + load_ratio * abs(spring_force)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[LoadDependentFriction, ...]:
+        """A few per cent of the largest force, constant and growing with the load in turn."""
+        force = typical.force(record, plant)
+        return cls(0.02 * force, 0.02), cls(0.002 * force, 0.05)
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[LoadDependentFriction, ...]:
+        """Half of the constant friction in the load, and a little."""
+        share = simple.values[0] / typical.force(record, plant)
+        return cls(0.5 * simple.values[0], min(share, 0.5)), cls(simple.values[0], 0.1 * min(share, 0.5))

@@ -1,0 +1,52 @@
+"""A sensor wheel out of its centre."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter, Seen
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class SensorEccentricity(Effect):
+    """The reading is x + e·sin(2·pi·x/p + phi): once a turn of the encoder's wheel it runs ahead and behind."""
+
+    eccentricity: float
+    eccentricity_pitch: float
+    eccentricity_phase: float = 0.0
+
+    name = "sensor_eccentricity"
+    parameters = (
+        Parameter("eccentricity", "e", "m", 0.0, math.inf, "amplitude of the reading's error"),
+        Parameter("eccentricity_pitch", "p", "m", 1e-9, math.inf, "way of one turn of the encoder's wheel"),
+        Parameter("eccentricity_phase", "phi", "rad", -math.inf, math.inf, "phase of the error at x = 0"),
+    )
+    acts_on = "sensor"
+    law = "reading = x + e·sin(2·pi·x/p + phi)"
+    source = "once-per-turn error of an encoder that is mounted out of centre"
+    neutral = (("eccentricity", 0.0),)
+    piecewise_linear = True
+    mirror = False
+
+    @staticmethod
+    def reading(x: float, eccentricity: float, eccentricity_pitch: float, eccentricity_phase: float) -> float:
+        """What the sensor says [m]."""
+        return x + eccentricity * math.sin(2.0 * math.pi * x / eccentricity_pitch + eccentricity_phase)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """Over less than a turn the error is a bent scale, which is not told from a bent spring."""
+        return {"eccentricity_pitch": (0.03 * seen.span, 1.0 * seen.span), "eccentricity": (0.0, 0.1 * seen.span)}
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[SensorEccentricity, ...]:
+        """A hundredth of the amplitude, at several pitches and phases."""
+        size, span = 0.01 * typical.amplitude(record), 2.0 * typical.amplitude(record)
+        return tuple(cls(size, share * span, phase) for share in (0.7, 0.35, 0.17) for phase in (0.0, math.pi / 2.0))

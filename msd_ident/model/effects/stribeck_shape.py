@@ -1,0 +1,62 @@
+"""A Stribeck curve of another shape than the Gaussian."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class StribeckShape(Effect):
+    """Breakaway Fs at rest, falling to Fc with a free exponent of the speed: 1 is the exponential curve, 2 Gauss's."""
+
+    coulomb_force: float
+    static_force: float
+    stribeck_velocity: float
+    stribeck_exponent: float
+
+    name = "stribeck_shape"
+    parameters = (
+        *StribeckFriction.parameters,
+        Parameter("stribeck_exponent", "n", "1", 0.3, 4.0, "shape of the fall of friction"),
+    )
+    acts_on = "force"
+    law = "(Fc + (Fs - Fc)·exp(-abs(v/vs)^n))·sign(v), breakaway Fs"
+    source = "Bo & Pavelescu 1982 (Wear 82): exponents from 1/2 to 1; Armstrong-Hélouvry 1991: 2"
+    neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
+    family = "dry friction"
+    dissipative = True
+    form_of = "stribeck_friction"
+    prior_odds = 1.0 / 100.0
+
+    @staticmethod
+    def friction(
+        speed: float, coulomb_force: float, static_force: float, stribeck_velocity: float, stribeck_exponent: float
+    ) -> float:
+        """Kinetic friction [N]."""
+        way = math.exp(stribeck_exponent * math.log(max(speed, 1e-300) / stribeck_velocity))
+        bump = math.exp(-way) if way < 40.0 else 0.0
+        return coulomb_force + max(static_force - coulomb_force, 0.0) * bump
+
+    @staticmethod
+    def breakaway(coulomb_force: float, static_force: float) -> float:
+        """Largest force [N] that it holds at rest."""
+        return max(static_force, coulomb_force)
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
+        """Those of the Gaussian curve, exponential."""
+        return tuple(cls(*one.values, 1.0) for one in StribeckFriction.guess(record, plant))
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
+        """The same curve, steeper at first."""
+        return tuple(cls(*simple.values, exponent) for exponent in (1.5, 0.8))

@@ -1,0 +1,75 @@
+"""A disturbance of two tones."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class TwoToneDisturbance(Effect):
+    """A·sin(omega·t + phi) and a second sine: two machines, or one and its harmonic."""
+
+    disturbance_amplitude: float
+    disturbance_frequency: float
+    disturbance_phase: float
+    second_tone_amplitude: float
+    second_tone_frequency: float
+    second_tone_phase: float
+
+    name = "two_tone_disturbance"
+    parameters = (
+        *PeriodicDisturbance.parameters,
+        Parameter("second_tone_amplitude", "A2", "N", 0.0, math.inf, "amplitude of the second tone"),
+        Parameter("second_tone_frequency", "omega2", "rad/s", 0.0, math.inf, "frequency of the second tone"),
+        Parameter("second_tone_phase", "phi2", "rad", -math.inf, math.inf, "phase of the second tone at time 0"),
+    )
+    acts_on = "force"
+    law = "A·sin(omega·t + phi) + A2·sin(omega2·t + phi2)"
+    source = "harmonic forcing, time counted from the record's time 0"
+    neutral = (("disturbance_amplitude", 0.0), ("second_tone_amplitude", 0.0))
+    form_of = "periodic_disturbance"
+    prior_odds = 1.0 / 100.0
+    mirror = False
+    steady = False
+
+    @staticmethod
+    def disturbance(
+        t: float,
+        disturbance_amplitude: float,
+        disturbance_frequency: float,
+        disturbance_phase: float,
+        second_tone_amplitude: float,
+        second_tone_frequency: float,
+        second_tone_phase: float,
+    ) -> float:
+        """Force [N] against +x."""
+        first = disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
+        return first + second_tone_amplitude * math.sin(second_tone_frequency * t + second_tone_phase)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"second_tone_frequency": PeriodicDisturbance.resolvable(seen)["disturbance_frequency"]}
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[TwoToneDisturbance, ...]:
+        """The two strongest lines of the force that the plant leaves unexplained."""
+        first, second = typical.lines(record, plant, count=2)
+        return (cls(*first, *second),)
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[TwoToneDisturbance, ...]:
+        """The tone that was found, and the strongest of the others."""
+        apart = 4.0 * math.pi / record.duration
+        others = [line for line in typical.lines(record, plant, count=4) if abs(line[1] - simple.values[1]) > apart]
+        return tuple(cls(*simple.values, *line) for line in others[:2])
