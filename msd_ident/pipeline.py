@@ -169,6 +169,7 @@ def diagnose(
         warnings=data.warnings + decided,
         ring_down=ring_down(data.features, data.used[0].position_unit),
         tolerance=options.tolerance,
+        rests=data.rest_before,
         progress=progress,
         earlier=earlier,
     )

@@ -17,7 +17,9 @@ from msd_ident.model.effects import LIBRARY
 Values = Mapping[str, float]
 
 #: Laws of dry friction: which of them a record shows is seldom known of a real rig.
-DRY = frozenset({"coulomb_friction", "stribeck_friction", "hysteresis", "position_dependent_friction"})
+DRY = frozenset(
+    {"coulomb_friction", "stribeck_friction", "hysteresis", "position_dependent_friction", "load_dependent_friction"}
+)
 #: Springs that bend little cannot be told apart where the motion stays on one side or the offset is free.
 BENT = frozenset({"cubic_spring", "asymmetric_spring"})
 #: A resting cart says that nothing shakes it.
@@ -144,8 +146,8 @@ RIGS: tuple[Rig, ...] = (
         SourceOptions(
             time="Time", force="Control Effort", force_unit="V", position="Encoder 1 Pos", position_unit="count"
         ),
-        acts=(DRY,), false=SHAKEN, false_findings=frozenset({"missing_samples"}), expert_share=0.020,
-        lacks="a brake while the drive is on",
+        acts=(DRY, frozenset({"drive_damping"})), false=SHAKEN, false_findings=frozenset({"missing_samples"}),
+        expert_share=0.020,
     ),
     # A disc on a spring in air; the spring softens by a thousandth.
     Rig(
@@ -169,16 +171,16 @@ RIGS: tuple[Rig, ...] = (
     # A servo without torque drops a pendulum: m·g·l·sin q softens, and the gear rubs.
     Rig(
         "real/servo_pendulum_drop.csv", SourceOptions(force="none", position="angle_rad", position_unit="rad"),
-        acts=(DRY,), false=SHAKEN | {"end_stop"}, expert_see=0.010, lacks="gravity on a pendulum",
+        acts=(DRY,), false=SHAKEN | {"end_stop"}, expert_see=0.010,
     ),
-    # Simulated by the benchmark's authors; its β and γ differ, which the library's law has not (142 µm with it).
+    # Simulated by the benchmark's authors; its β and γ differ.
     Rig(
         "real/boucwen_train.csv", SourceOptions(),
         acts=(frozenset({"hysteresis"}),), false=frozenset({"end_stop", "second_mode"}),
         references=(
             _one("mass", 2.0, 0.05, "kg"), _one("stiffness", 5e4, 0.05, "N/m"), _one("damping", 10.0, 0.2, "N·s/m"),
         ),
-        expert_see=7.4e-6, lacks="hysteresis with a β and a γ",
+        expert_see=7.4e-6,
     ),
     # A ball screw without a spring; friction dominates, with an offset.
     Rig(

@@ -11,6 +11,7 @@ import numpy as np
 
 from bench.real.rigs import Rig
 from msd_ident.diagnose import Diagnosis
+from msd_ident.model.effects import by_name
 
 #: Probability from which on a cause is stated as certain.
 SURE = 0.9
@@ -71,14 +72,14 @@ class Row:
 def score(rig: Rig, found: Diagnosis, seconds: float) -> Row:
     """Compare a diagnosis with what is true about the rig."""
     causes = tuple((cause.name, cause.probability, tuple(cause.tied_with)) for cause in found.causes)
-    said = {name for name, _, _ in causes} | {one for _, _, ties in causes for one in ties}
+    said = {_kind(name) for name, _, _ in causes} | {_kind(one) for _, _, ties in causes for one in ties}
     return Row(
         rig=rig.name,
         extra=rig.extra,
         verdict=found.verdict,
         causes=causes,
         missed=tuple("|".join(sorted(group)) for group in rig.acts if not group & said),
-        false=tuple((name, p) for name, p, _ in causes if name in rig.false),
+        false=tuple((name, p) for name, p, _ in causes if _kind(name) in rig.false),
         false_findings=tuple(sorted(rig.false_findings & {finding.code for finding in found.findings})),
         values=_values(rig, {name: quantity.value for name, quantity in found.extended.quantities.items()}),
         see=found.extended.see,
@@ -87,6 +88,11 @@ def score(rig: Rig, found: Diagnosis, seconds: float) -> Row:
         seconds=seconds,
         lacks=rig.lacks,
     )
+
+
+def _kind(law: str) -> str:
+    """The cause whose law it is: what is true of a rig is said of causes."""
+    return by_name(law).cause()
 
 
 def refused(rig: Rig, error: str) -> Row:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from msd_ident.diagnose import resolvable
+from msd_ident.diagnose import resolvable, stirring
 from msd_ident.diagnose.descent import State, Weighting, descend
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.posing import pose
@@ -51,11 +51,13 @@ class Experiment:
     """The data and what the base model is: what every candidate shares.
 
     ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
+    ``rests`` are stretches of the records in which the cart stands still, and which the fits leave out.
     """
 
     readings: tuple[Readings, ...]
     base: Model
     fixed: frozenset[str]
+    rests: tuple[Readings, ...] = ()
 
     @property
     def evidence(self) -> float:
@@ -70,7 +72,7 @@ class Experiment:
         for part in self.readings:
             fewest = int(_A_SWING * part.record.duration / swing)
             parts.append(part.thinned(max(keep * part.record.samples // total, fewest, 200)))
-        return Experiment(tuple(parts), self.base, self.fixed)
+        return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
         """The same with one force between any two samples, which is simulated in fewer steps."""
@@ -154,11 +156,17 @@ class Fitted:
     model: Model
     problem: Problem
     state: State
+    rests: tuple[Readings, ...] = ()
 
     @property
     def chi(self) -> float:
         """Sum of squares in units of the noise."""
         return self.state.chi
+
+    @cached_property
+    def stirred(self) -> float:
+        """The same of what its causes would do to the cart where it rests."""
+        return sum(stirring.chi(self.model, rest) for rest in self.rests)
 
     @property
     def point(self) -> FloatArray:
@@ -254,7 +262,7 @@ def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(fitted.causes, fitted.problem, state), _FIRST))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
     for entry, name in enumerate(fitted.problem.names):
         if not name.endswith("_phase"):
             continue
@@ -262,7 +270,7 @@ def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
             point = fitted.point.copy()
             point[entry] += turn
             state = State(point, weighting.residual(point), fitted.state.jacobian, False)
-            found.append(_lower(experiment, _at(fitted.causes, fitted.problem, state), _FIRST))
+            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
     return found
 
 
@@ -322,7 +330,7 @@ def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
     state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
     if not state.exact:
         state = weighting.exact(state.point, weighting.steps(state))
-    return _at(fitted.causes, fitted.problem, state)
+    return _at(experiment, fitted.causes, fitted.problem, state)
 
 
 def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Fitted:
@@ -330,7 +338,7 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
     problem, weighting, point = posed(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
     state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
-    return exactly(experiment, _at(causes, problem, state))
+    return exactly(experiment, _at(experiment, causes, problem, state))
 
 
 def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
@@ -360,8 +368,8 @@ def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
 def _lower(experiment: Experiment, fitted: Fitted, steps: int) -> Fitted:
     weighting = weigh(fitted.problem, experiment.readings)
     state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
-    return _at(fitted.causes, fitted.problem, state)
+    return _at(experiment, fitted.causes, fitted.problem, state)
 
 
-def _at(causes: Causes, problem: Problem, state: State) -> Fitted:
-    return Fitted(causes, problem.model.with_values(problem.values(state.point)), problem, state)
+def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Fitted:
+    return Fitted(causes, problem.model.with_values(problem.values(state.point)), problem, state, experiment.rests)

@@ -64,6 +64,7 @@ class Task:
         plant: mass, damping and stiffness that the data shows at a glance, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
+        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
     """
 
     records: tuple[Record, ...]
@@ -73,6 +74,7 @@ class Task:
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
     tolerance: float = TOLERANCE
+    rests: tuple[Record | None, ...] = ()
 
     @property
     def forced(self) -> bool:
@@ -94,6 +96,7 @@ def diagnose_records(
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
     tolerance: float = TOLERANCE,
+    rests: Sequence[Record | None] = (),
     progress: Progress = silent,
     earlier: Diagnosis | None = None,
 ) -> Diagnosis:
@@ -105,6 +108,7 @@ def diagnose_records(
         plant: what the data shows at a glance, to start from.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
+        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
@@ -113,7 +117,7 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance)
+    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance, tuple(rests))
     progress("base model", 0.02, "")
     experiment = prepare(task)
     shared = shared_fits(experiment, task.plant or experiment.base)
@@ -140,7 +144,10 @@ def prepare(task: Task) -> Experiment:
     if not task.forced:
         stiffness = (20.0 / duration) ** 2
     model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
-    return Experiment(readings.prepare(task.records), model, frozenset(fixed))
+    parts = readings.prepare(task.records)
+    rests = zip(task.rests, parts, strict=False)
+    quiet = tuple(readings.of_record(rest, part.noise, part.step) for rest, part in rests if rest is not None)
+    return Experiment(parts, model, frozenset(fixed), quiet)
 
 
 def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:

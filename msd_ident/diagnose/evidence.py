@@ -12,11 +12,11 @@ is, only the ratio of what two sets leave counts, and structure that repeats wit
 no inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place
 of the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
 
-The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible parameter
-space that the data leaves, det(I + S H S / v)^(-1/2), where H is the information matrix, S the prior width of each
-parameter and v the set's own; those of the plant, which all sets share, are counted alike in all. A parameter that the
-data does not see costs nothing and gains nothing; one that it pins down must earn its place. (MacKay 1992; Kass and
-Raftery 1995.)
+The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible space of its
+causes' parameters that the data leaves, det(I + S H S / v)^(-1/2), where H is the information about them beside an
+unknown plant, S the prior width of each and v the set's own. A parameter that the data does not see costs nothing and
+gains nothing; one that it pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.) As no law is exact, no
+parameter is held more sharply than to a part of its width, however low the noise.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 #: Independent features of a model's error that a record shows.
-import os  # TEMP
-SHAPES = float(os.environ.get("MSD_SHAPES", "16"))  # TEMP
+SHAPES = 8.0
+#: Information about a parameter, in units of its prior width, that is counted at most: a thirtieth of the width.
+SHARPEST = 1000.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
@@ -68,9 +69,14 @@ class Scale:
         """Variance v along the shapes of a model's error, in units of the noise's."""
         return 1.0 + max(chi - self.noise, 0.0) / self.shapes
 
-    def log_likelihood(self, chi: float) -> float:
-        """Log likelihood [nats] of a set that leaves ``chi``, but for a constant."""
-        return -0.5 * self.shapes * math.log(self.spread(chi))
+    def log_likelihood(self, fitted: Fitted) -> float:
+        """Log likelihood [nats] of a set, but for a constant.
+
+        A model's error in motion says nothing of its error at rest: what the set makes of a cart that stands still
+        counts by itself.
+        """
+        at_rest = 1.0 + fitted.stirred / self.shapes
+        return -0.5 * self.shapes * (math.log(self.spread(fitted.chi)) + math.log(at_rest))
 
     def informed(self, information: FloatArray) -> FloatArray:
         """The information matrix in this scale."""
@@ -89,13 +95,25 @@ def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: flo
 
 def log_evidence(fitted: Fitted, scale: Scale) -> float:
     """Log evidence [nats] of a set, prior included."""
-    size, variance = prior_widths(fitted), scale.spread(fitted.chi)
+    return scale.log_likelihood(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
+
+
+def occam(fitted: Fitted, variance: float) -> float:
+    """What the parameters of a set's causes cost [nats], those of the plant and of the records unknown beside them.
+
+    ½ Σ log(1 + λ), with λ the eigenvalues of the information about them in units of their prior widths, none counted
+    beyond ``SHARPEST``: no law of a real rig holds its parameters any better.
+    """
+    own = np.array([name in _own(fitted) for name in fitted.problem.names])
+    if not own.any():
+        return 0.0
+    size = prior_widths(fitted)
     information = fitted.information * np.outer(size, size) / variance
-    information[np.diag_indices_from(information)] += 1.0
-    sign, occam = np.linalg.slogdet(information)
-    shared = fitted.problem.size - sum(p in fitted.problem.names for p in _own(fitted))
-    penalty = 0.5 * (float(occam) + shared * math.log(variance)) if sign > 0 else 1e6
-    return scale.log_likelihood(fitted.chi) - penalty + log_prior(fitted.causes)
+    information[np.diag_indices_from(information)] += 1.0  # the prior of the plant's
+    cross = information[np.ix_(own, ~own)]
+    about = information[np.ix_(own, own)] - cross @ np.linalg.solve(information[np.ix_(~own, ~own)], cross.T)
+    known = np.maximum(np.linalg.eigvalsh(about) - 1.0, 0.0)
+    return 0.5 * float(np.sum(np.log1p(known / (1.0 + known / SHARPEST))))
 
 
 def log_prior(causes: Causes) -> float:
@@ -114,16 +132,17 @@ def _own(fitted: Fitted) -> tuple[str, ...]:
 
 
 def prior_widths(fitted: Fitted) -> FloatArray:
-    """(p,) prior width of each entry of a set's vector: its natural size, and for the strength of a cause, which may be
-    of any order of magnitude, that of a prior uniform in its logarithm, where this is narrower.
+    """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for the
+    strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where this is
+    narrower.
     """
     problem, point = fitted.problem, fitted.point
-    sizes = problem.scale.copy()
+    sizes = np.maximum(problem.scale, np.abs(point[: problem.scale.size]))
     strengths = {name for cause in fitted.causes for name, value in by_name(cause).neutral if math.isfinite(value)}
     decade = math.log(_STRENGTHS) / math.sqrt(2.0 * math.pi)
     for place, index in enumerate(problem.free):
         if problem.model.names[index] in strengths:
-            sizes[place] = min(sizes[place], decade * abs(point[place]))
+            sizes[place] = min(problem.scale[place], decade * abs(point[place]))
     return np.asarray(sizes)
 
 
@@ -188,12 +207,12 @@ def _ceilings(
     """
     for smaller, value in own.items():
         if smaller < causes:
-            gain = scale.log_likelihood(sets[causes].chi) - scale.log_likelihood(sets[smaller].chi)
+            gain = scale.log_likelihood(sets[causes]) - scale.log_likelihood(sets[smaller])
             yield value + max(gain, 0.0) + log_prior(causes - smaller)
 
 
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
-    """All sets by evidence; the likeliest is put first, without causes that the data does not call for.
+    """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.
     """
@@ -201,8 +220,8 @@ def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
-    near = [causes for causes in order if causes <= order[0] and values[causes] >= top - CALLED]
-    first = min(near, key=lambda causes: (len(causes), -values[causes]))
+    near = [one for one in order if kinds(one) <= kinds(order[0]) and values[one] >= top - CALLED]
+    first = min(near, key=lambda one: (len(one), _forms(one), -values[one]))
     order.remove(first)
     order.insert(0, first)
     weights = np.exp(np.array([values[causes] for causes in order]) - top)
@@ -212,6 +231,11 @@ def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
     )
+
+
+def _forms(causes: Causes) -> int:
+    """Laws among them that are not the first, simple one of their cause."""
+    return sum(bool(by_name(name).form_of) for name in causes)
 
 
 def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:

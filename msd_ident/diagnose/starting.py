@@ -65,7 +65,7 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
             problem, weighting, point = posed(experiment, model, parent.initial)
             state = extended(weighting, parent.problem, parent.state, point)
             promised = step(problem, state, _DAMPED)[1]
-            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state)))
+            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests)))
     found = sorted(found, key=lambda start: start.promise)[:_KEPT]
     return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
 
@@ -94,7 +94,7 @@ def regressions(
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])
-    return [_exact_start(causes, *_placed(experiment, *one[1:])) for one in found[:2]]
+    return [_exact_start(experiment, causes, _placed(experiment, *one[1:])) for one in found[:2]]
 
 
 def _placed(
@@ -130,7 +130,10 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
     return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
 
 
-def _exact_start(causes: Causes, problem: Problem, weighting: Weighting, point: FloatArray) -> Start:
+def _exact_start(
+    experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray]
+) -> Start:
+    problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
-    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state))
+    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state, experiment.rests))
