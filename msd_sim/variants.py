@@ -65,9 +65,7 @@ VARIANTS = (
     RigEffect(
         "power_drag", "c |v|^1.5 sign(v)", (_p("power_drag", "N (s/m)^1.5", 2.0, "drag coefficient c", lower=0.0),)
     ),
-    RigEffect(
-        "one_way_damping", "c v while moving up", (_p("up_damping", "N s/m", 1.0, "c", lower=0.0),)
-    ),
+    RigEffect("one_way_damping", "c v while moving up", (_p("up_damping", "N s/m", 1.0, "c", lower=0.0),)),
     RigEffect(
         "drive_brake",
         "c v while a force is commanded: the amplifier brakes",

@@ -52,7 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--json", type=Path, help="file for all outcomes, one JSON object a line")
     parser.add_argument(
-        "--only", default="", metavar="WORD,…",
+        "--only",
+        default="",
+        metavar="WORD,…",
         help="cases with all of these: an experiment (steps, step, release, sweep, ramp), a rate in Hz, a noise "
         "(white, coloured, speed), a kind (clean, single, beside, pair, odd, variant), a hidden effect",
     )

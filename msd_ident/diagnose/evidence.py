@@ -12,8 +12,8 @@ is, only the ratio of what two sets leave counts, and structure that repeats wit
 no inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place
 of the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
 
-The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible space of its
-causes' parameters that the data leaves, det(I + S H S / v)^(-1/2), where H is the information about them beside an
+The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible space of
+its causes' parameters that the data leaves, det(I + S H S / v)^(-1/2), where H is the information about them beside an
 unknown plant, S the prior width of each and v the set's own. A parameter that the data does not see costs nothing and
 gains nothing; one that it pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.) As no law is exact, no
 parameter is held more sharply than to a part of its width, however low the noise.
@@ -132,9 +132,9 @@ def _own(fitted: Fitted) -> tuple[str, ...]:
 
 
 def prior_widths(fitted: Fitted) -> FloatArray:
-    """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for the
-    strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where this is
-    narrower.
+    """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for
+    the strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where
+    this is narrower.
     """
     problem, point = fitted.problem, fitted.point
     sizes = np.maximum(problem.scale, np.abs(point[: problem.scale.size]))

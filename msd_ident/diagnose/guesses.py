@@ -10,11 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.diagnose.missing import missing_force
-from msd_ident.model.effects.cogging import PITCHES
 from msd_ident.fit.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.cogging import PITCHES, Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.model.effects.hysteresis import Hysteresis
@@ -63,7 +62,10 @@ def from_coulomb(name: str, plant: Model, record: Record, force: float) -> tuple
     if name == "load_dependent_friction":
         return LoadDependentFriction.from_simple(CoulombFriction(force), record, plant)
     if name == "stribeck_shape":
-        return tuple(StribeckShape(*one.values, 1.0) for one in from_coulomb("stribeck_friction", plant, record, force))
+        return tuple(
+            StribeckShape.within_bounds(*one.values, 1.0)
+            for one in from_coulomb("stribeck_friction", plant, record, force)
+        )
     if name == "stribeck_friction":
         scales = {guess.stribeck_velocity for guess in StribeckFriction.guess(record, plant)}
         return tuple(StribeckFriction(force, 1.3 * force, scale) for scale in sorted(scales))

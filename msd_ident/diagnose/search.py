@@ -59,7 +59,7 @@ _ROUNDS, _ROUNDS_FAR = 5, 2
 #: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
 _AHEAD, _REACH = 4, 30.0
 #: Shapes of a model's error that are counted while a search goes on.
-_SOUGHT = 200.0
+_SOUGHT = 40.0
 #: A rival that leaves this many times the leader's chi² is not begun again.
 _REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.

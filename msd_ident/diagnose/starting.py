@@ -130,9 +130,7 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
     return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
 
 
-def _exact_start(
-    experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray]
-) -> Start:
+def _exact_start(experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray]) -> Start:
     problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))

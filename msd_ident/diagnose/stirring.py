@@ -15,8 +15,9 @@ from msd_ident.model import Model, Simulator
 
 
 def chi(model: Model, rest: Readings) -> float:
-    """Sum of squares, in units of the noise, by which a model moves a cart that stands still; 0 where nothing in it acts
-    by itself.
+    """Sum of squares, in units of the noise, by which a model moves a cart that stands still.
+
+    It is 0 where nothing in the model acts by itself.
 
     From rest at the plant's balance, with what acts by itself and what takes energy out of the motion; all else only
     says where the balance is.

@@ -188,6 +188,7 @@ def test_other_laws_of_known_families_against_scipy():
     places = {"one_sided_stop": {"one_stop_position": 0.008}, "damped_stop": {"soft_stop_position": 0.008}}
     time = np.linspace(0.0, 0.9, 91)
     for name, law in laws.items():
+
         def slope(t, y, law=law):
             return [y[1], (6.0 * (t < 0.5) - 1.5 * y[1] - 700.0 * y[0] - law(t, *y)) / 0.9]
 

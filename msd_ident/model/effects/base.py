@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
 
 #: Sides of a knee, see ``Effect.knee``.
-BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
+BOTH, ABOVE, OUTSIDE, HALVES = "both", "above", "outside", "halves"
 #: Knee of a law that is not smooth at x = 0.
 AT_ZERO = ("0", "0", ABOVE)
 
@@ -106,7 +106,8 @@ class Effect:
     #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
     stands_alone: ClassVar[bool] = False
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
-    #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE``, ``OUTSIDE`` (seen from zero).
+    #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE``, ``OUTSIDE`` (seen from zero) or
+    #: ``HALVES`` (half of it above, less half of it below).
     knee: ClassVar[tuple[str, str, str] | None] = None
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False

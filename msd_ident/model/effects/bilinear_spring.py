@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import ABOVE, Effect, Parameter, Seen
+from msd_ident.model.effects.base import HALVES, Effect, Parameter, Seen
 
 if TYPE_CHECKING:
     from msd_ident.model.model import Model
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BilinearSpring(Effect):
-    """A further stiffness kb, of either sign, beyond xb on one side of it; up to the plant's own.
+    """A stiffness that is kb more above xb than below it, k the mean of both; the force at x = 0 stays 0.
 
-    A stiffer one is a stop (``one_sided_stop``).
+    Where one side is more than twice as stiff, it is a stop (``one_sided_stop``).
     """
 
     bend_position: float
@@ -28,23 +28,28 @@ class BilinearSpring(Effect):
     name = "bilinear_spring"
     parameters = (
         Parameter("bend_position", "xb", "m", -math.inf, math.inf, "position from which on the stiffness is another"),
-        Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "what the stiffness is more beyond it"),
+        Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "stiffness above it less that below it"),
     )
     acts_on = "force"
-    law = "kb·(x - xb) for x > xb"
+    law = "kb/2·(abs(x - xb) - abs(xb))"
     source = "Shaw & Holmes 1983 (J. Sound Vib. 90): the piecewise linear oscillator"
     neutral = (("bend_stiffness", 0.0),)
     needs_spring = True
     piecewise_linear = True
     mirror = False
-    knee = ("bend_position", "bend_stiffness", ABOVE)
+    knee = ("bend_position", "bend_stiffness", HALVES)
+
+    @staticmethod
+    def constant(bend_position: float, bend_stiffness: float) -> float:
+        """Force [N] that brings the spring's own to 0 at x = 0."""
+        return -0.5 * bend_stiffness * abs(bend_position)
 
     @classmethod
     def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {
             "bend_position": (-seen.reach, seen.reach),
-            "bend_stiffness": (-0.9 * seen.stiffness, seen.stiffness),
+            "bend_stiffness": (-1.5 * seen.stiffness, 1.5 * seen.stiffness),
         }
 
     @classmethod

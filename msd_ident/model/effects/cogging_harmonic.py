@@ -62,4 +62,4 @@ class CoggingHarmonic(Effect):
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[CoggingHarmonic, ...]:
         """The ripple that was found, with a third of it in the harmonic, in four phases."""
         amplitude = simple.values[0] / 3.0
-        return tuple(cls(*simple.values, amplitude, 0.5 * math.pi * turn) for turn in range(4))
+        return tuple(cls.within_bounds(*simple.values, amplitude, 0.5 * math.pi * turn) for turn in range(4))

@@ -54,9 +54,9 @@ class DampedStop(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[DampedStop, ...]:
         """Those of stops without damping, with some."""
         damping = 0.3 / typical.speed(record)
-        return tuple(cls(*stop.values, damping) for stop in EndStop.guess(record, plant))
+        return tuple(cls.within_bounds(*stop.values, damping) for stop in EndStop.guess(record, plant))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[DampedStop, ...]:
         """The same stop with a little and with much damping."""
-        return tuple(cls(*simple.values, n / typical.speed(record)) for n in (0.1, 1.0))
+        return tuple(cls.within_bounds(*simple.values, n / typical.speed(record)) for n in (0.1, 1.0))

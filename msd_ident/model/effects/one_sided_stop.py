@@ -57,4 +57,5 @@ class OneSidedStop(Effect):
         low, high = float(np.min(record.position)), float(np.max(record.position))
         stiffness = typical.force(record, plant) / typical.amplitude(record)
         ends = [end for end in (high, low) if abs(end) > 0.1 * (high - low)]
-        return tuple(cls(share * end, n * stiffness) for share in (0.93, 0.75, 0.5) for end in ends for n in (2.0, 10.0))
+        places = [share * end for share in (0.93, 0.75, 0.5) for end in ends]
+        return tuple(cls(place, n * stiffness) for place in places for n in (2.0, 10.0))

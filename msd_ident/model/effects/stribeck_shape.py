@@ -54,9 +54,9 @@ class StribeckShape(Effect):
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
         """Those of the Gaussian curve, exponential."""
-        return tuple(cls(*one.values, 1.0) for one in StribeckFriction.guess(record, plant))
+        return tuple(cls.within_bounds(*one.values, 1.0) for one in StribeckFriction.guess(record, plant))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
         """The same curve, steeper at first."""
-        return tuple(cls(*simple.values, exponent) for exponent in (1.5, 0.8))
+        return tuple(cls.within_bounds(*simple.values, exponent) for exponent in (1.5, 0.8))

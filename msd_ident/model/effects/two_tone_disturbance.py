@@ -65,11 +65,11 @@ class TwoToneDisturbance(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[TwoToneDisturbance, ...]:
         """The two strongest lines of the force that the plant leaves unexplained."""
         first, second = typical.lines(record, plant, count=2)
-        return (cls(*first, *second),)
+        return (cls.within_bounds(*first, *second),)
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[TwoToneDisturbance, ...]:
         """The tone that was found, and the strongest of the others."""
         apart = 4.0 * math.pi / record.duration
         others = [line for line in typical.lines(record, plant, count=4) if abs(line[1] - simple.values[1]) > apart]
-        return tuple(cls(*simple.values, *line) for line in others[:2])
+        return tuple(cls.within_bounds(*simple.values, *line) for line in others[:2])

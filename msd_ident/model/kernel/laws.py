@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.model import PLANT_PARAMETERS
@@ -126,21 +126,30 @@ def _remember() -> Any:
 
 def _knees() -> Any:
     """knees(active, p): (n, 3) position, stiffness and side of each knee of the spring, see ``spring``."""
-    lines = ["def knees(active, p):", f"    found = np.empty(({2 * sum(bool(e.knee) for e in LIBRARY)}, 3))", "    n = 0"]
+    most = 2 * sum(bool(effect.knee) for effect in LIBRARY)
+    lines = ["def knees(active, p):", f"    found = np.empty(({most}, 3))", "    n = 0"]
     for effect in LIBRARY:
         if not effect.knee:
             continue
         place, stiffness, side = effect.knee
         # A law with a kink at x = 0 has a knee there that bends nothing to speak of: the solver stops at it.
-        place, stiffness = ("0.0", "1e-300") if effect.knee == AT_ZERO else (f"p[{INDEX[place]}]", f"p[{INDEX[stiffness]}]")
+        kink = effect.knee == AT_ZERO
+        place, stiffness = ("0.0", "1e-300") if kink else (f"p[{INDEX[place]}]", f"p[{INDEX[stiffness]}]")
         lines += [f"    if active & {BIT[effect.name]}:"]
-        for at, beyond in ((place, "1.0"), (f"-{place}", "-1.0")) if side == BOTH else ((place, _beyond(place, side)),):
-            lines += [f"        found[n, 0], found[n, 1], found[n, 2] = {at}, {stiffness}, {beyond}", "        n += 1"]
+        for row in _rows(place, stiffness, side):
+            lines += [f"        found[n, 0], found[n, 1], found[n, 2] = {row}", "        n += 1"]
     return _compile("knees", [*lines, "    return found[:n]"], {"np": np}, making)
 
 
-def _beyond(place: str, side: str) -> str:
-    return "1.0" if side == ABOVE else f"1.0 if {place} > 0.0 else -1.0"
+def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
+    """Position, stiffness and side of an effect's knees, as source."""
+    rows = {
+        ABOVE: (f"{place}, {stiffness}, 1.0",),
+        BOTH: (f"{place}, {stiffness}, 1.0", f"-{place}, {stiffness}, -1.0"),
+        HALVES: (f"{place}, 0.5 * {stiffness}, 1.0", f"{place}, -0.5 * {stiffness}, -1.0"),
+        OUTSIDE: (f"{place}, {stiffness}, 1.0 if {place} > 0.0 else -1.0",),
+    }
+    return rows[side]
 
 
 active = _active()
