@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Experiment, Fitted, refine
-from msd_ident.diagnose.evidence import Ranking
+from msd_ident.diagnose.evidence import NOISE_ERROR, Ranking
 from msd_ident.diagnose.search import Progress, Remembered, Search
 from msd_ident.diagnose.tried import noted
 
@@ -86,6 +86,11 @@ def _searching(
     experiment: Experiment, progress: Progress, blurred: Callable[[Fitted], bool] = lambda fitted: False
 ) -> Search:
     def at_floor(fitted: Fitted) -> bool:
-        return judge(fitted.residuals(), experiment.readings).consistent or blurred(fitted)
+        # What is left above the noise by less than the noise's own error calls for no further cause.
+        return (
+            fitted.chi < (1.0 + NOISE_ERROR) * experiment.evidence
+            or judge(fitted.residuals(), experiment.readings).consistent
+            or blurred(fitted)
+        )
 
     return Search(experiment, at_floor, progress)

@@ -34,14 +34,14 @@ from msd_ident.record import FloatArray
 
 #: Independent features of a model's error that a record shows.
 SHAPES = 8.0
-#: Information about a parameter, in units of its prior width, that is counted at most: a thirtieth of the width.
-SHARPEST = 1000.0
+#: Part of its prior width that a parameter of a law is never known better than.
+LEAST_SPREAD = 0.03
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
 CALLED = 1.0
 #: Relative error that the estimate of the noise's variance may have.
-_NOISE_ERROR = 0.1
+NOISE_ERROR = 0.1
 #: Part of the estimated noise's chi² below which a set shows that the estimate is none: few samples a swing look noisy.
 _OVERRATED = 0.5
 #: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
@@ -87,7 +87,7 @@ def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: flo
     """The scale of an experiment: the noise's chi², as it was estimated, or the least that a set leaves near it."""
     pieces = sum(part.evidence for part in readings)
     least = min(fitted.chi for fitted in sets)
-    noise = least if least < (1.0 + _NOISE_ERROR) * pieces else pieces
+    noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < _OVERRATED * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
     return Scale(noise, Scale(noise, shapes=shapes).spread(least), shapes)
@@ -101,10 +101,11 @@ def log_evidence(fitted: Fitted, scale: Scale) -> float:
 def occam(fitted: Fitted, variance: float) -> float:
     """What the parameters of a set's causes cost [nats], those of the plant and of the records unknown beside them.
 
-    ½ Σ log(1 + λ), with λ the eigenvalues of the information about them in units of their prior widths, none counted
-    beyond ``SHARPEST``: no law of a real rig holds its parameters any better.
+    -½ log det C, with C their covariance in units of their prior widths. To each is added what a real rig's parameter
+    wanders by, as no law is exact (``LEAST_SPREAD``); but frequencies, pitches and phases are what they are.
     """
-    own = np.array([name in _own(fitted) for name in fitted.problem.names])
+    names = np.array(fitted.problem.names)
+    own = np.isin(names, _own(fitted))
     if not own.any():
         return 0.0
     size = prior_widths(fitted)
@@ -112,8 +113,10 @@ def occam(fitted: Fitted, variance: float) -> float:
     information[np.diag_indices_from(information)] += 1.0  # the prior of the plant's
     cross = information[np.ix_(own, ~own)]
     about = information[np.ix_(own, own)] - cross @ np.linalg.solve(information[np.ix_(~own, ~own)], cross.T)
-    known = np.maximum(np.linalg.eigvalsh(about) - 1.0, 0.0)
-    return 0.5 * float(np.sum(np.log1p(known / (1.0 + known / SHARPEST))))
+    exact = {name for cause in fitted.causes for name in by_name(cause).exact}
+    wander = np.array([0.0 if name in exact else LEAST_SPREAD**2 for name in names[own]])
+    covariance = np.linalg.pinv(about, hermitian=True) + np.diag(wander)
+    return max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
 
 
 def log_prior(causes: Causes) -> float:

@@ -123,6 +123,8 @@ class Effect:
     piecewise_linear: ClassVar[bool] = False
     #: Odds, before any data, that it acts on a rig.
     prior_odds: ClassVar[float] = 1.0 / 20.0
+    #: Parameters that are as sharp as the data holds them, however roughly the law holds: frequencies, pitches, phases.
+    exact: ClassVar[tuple[str, ...]] = ()
     #: Parameters that state something and are never fitted.
     held: ClassVar[tuple[str, ...]] = ()
     #: Its force law is not smooth at v = 0, so the solver stops there.

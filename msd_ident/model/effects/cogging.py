@@ -31,6 +31,7 @@ class Cogging(Effect):
         Parameter("cogging_pitch", "p", "m", 1e-9, math.inf, "pitch of the cogging force"),
         Parameter("cogging_phase", "phi", "rad", -math.inf, math.inf, "phase of the cogging force at x = 0"),
     )
+    exact = ("cogging_pitch", "cogging_phase")
     acts_on = "force"
     law = "A·sin(2·pi·x/p + phi)"
     source = "first harmonic of the cogging force of permanent-magnet motors"

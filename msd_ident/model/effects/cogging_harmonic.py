@@ -30,6 +30,7 @@ class CoggingHarmonic(Effect):
         Parameter("harmonic_amplitude", "A2", "N", 0.0, math.inf, "amplitude of the second harmonic"),
         Parameter("harmonic_phase", "phi2", "rad", -math.inf, math.inf, "phase of the second harmonic at x = 0"),
     )
+    exact = (*Cogging.exact, "harmonic_phase")
     acts_on = "force"
     law = "A·sin(2·pi·x/p + phi) + A2·sin(4·pi·x/p + phi2)"
     source = "Fourier series of a periodic detent force"

@@ -28,6 +28,7 @@ class PeriodicDisturbance(Effect):
         Parameter("disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance"),
         Parameter("disturbance_phase", "phi", "rad", -math.inf, math.inf, "phase of the disturbance at time 0"),
     )
+    exact = ("disturbance_frequency", "disturbance_phase")
     acts_on = "force"
     law = "A·sin(omega·t + phi)"
     source = "harmonic forcing, time counted from the record's time 0"

@@ -28,6 +28,7 @@ class SensorEccentricity(Effect):
         Parameter("eccentricity_pitch", "p", "m", 1e-9, math.inf, "way of one turn of the encoder's wheel"),
         Parameter("eccentricity_phase", "phi", "rad", -math.inf, math.inf, "phase of the error at x = 0"),
     )
+    exact = ("eccentricity_pitch", "eccentricity_phase")
     acts_on = "sensor"
     law = "reading = x + e·sin(2·pi·x/p + phi)"
     source = "once-per-turn error of an encoder that is mounted out of centre"

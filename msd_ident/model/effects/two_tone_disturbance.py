@@ -33,6 +33,7 @@ class TwoToneDisturbance(Effect):
         Parameter("second_tone_frequency", "omega2", "rad/s", 0.0, math.inf, "frequency of the second tone"),
         Parameter("second_tone_phase", "phi2", "rad", -math.inf, math.inf, "phase of the second tone at time 0"),
     )
+    exact = (*PeriodicDisturbance.exact, "second_tone_frequency", "second_tone_phase")
     acts_on = "force"
     law = "A·sin(omega·t + phi) + A2·sin(omega2·t + phi2)"
     source = "harmonic forcing, time counted from the record's time 0"
