@@ -17,6 +17,9 @@ _UNIFORM = 1.0 / math.sqrt(12.0)
 _MAD = 1.482602218505602
 #: Neighbours on each side from which a sample is interpolated.
 _REACH = 4
+#: Part of the spectrum that counts as its end, samples that it needs, and the part of what an interpolation leaves
+#: below which that is overrated.
+_END, _FEWEST, _OVERRATED = 0.125, 400, 0.5
 #: Samples that are interpolated at once: few enough to stay in the cache.
 _BLOCK = 16_384
 
@@ -67,13 +70,32 @@ def noise_floor(record: Record) -> float:
     of a sampled motion there is tiny, what is left of white noise is known. Outliers, which are kinks of the motion
     (stops, steps of the force), are left out. Where the encoder rests on one value the comparison shows nothing, and
     the error of an encoder is uniform over one step: the floor is never below step/√12.
+
+    With few samples a swing no polynomial follows the motion. What is left then is the motion's; where the end of the
+    spectrum holds far less, that is the noise.
     """
     step = encoder_step(record)
     quantisation = step * _UNIFORM
     residual, moving = _interpolation_error(record, step)
     parts = [part for part in (residual[moving], residual[~moving]) if part.size]
     variance = sum(part.size * _variance(part, quantisation) for part in parts) / max(residual.size, 1)
-    return max(quantisation, math.sqrt(variance))
+    fast = _spectral_end(record)
+    told = fast if fast < _OVERRATED * math.sqrt(variance) else math.sqrt(variance)
+    return max(quantisation, told)
+
+
+def _spectral_end(record: Record) -> float:
+    """Standard deviation of white noise as strong as the fastest ``_END`` of the spectrum; infinite without one.
+
+    The median of the periodogram there, which for white noise is ln 2 of its mean: lines do not count.
+    """
+    stamps = np.diff(record.time)
+    if record.samples < _FEWEST or float(np.ptp(stamps)) > 0.5 * float(np.mean(stamps)):
+        return math.inf
+    line = np.linspace(record.position[0], record.position[-1], record.samples)
+    window = np.hanning(record.samples)
+    power = np.abs(np.fft.rfft((record.position - line) * window)) ** 2 / float(np.sum(window**2))
+    return math.sqrt(float(np.median(power[int((1.0 - _END) * power.size) :])) / math.log(2.0))
 
 
 def _interpolation_error(record: Record, step: float) -> tuple[FloatArray, npt.NDArray[np.bool_]]:

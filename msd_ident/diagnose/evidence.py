@@ -27,7 +27,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from msd_ident.diagnose.candidates import Causes, Fitted
+from msd_ident.diagnose.candidates import COULOMB, HOLDING_COULOMB, Causes, Fitted
 from msd_ident.diagnose.readings import Readings
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
@@ -69,14 +69,18 @@ class Scale:
         """Variance v along the shapes of a model's error, in units of the noise's."""
         return 1.0 + max(chi - self.noise, 0.0) / self.shapes
 
-    def log_likelihood(self, fitted: Fitted) -> float:
-        """Log likelihood [nats] of a set, but for a constant.
+    def log_likelihood(self, chi: float, stirred: float = 0.0) -> float:
+        """Log likelihood [nats] of a set that leaves ``chi``, but for a constant.
 
-        A model's error in motion says nothing of its error at rest: what the set makes of a cart that stands still
-        counts by itself.
+        A model's error in motion says nothing of its error at rest: what the set makes of a cart that stands still,
+        ``stirred``, counts by itself.
         """
-        at_rest = 1.0 + fitted.stirred / self.shapes
-        return -0.5 * self.shapes * (math.log(self.spread(fitted.chi)) + math.log(at_rest))
+        at_rest = 1.0 + stirred / self.shapes
+        return -0.5 * self.shapes * (math.log(self.spread(chi)) + math.log(at_rest))
+
+    def of(self, fitted: Fitted) -> float:
+        """The same of a fitted set."""
+        return self.log_likelihood(fitted.chi, fitted.stirred)
 
     def informed(self, information: FloatArray) -> FloatArray:
         """The information matrix in this scale."""
@@ -95,7 +99,7 @@ def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: flo
 
 def log_evidence(fitted: Fitted, scale: Scale) -> float:
     """Log evidence [nats] of a set, prior included."""
-    return scale.log_likelihood(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
+    return scale.of(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
 
 
 def occam(fitted: Fitted, variance: float) -> float:
@@ -210,8 +214,28 @@ def _ceilings(
     """
     for smaller, value in own.items():
         if smaller < causes:
-            gain = scale.log_likelihood(sets[causes]) - scale.log_likelihood(sets[smaller])
+            gain = scale.of(sets[causes]) - scale.of(sets[smaller])
             yield value + max(gain, 0.0) + log_prior(causes - smaller)
+
+
+def _simpler(causes: Causes) -> Iterator[Causes]:
+    """The set with a law's limit in its place: the simple law of its cause, or Coulomb's friction."""
+    for name in causes:
+        if form_of := by_name(name).form_of:
+            yield causes - {name} | {form_of}
+        if name in HOLDING_COULOMB:
+            yield causes - {name} | {COULOMB}
+
+
+def _called_for(causes: Causes, sets: Mapping[Causes, Fitted], scale: Scale) -> bool:
+    """Whether a set is none that turned out to be a simpler one under another name.
+
+    That is one whose effect has no strength, and one whose law is no better than its limit.
+    """
+    if _same_as(sets[causes]) & set(sets):
+        return False
+    limits = [sets[one] for one in _simpler(causes) if one in sets]
+    return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in limits)
 
 
 def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
@@ -219,7 +243,7 @@ def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
 
     A set that turned out to be a simpler one under another name is left out.
     """
-    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if not _same_as(one) & set(sets)}
+    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]

@@ -9,7 +9,7 @@ from typing import Any
 
 from msd_ident.diagnose.candidates import Causes, Experiment
 from msd_ident.diagnose.evidence import Ranking
-from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects import LIBRARY, by_name, spoken
 
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]
@@ -74,6 +74,15 @@ def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool
     return Tried(name, name in named, ranking.of_cause(name), alone, reason)
 
 
+def _impossible(name: str) -> str:
+    effect = by_name(name)
+    if effect.angular:
+        return "cannot act here: it is a law of a joint, and the position is no angle."
+    if effect.needs_spring or effect.acts_on == "input":
+        return "cannot act here, or not be seen: it needs a spring, or a force of several levels, and there is none."
+    return "cannot be seen here: this record never changes what it depends on."
+
+
 def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, tied: bool) -> str:
     nothing = left[frozenset()]
     with_it = [floors for causes, floors in left.items() if name in causes]
@@ -83,10 +92,12 @@ def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, 
     if tied:
         return "could stand in the place of a named one: this data does not tell."
     if not possible:
-        return "cannot act here: it needs a spring, or a force, and there is none."
+        return _impossible(name)
     if not with_it:
         if len(left) == 1:
             return "not tried: nothing is left to explain."
+        if by_name(name).form_of:
+            return f"another law of {spoken(by_name(name).form_of)}, which is tried where that explains something."
         best = min(left.values())
         return f"given up at a first look: nowhere near the {best:.3g} noise floors of the best explanation."
     if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:

@@ -126,9 +126,9 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
     right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
     wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
     tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
-    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 3, 1, 4)}
-    unnamed = one("end_stop", 0.5, hidden="drive_brake")
-    assert score.variants([unnamed]) == {"drive_brake": (1, 1, 0, 1)}
+    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 4)}
+    unnamed = one("end_stop", 0.5, hidden="band_limited_force")
+    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1)}
     assert told.variants([right, unnamed])[-1] == "| all | 2 | 2 | 2 | 0 | 2 |"
     assert told.variants([outcome((("backlash", 1.0),))]) == []
 
