@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    import pyarrow as pa
-    from distributed import Client, Future
-
     from msd_ident.saved import SavedModel
 
 # On matrices of ten by ten the threads of BLAS gain nothing, and spin beside those that fit: a diagnosis takes a fifth
@@ -26,13 +23,13 @@ def load(path: str | os.PathLike[str]) -> SavedModel:
 
 
 def batch(
-    paths: Iterable[str | os.PathLike[str]], client: Client | None = None, wait: bool = True, **given: Any
-) -> pa.Table | dict[str, Future]:
-    """A table with a row for each record, as ``msd batch`` makes it; needs the extra ``batch``.
+    paths: Iterable[str | os.PathLike[str]], client: Any = None, wait: bool = True, **given: Any
+) -> Any:
+    """A ``pyarrow.Table`` with a row for each record, as ``msd batch`` makes it; needs the extra ``batch``.
 
     Args:
         paths: folders, patterns and records, here or in object stores.
-        client: of a Dask cluster; without one the cores of this machine work.
+        client: a ``distributed.Client`` of a cluster; without one the cores of this machine work.
         wait: False for a Dask future a record at once, path → its rows; they need a client.
         given: ``job`` and ``plan``, see ``msd_ident.batching.batch``.
 

@@ -15,6 +15,7 @@ from msd_ident.cli import pages, run, sources
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
+    from msd_ident.bag import SourceOptions
     from msd_ident.batching.job import Job
 
 ManyArgument = Annotated[
@@ -60,24 +61,35 @@ def batch(
 ) -> int:
     """Diagnose many records: one table with a row for each, whatever is wrong with single ones."""
     from msd_ident import pipeline
-    from msd_ident.batching.job import Job
 
-    options = pipeline.Options(model=model, tolerance=tolerance)
     folder = ""
     if record_pages is not None:
         run.make_folder(record_pages)
         folder = str(record_pages.absolute())
-    job = Job(
-        source=source,
-        options=options,
+    job = job_of(
+        source,
+        options=pipeline.Options(model=model, tolerance=tolerance),
         all_joints=all_joints,
-        labels=_pairs("--label", label),
-        covariates={"temperature": "", "load": "", **_pairs("--covariate", covariate)},
+        labels=label,
+        covariates=covariate,
         pages=folder,
     )
-    return make(
-        [*(paths or ()), *_listed(listed)], job, _Target(out, resume, overwrite, report, quiet), (scheduler, workers)
-    )
+    target = _Target(out, resume, overwrite, report, quiet)
+    return make([*(paths or ()), *_listed(listed)], job, target, (scheduler, workers))
+
+
+def job_of(
+    source: SourceOptions, *, labels: Sequence[str] | None, covariates: Sequence[str] | None, **given: Any
+) -> Job:
+    """A job as the command line's options say it.
+
+    Raises:
+        UsageError: a label or a covariate that is none.
+    """
+    from msd_ident.batching.job import Job
+
+    beside = {"temperature": "", "load": "", **_pairs("--covariate", covariates)}
+    return Job(source=source, labels=_pairs("--label", labels), covariates=beside, **given)
 
 
 class _Target:
