@@ -22,7 +22,11 @@ ANSWER_SECONDS, WORKER_SECONDS = 10.0, 30.0
 @contextmanager
 def quiet() -> Iterator[None]:
     """Dask's own warnings are for who runs the cluster: a worker that dies is told in words, where it matters."""
-    loggers = [logging.getLogger(name) for name in ("distributed", "tornado", "asyncio")]
+    library("distributed")  # it gives its loggers levels of their own
+    rooms = ("distributed", "tornado", "asyncio")
+    below = ("distributed.", "tornado.")
+    names = [*rooms, *(name for name in logging.root.manager.loggerDict if name.startswith(below))]
+    loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL)

@@ -21,6 +21,8 @@
   const escaped = (text) => String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
   const number = (value) => (Math.abs(value) >= 1e5 || (value && Math.abs(value) < 1e-3) ? value.toExponential(3) : String(+value.toPrecision(5)));
 
+  const half = (std) => number(Number((1.96 * std).toPrecision(2)));
+
   // name>3, name<=3, name=word; all else is a word that must stand somewhere in the row.
   const test = (part) => {
     const found = /^(\w+)(>=|<=|>|<|=)(.+)$/.exec(part);
@@ -64,7 +66,7 @@
     if (name === "verdict") return `<td class="words"><span class="pill ${value}">${value}</span></td>`;
     if (columns.get(name).words) return `<td class="words" title="${escaped(value)}">${escaped(value)}</td>`;
     const std = at(name + "_std", row);
-    return `<td>${number(value)}${std ? ` <small>± ${number(1.96 * std)}</small>` : ""}</td>`;
+    return `<td>${number(value)}${std ? ` <small>± ${half(std)}</small>` : ""}</td>`;
   };
   // Only the rows that are seen are in the page.
   const draw = () => {
@@ -125,7 +127,7 @@
     if (page) { window.open(page, "_blank"); return; }
     const told = data.columns.filter((c) => !c.name.endsWith("_std") && at(c.name, row) !== null).map((c) => {
       const v = at(c.name, row), std = at(c.name + "_std", row);
-      return `<dt>${c.name}</dt><dd>${typeof v === "number" ? number(v) + (std ? ` ± ${number(1.96 * std)}` : "") : escaped(v)}</dd>`;
+      return `<dt>${c.name}</dt><dd>${typeof v === "number" ? number(v) + (std ? ` ± ${half(std)}` : "") : escaped(v)}</dd>`;
     });
     record.innerHTML = `<form method="dialog"><button>Close</button></form><h2>${escaped(at("name", row))} ${escaped(at("joint", row) ?? "")}</h2>` +
       `<p>${escaped(at("error", row) ?? at("summary", row) ?? "")}</p><pre>msd diagnose ${escaped(at("path", row))} --report page.html</pre><dl>${told.join("")}</dl>`;
