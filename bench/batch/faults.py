@@ -5,7 +5,9 @@ or doubled.
 from __future__ import annotations
 
 import json
+import os
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -82,7 +84,8 @@ def interrupted(folder: Path, count: int, times: int, seed: int) -> dict[str, An
             command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
         )
         time.sleep(lots.uniform(10.0, 25.0))
-        subprocess.run(["kill", "-9", f"-{process.pid}"], check=False)
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
         process.wait()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     again = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -7,6 +7,8 @@ import math
 import subprocess
 import sys
 import time
+import zlib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -96,21 +98,29 @@ def scaling(tasks: int, seconds: float, workers: int = 8) -> dict[str, Any]:
 
 
 class Copied:
-    """A worker's answer without its work: the rows of a record that was diagnosed, under another path."""
+    """A worker's answer without its work: a row of a table that was made before, under another path."""
 
-    def __init__(self, rows: list[dict[str, Any]]) -> None:
-        self._rows = rows
+    def __init__(self, made: Path) -> None:
+        self._made = str(made)
 
     def __call__(self, path: str) -> Any:
         from msd_ident.batching.work import Done
 
-        row = self._rows[hash(path) % len(self._rows)]
+        rows = _rows_of(self._made)
+        row = rows[zlib.crc32(path.encode()) % len(rows)]
         return Done(({**row, "path": path, "name": Path(path).name, "robot": Path(path).parent.name},))
+
+
+@cache
+def _rows_of(made: str) -> list[dict[str, Any]]:
+    return [dict(row) for row in table.read(made).to_pylist()]
 
 
 def memory(folder: Path, count: int) -> dict[str, Any]:
     """Rows that come from workers into a table and a page; the client's largest memory is that of its own process."""
-    make(folder / "records", 20)
+    made = folder / "made.parquet"
+    one = [sys.executable, "-c", _ONE_BY_ONE, str(made), *map(str, make(folder / "records", 20))]
+    subprocess.run(one, capture_output=True, check=True)
     command = [sys.executable, "-m", "bench.batch.speed", str(folder), str(count)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
@@ -122,14 +132,12 @@ def _remembered(folder: Path, count: int) -> dict[str, Any]:
 
     from msd_ident.report import batch_page
 
-    job, work = Job(), Work(Job())
-    rows = [row for path in make(folder / "records", 20) for row in work(str(path)).rows]
     paths = [f"/data/robot_{n % 50}/record_{n:06d}.csv" for n in range(count)]
     store = table.Store(str(folder / "many.parquet"))
     began = time.perf_counter()
     with batch.linked() as link:
-        this = batch.Run(paths, Work(job), batch.Plan(), table.made([]))
-        runner = Runner(Link(link.client), [Task(path, Copied(rows)) for path in paths])
+        this = batch.Run(paths, Work(Job()), batch.Plan(), table.made([]))
+        runner = Runner(Link(link.client), [Task(path, Copied(folder / "made.parquet")) for path in paths])
         for answer in runner.answers():
             this.keep(this.take(answer, runner) or ())
         whole = this.whole()

@@ -85,7 +85,7 @@ def of_diagnosis(found: Diagnosis) -> Row:
     told |= {f"p_{one.name}": one.probability for one in found.tried}
     told |= _quantities(found.extended.quantities, "")
     told |= _quantities({name: found.base.quantities[name] for name in PLANT}, "base_")
-    return {column: _finite(value) for column, value in told.items()}
+    return finite(told)
 
 
 def _quantities(quantities: Mapping[str, Quantity], prefix: str) -> Row:
@@ -96,6 +96,9 @@ def _quantities(quantities: Mapping[str, Quantity], prefix: str) -> Row:
     return told
 
 
-def _finite(value: Any) -> Any:
-    """Null for what is no number: the data leaves it open."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def finite(row: Mapping[str, Any]) -> Row:
+    """A row with null for what is no number: nobody measured it, or the data leaves it open."""
+    return {
+        column: None if isinstance(value, float) and not math.isfinite(value) else value
+        for column, value in row.items()
+    }

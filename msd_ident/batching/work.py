@@ -16,7 +16,7 @@ from msd_ident.bag.joints import Joint
 from msd_ident.batching import places
 from msd_ident.batching.code import code_version
 from msd_ident.batching.job import Job
-from msd_ident.batching.row import Row, identity, of_diagnosis, of_record
+from msd_ident.batching.row import Row, finite, identity, of_diagnosis, of_record
 from msd_ident.diagnose import Diagnosis
 from msd_ident.effort import judge
 from msd_ident.errors import MsdError, SetupError
@@ -76,7 +76,7 @@ class Work:
         return Done(tuple({**told, "seconds": seconds, **row} for row in rows))
 
     def _rows(self, path: str, copy: Path) -> list[Row]:
-        beside = covariates(copy, self.job.covariates)
+        beside = finite(covariates(copy, self.job.covariates))
         if self.job.all_joints:
             return [{**beside, "joint": joint.name, **self._joint(path, copy, joint)} for joint in joints(copy)]
         records = read_all(copy, self.job.source)

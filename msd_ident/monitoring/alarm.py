@@ -19,7 +19,9 @@ Algorithmic Learning in a Random World, section 8).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import special, stats
@@ -80,7 +82,7 @@ class Regression:
         return score
 
     def _begin(self) -> None:
-        """Solve once the regressors are all seen, told well enough apart to be."""
+        """Solve once the regressors are all seen and told well enough apart."""
         matrix = np.array(self._rows)
         if len(self._rows) < self._size:
             return
@@ -91,6 +93,27 @@ class Regression:
             left = np.array(self._values) - matrix @ self._coefficients
             freedom = len(self._rows) - self._size
             self._squares, self._residuals = float(left @ left) if freedom else 0.0, freedom
+            self._rows, self._values = [], []
+
+    def state(self) -> dict[str, Any]:
+        """All of it as plain values."""
+        inverse = None if self._inverse is None else self._inverse.tolist()
+        return {
+            "rows": [row.tolist() for row in self._rows],
+            "values": self._values,
+            "squares": self._squares,
+            "residuals": self._residuals,
+            "inverse": inverse,
+            "coefficients": self._coefficients.tolist(),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from where another one was."""
+        self._rows = [np.array(row) for row in state["rows"]]
+        self._values, self._squares = list(state["values"]), float(state["squares"])
+        self._residuals = int(state["residuals"])
+        self._inverse = None if state["inverse"] is None else np.array(state["inverse"])
+        self._coefficients = np.array(state["coefficients"])
 
     def level_at(self, regressors: FloatArray) -> float:
         """What is expected of a further value; NaN while nobody knows."""
@@ -109,9 +132,7 @@ def _normal(t: float, freedom: int) -> float:
 
 
 def shift_evidence(score: float) -> float:
-    """E-value of a normal score against shifts either way; 1 where there is none."""
-    if math.isnan(score):
-        return 1.0
+    """E-value of a normal score against shifts either way."""
     bets = [math.exp(min(side * shift * score - 0.5 * shift**2, 50.0)) for shift in SHIFTS for side in (-1.0, 1.0)]
     return min(sum(bets) / len(bets), _MOST)
 

@@ -223,7 +223,7 @@ def _per_year(samples: Sequence[Sample], timed: bool) -> float:
     return 365.25 if span <= 0.0 else (len(samples) - 1) * YEAR / span
 
 
-class _Watchers:
+class Watchers:
     """All detectors of one robot: four fifths of the stake are on its parameters, one on its causes."""
 
     def __init__(self, size: int) -> None:
@@ -232,37 +232,63 @@ class _Watchers:
         self.ranks = Ranks(seeds.MONITORING)
 
     def update(self, sample: Sample, regressors: FloatArray) -> float:
+        """M after a further record."""
         whole = bool(np.all(np.isfinite(regressors)))
         for name, regression in self.regressions.items():
             value = sample.values.get(name, math.nan)
             score = regression.update(value, regressors) if whole and math.isfinite(value) else math.nan
-            self.detectors[name].update(shift_evidence(score))
-        p = self.ranks.update(max(sample.causes.values(), default=0.0)) if sample.causes else 1.0
-        self.detectors["causes"].update(rank_evidence(p) if sample.causes else 1.0)
+            if math.isfinite(score):  # without a bet a detector stays where it is
+                self.detectors[name].update(shift_evidence(score))
+        if sample.causes:
+            self.detectors["causes"].update(rank_evidence(self.ranks.update(max(sample.causes.values()))))
         return self.value
+
+    def levels(self, regressors: FloatArray) -> dict[str, float]:
+        """What is expected of each parameter in a further record."""
+        return {name: one.level_at(regressors) for name, one in self.regressions.items()}
+
+    def state(self) -> dict[str, Any]:
+        """Parameters and detectors as plain values; causes are not in it."""
+        return {
+            "regressions": {name: one.state() for name, one in self.regressions.items()},
+            "detectors": {name: one.value for name, one in self.detectors.items()},
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from where others were."""
+        for name, one in self.regressions.items():
+            one.restore(state["regressions"][name])
+        for name, detector in self.detectors.items():
+            detector.value = float(state["detectors"][name])
 
     @property
     def value(self) -> float:
+        """M of all together."""
         of = [self.detectors[name].value for name in WATCHED]
         return 0.8 * sum(of) / len(of) + 0.2 * self.detectors["causes"].value
 
     def leading(self) -> str:
+        """What contributes most."""
         return max(self.detectors, key=lambda name: self.detectors[name].value)
 
 
 def _alarms(
     samples: Sequence[Sample], regressors: FloatArray, threshold: float
 ) -> tuple[FloatArray, tuple[Alarm, ...]]:
-    watchers, statistic, alarms = _Watchers(regressors.shape[1]), [], []
+    watchers, statistic, alarms = Watchers(regressors.shape[1]), [], []
     for index, sample in enumerate(samples):
-        levels = {name: one.level_at(regressors[index]) for name, one in watchers.regressions.items()}
+        levels = watchers.levels(regressors[index])
         statistic.append(watchers.update(sample, regressors[index]))
         if statistic[-1] >= threshold:
             what = watchers.leading()
-            level, value = levels.get(what, math.nan), sample.values.get(what, math.nan)
-            alarms.append(Alarm(index, what, 100.0 * (value - level) / abs(level) if level else math.nan))
-            watchers = _Watchers(regressors.shape[1])
+            alarms.append(Alarm(index, what, percent(sample.values.get(what, math.nan), levels.get(what, math.nan))))
+            watchers = Watchers(regressors.shape[1])
     return np.array(statistic), tuple(alarms)
+
+
+def percent(value: float, level: float) -> float:
+    """A value against the level that was expected [%]."""
+    return 100.0 * (value - level) / abs(level) if level else math.nan
 
 
 def _series(name: str, samples: Sequence[Sample], regressors: FloatArray) -> Series | None:
