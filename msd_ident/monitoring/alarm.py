@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 from msd_ident.record import FloatArray
 
@@ -127,8 +127,8 @@ class Regression:
 
 def _normal(t: float, freedom: int) -> float:
     """Normal score of a t-distributed number, both tails with all their digits."""
-    tail = stats.t.logsf(abs(t), freedom)
-    return math.copysign(-float(special.ndtri_exp(tail)), t)
+    tail = max(float(special.stdtr(freedom, -abs(t))), 1e-300)
+    return math.copysign(-float(special.ndtri_exp(math.log(tail))), t)
 
 
 def shift_evidence(score: float) -> float:
