@@ -96,7 +96,7 @@ class Design:
         return gain - occam + 0.5 * float(np.log(prior).sum()) + len(hypothesis) * math.log(ODDS)
 
     def coefficients(self, hypothesis: Hypothesis) -> dict[tuple[str, str], tuple[FloatArray, FloatArray]]:
-        """Relative differences of each pair, and their standard deviations, under a hypothesis."""
+        """Differences of each pair and their standard deviations under a hypothesis, relative to the first group."""
         matrix, vector, places = self.sums
         keep = [place for name in self.names for place in places[name, ""]]
         keep += [place for pair in sorted(hypothesis) for place in places[pair]]
@@ -107,7 +107,8 @@ class Design:
         found = {}
         for pair in hypothesis:
             index = [at[place] for place in places[pair]]
-            found[pair] = (mean[index], std[index])
+            first = 1.0 + mean[at[places[pair[0], ""][0]]]  # values are about the reference
+            found[pair] = (mean[index] / first, std[index] / abs(first))
         return found
 
 

@@ -29,6 +29,8 @@ _NEAR = 10
 #: Scatters that are tried, in what the steps between neighbours say, for series of up to so many records; in longer
 #: ones these are sure enough.
 _FACTORS, _SHORT = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0), 250
+#: Part of the steps between neighbours that no change has made.
+_TRUSTED = 0.9
 #: Records that a level must be seen over.
 _FEWEST = 6
 
@@ -81,18 +83,18 @@ def changes(values: FloatArray, regressors: FloatArray) -> tuple[Change, ...]:
 
 
 def _moved_somehow(values: FloatArray, regressors: FloatArray) -> list[FloatArray]:
-    """What regressors may explain: told by the whole series, and by the steps between neighbours but the wildest."""
-    whole = _moved(values, regressors, [])
+    """What regressors may explain: nothing, what the whole series tells, what the steps but the wildest tell."""
+    nothing, whole = np.zeros(values.size), _moved(values, regressors, [])
     steps, by = np.diff(values), np.diff(regressors, axis=0)
     if not regressors.shape[1] or steps.size < 4 * regressors.shape[1]:
-        return [whole]
+        return [nothing, whole]
     keep = np.ones(steps.size, dtype=bool)
     slope: FloatArray = np.zeros(regressors.shape[1])
     for _ in range(3):
         slope = np.asarray(np.linalg.lstsq(by[keep], steps[keep], rcond=1e-10)[0])
         left = np.abs(steps - by @ slope)
         keep = left <= 3.0 * 1.4826 * max(float(np.median(left)), 1e-300)
-    return [whole, np.asarray((regressors - regressors.mean(axis=0)) @ slope)]
+    return [nothing, whole, np.asarray((regressors - regressors.mean(axis=0)) @ slope)]
 
 
 def _averaged(level: FloatArray) -> tuple[FloatArray, float]:
@@ -121,7 +123,9 @@ def _moved(values: FloatArray, regressors: FloatArray, places: list[int]) -> Flo
 def _scatter(level: FloatArray, places: list[int]) -> float:
     """Standard deviation about the levels, from differences of neighbours, which a change hardly touches."""
     steps = np.diff(level)
-    robust = 1.4826 * float(np.median(np.abs(steps - np.median(steps)))) / math.sqrt(2.0)
+    off = np.sort(np.abs(steps - np.median(steps)))
+    most = 1.25 * float(off[: max(int(_TRUSTED * off.size), 1)].mean())  # where more than half of the steps are equal
+    robust = max(1.4826 * float(np.median(off)), 0.7 * most) / math.sqrt(2.0)
     parts = np.split(level, places)
     freedom = level.size - len(parts)
     within = math.sqrt(sum(float(np.sum((part - part.mean()) ** 2)) for part in parts) / max(freedom, 1))

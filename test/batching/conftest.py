@@ -16,7 +16,7 @@ from msd_ident.batching.running import Link  # noqa: E402
 
 @pytest.fixture(scope="session")
 def link() -> Iterator[Link]:
-    with distributed.Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None) as client:
+    with distributed.Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=":0") as client:
         yield Link(client)
 
 

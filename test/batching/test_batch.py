@@ -98,7 +98,7 @@ def test_parts_of_a_run_that_was_cut_off_are_gone_on_with(link: Link, records: P
     with pytest.raises(KeyboardInterrupt):
         run(link, records, out, progress=cut)
     assert not out.exists() and done == [1, 2]
-    with pytest.raises(UsageError, match=r"table.parquet.parts exists; .* an interrupted run: --resume goes on"):
+    with pytest.raises(UsageError, match=r"table.parquet.parts exists; .* \(an interrupted run: --resume goes on"):
         run(link, records, out)
     found, this = run(link, records, out, resume=True)
     assert (found.num_rows, this.reused) == (4, 2)

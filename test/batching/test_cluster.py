@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -15,6 +14,8 @@ from pathlib import Path
 import pytest
 
 distributed = pytest.importorskip("distributed", reason="the extra batch is not installed")
+
+from batchrigs import die, die_once  # noqa: E402
 
 from msd_ident.batching import cluster, running  # noqa: E402
 from msd_ident.batching.running import Link, Runner, Task  # noqa: E402
@@ -36,10 +37,11 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
 
 
 @contextmanager
-def worker(address: str, **environment: str) -> Iterator[None]:
+def worker(address: str, folder: Path) -> Iterator[None]:
+    """A worker that finds its modules in this folder first."""
     command = [sys.executable, "-m", "dask", "worker", address, "--no-nanny", "--no-dashboard", "--nthreads", "1"]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = subprocess.Popen(command, env={**os.environ, **environment}, **quiet)  # type: ignore[call-overload]
+    process = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": str(folder)}, cwd=folder, **quiet)  # type: ignore[call-overload]
     try:
         yield
     finally:
@@ -51,10 +53,10 @@ def test_two_versions_of_the_code_are_refused(tmp_path: Path) -> None:
     shutil.copytree(PACKAGE, tmp_path / "msd_ident", ignore=shutil.ignore_patterns("__pycache__", "vendor"))
     with (tmp_path / "msd_ident" / "record.py").open("a") as source:
         source.write("# changed\n")
-    with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None, host="127.0.0.1") as here:
+    with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0", protocol="tcp://") as here:
         address = here.scheduler_address
         with (
-            worker(address, PYTHONPATH=str(tmp_path)),
+            worker(address, tmp_path),
             distributed.Client(address, set_as_default=False) as client,
             pytest.raises(SetupError, match=r"runs msd_ident .*, here it is .*1 of 1 workers differ.*one version"),
         ):
@@ -64,26 +66,11 @@ def test_two_versions_of_the_code_are_refused(tmp_path: Path) -> None:
 def test_a_scheduler_without_workers_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "WORKER_SECONDS", 0.2)
     with (
-        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None, host="127.0.0.1") as here,
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0", protocol="tcp://") as here,
         distributed.Client(here.scheduler_address, set_as_default=False) as client,
         pytest.raises(SetupError, match=r"no workers after 0.2 s; expected at least one: start it with dask worker"),
     ):
         cluster.check_workers(client)
-
-
-def die_once(path: str) -> str:
-    """Take the process along, the first time."""
-    mark = Path(path)
-    if not mark.exists():
-        mark.touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return "done"
-
-
-def die(path: str) -> str:
-    """Take the process along, every time."""
-    os.kill(os.getpid(), signal.SIGKILL)
-    return path
 
 
 @pytest.mark.timeout(110)
@@ -91,10 +78,11 @@ def test_a_worker_that_dies_costs_no_row(tmp_path: Path, monkeypatch: pytest.Mon
     import dask
 
     monkeypatch.setattr(running, "MOST_TRIES", 2)
-    tasks = [Task(str(tmp_path / "mark"), die_once), Task("always", die), *(Task(str(n), str.upper) for n in range(4))]
+    once = [Task(str(tmp_path / "mark"), die_once), *(Task(str(number), str.upper) for number in range(4))]
     with dask.config.set({"distributed.scheduler.allowed-failures": 0}), cluster.this_machine(1) as client:
-        found = {answer.task.path: answer for answer in Runner(Link(client), tasks).answers()}
-    assert len(found) == len(tasks)
+        found = {answer.task.path: answer for answer in Runner(Link(client), once).answers()}
+        (always,) = Runner(Link(client), [Task("always", die)]).answers()
+    assert sorted(found) == sorted(task.path for task in once)
     assert found[str(tmp_path / "mark")].result == "done"
-    assert "every worker that took it died, 2 times over" in found["always"].error
-    assert "give fewer workers" in found["always"].error
+    assert "every worker that took it died, 2 times over" in always.error
+    assert "give fewer workers" in always.error
