@@ -8,6 +8,7 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Tasks handed out for each that runs: enough that no worker waits for the client, few enough to hold.
 AHEAD = 4
+#: Results that are fetched at once.
+MOST_AT_ONCE = 256
 #: How often the client looks whether the cluster grew [s], and how long it waits for a scheduler that went [s].
 LOOK_SECONDS, PATIENCE_SECONDS = 2.0, 120.0
 #: Times that a task may be handed out; each time Dask itself gives it to four workers before it gives up.
@@ -116,9 +119,7 @@ class Runner:
                 if self._link.lost:
                     self._again()
                 self._hand_out()
-                answer = self._next()
-                if answer is not None:
-                    yield answer
+                yield from self._next()
         finally:
             for _, future in self._running.values():
                 future.release()
@@ -144,18 +145,36 @@ class Runner:
             self._running[key] = (task, future)
             future.add_done_callback(self._arrived.put)
 
-    def _next(self) -> Answer | None:
+    def _next(self) -> list[Answer]:
+        """What has arrived, fetched at once: one trip for each would be the slowest part of a large cluster."""
+        futures = self._drained()
+        tasks = {future.key: self._running.pop(future.key)[0] for future in futures}
+        told: dict[str, Any] = {}
+        finished = {future.key: future for future in futures if future.status == "finished"}
+        if len(finished) > 1:
+            with suppress(Exception):  # then each on its own, which says what is wrong with which
+                told = self._link.client.gather(finished, errors="skip")
+        found = [self._answer(future, tasks[future.key], told) for future in futures]
+        return [answer for answer in found if answer is not None]
+
+    def _drained(self) -> list[Future]:
+        """Futures that are done: at least one, or none within half a second."""
+        found: list[Future] = []
         try:
-            future = self._arrived.get(timeout=0.5)
+            found.append(self._arrived.get(timeout=0.5))
+            while len(found) < MOST_AT_ONCE:
+                found.append(self._arrived.get_nowait())
         except queue.Empty:
-            return None
-        task, _ = self._running.pop(future.key, (None, None))
-        if task is None:
-            return None  # of a scheduler that is gone
-        if future.status not in ("finished", "error"):
-            self._waiting.appendleft(task)
-            return None
+            pass
+        return [future for future in found if future.key in self._running]  # others are of a scheduler that is gone
+
+    def _answer(self, future: Future, task: Task, told: dict[str, Any]) -> Answer | None:
         try:
+            if future.key in told:
+                return Answer(task, told[future.key])
+            if future.status not in ("finished", "error"):
+                self._waiting.appendleft(task)
+                return None
             return Answer(task, future.result(timeout=60.0))
         except Exception as error:
             return self._failed(task, error)

@@ -187,7 +187,7 @@ def watch(name: str, samples: Sequence[Sample], options: Options = Options()) ->
     regressors = np.array([regressors_of(sample, moved_by) for sample in ordered])
     per_year = options.records_per_year or _per_year(ordered, timed)
     threshold = max(per_year / options.rate, 2.0)
-    statistic, alarms = _alarms(ordered, regressors, threshold)
+    statistic, alarms = alarms_of(ordered, regressors, threshold)
     series = [_series(parameter, ordered, regressors) for parameter in WATCHED]
     kept = tuple(one for one in series if one is not None)
     return Watch(name, ordered, kept, statistic, threshold, alarms, moved_by, options.rate)
@@ -272,9 +272,16 @@ class Watchers:
         return max(self.detectors, key=lambda name: self.detectors[name].value)
 
 
-def _alarms(
+def alarms_of(
     samples: Sequence[Sample], regressors: FloatArray, threshold: float
 ) -> tuple[FloatArray, tuple[Alarm, ...]]:
+    """M after each record, and where it passed the threshold; the watch begins anew behind each alarm.
+
+    Args:
+        samples: in the order of time.
+        regressors: (n, q) of each, the constant first.
+        threshold: mean number of records to a false alarm, at least.
+    """
     watchers, statistic, alarms = Watchers(regressors.shape[1]), [], []
     for index, sample in enumerate(samples):
         levels = watchers.levels(regressors[index])

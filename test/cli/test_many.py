@@ -18,7 +18,8 @@ from msd_ident.batching import table  # noqa: E402
 @pytest.fixture
 def lab(tmp_path: Path) -> Path:
     """A table of forty days of two robots, one of which changed."""
-    rows = [row(n, stiffness=(694.0 if n < 25 else 673.0) + 0.7 * (n % 5)) for n in range(40)]
+    rows = [row(n) for n in range(40)]
+    rows = [{**one, "stiffness": one["stiffness"] * (1.0 if n < 25 else 0.97)} for n, one in enumerate(rows)]
     rows += [row(n, "other") for n in range(40)]
     table.Store(str(tmp_path / "lab.parquet")).finish(table.made(rows))
     return tmp_path / "lab.parquet"
@@ -63,5 +64,6 @@ def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
     assert lines["arm"].startswith("stiffness changed by -") and "no alarm in 40 records" in lines["other"]
     told = [json.loads(line) for line in (tmp_path / "watch.json").read_text().splitlines()]
     assert [one["schema"] for one in told] == ["msd.watch/1"] * 2
-    assert told[0]["change_points"][0]["record"] == "record_00025.csv"
+    changes = [(one["parameter"], one["record"]) for one in told[0]["change_points"]]
+    assert changes == [("stiffness", "record_00025.csv")]
     assert (tmp_path / "watch.html").stat().st_size > 10_000
