@@ -61,6 +61,17 @@ picture: setup
 bench: setup
 	@$(PY) -m bench $(ARGS)
 
+# On a quiet machine: ARGS='--only speed --records 1000'; bench-compare ARGS='--pairs 300'; bench-watch ARGS='--years 200'.
+bench-batch: setup
+	@$(PY) -m bench.batch $(ARGS)
+
+bench-compare: export OPENBLAS_NUM_THREADS = 1
+bench-compare: setup
+	@$(PY) -m bench.compare $(ARGS)
+
+bench-watch: setup
+	@$(PY) -m bench.watch $(ARGS)
+
 blind-design: setup
 	@$(PY) -m bench.blind_design --docs docs $(ARGS)
 	@$(PY) -m bench.sharpening --docs docs

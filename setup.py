@@ -70,6 +70,8 @@ setup(
     extras_require={
         "mat": ["h5py>=3.11"],  # MAT files of version 7.3
         "live": ["bokeh>=3.7"],  # the page of `msd live`; `make setup` installs it
+        # Many records: `msd batch`, `msd watch` of a folder; tables in parquet; records in object stores.
+        "batch": ["dask>=2024.8", "distributed>=2024.8", "fsspec>=2024.6", "pyarrow>=17.0", "s3fs>=2024.6"],
         "docs": [
             "latex2mathml>=3.77",
             "mkdocs>=1.6,<2",
@@ -78,6 +80,9 @@ setup(
         "test": [
             "h5py>=3.11",
             "hypothesis>=6.100",
+            "flask>=3.0",  # with flask-cors: the server of moto, an object store on this machine
+            "flask-cors>=5.0",
+            "moto[s3]>=5.0",
             "mypy>=1.11",
             "playwright>=1.45",  # drives the Chromium of the machine
             "plotly>=6.0",  # says whether the page's figures are valid

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from msd_ident.saved import SavedModel
 
 # On matrices of ten by ten the threads of BLAS gain nothing, and spin beside those that fit: a diagnosis takes a fifth
@@ -18,3 +20,27 @@ def load(path: str | os.PathLike[str]) -> SavedModel:
     from msd_ident import saved
 
     return saved.load(path)
+
+
+def batch(
+    paths: Iterable[str | os.PathLike[str]], client: Any = None, wait: bool = True, **given: Any
+) -> Any:
+    """A ``pyarrow.Table`` with a row for each record, as ``msd batch`` makes it; needs the extra ``batch``.
+
+    Args:
+        paths: folders, patterns and records, here or in object stores.
+        client: a ``distributed.Client`` of a cluster; without one the cores of this machine work.
+        wait: False for a Dask future a record at once, path → its rows; they need a client.
+        given: ``job`` and ``plan``, see ``msd_ident.batching.batch``.
+
+    Raises:
+        DataError, UsageError, SetupError: nothing to do, or a cluster that cannot be used.
+    """
+    from msd_ident.batching import batch as many
+    from msd_ident.errors import UsageError
+
+    if wait:
+        return many.batch(paths, client=client, **given)
+    if client is None:
+        raise UsageError("futures without a client; expected one of a cluster that goes on: msd_ident.batch(…, client)")
+    return many.futures(paths, client, **given)

@@ -13,6 +13,9 @@ RANDOM_STEPS = 20141
 #: Swings of a record, with replacement: the interval of the missing force.
 REMAINDER = 20142
 
+#: Lots between equal probabilities of a robot that is watched over days; of no diagnosis, so not in ``ALL``.
+MONITORING = 20143
+
 #: By what they are drawn for.
 ALL = {
     "prediction of the next experiment": PREDICTION,

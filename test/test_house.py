@@ -34,6 +34,8 @@ STOREYS = (
     ("spring_decision",),
     ("pipeline", "saved"),
     ("joints", "validation"),
+    ("batching",),
+    ("comparison", "monitoring"),
     ("investigation",),
     ("report",),
     ("live",),
@@ -44,7 +46,7 @@ FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
 BAG_KNOWS = {"errors", "paths", "record", "resampling", "streams"}
-KNOW_BAG = {"ros", "cli"}
+KNOW_BAG = {"batching", "ros", "cli"}
 
 ROS = (
     *("rclpy", "action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "msd_interfaces"),
@@ -59,6 +61,7 @@ AT_HOME = {
     **dict.fromkeys(("jinja2", "markupsafe"), ("msd_ident.report", "msd_ident.live")),
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
+    **dict.fromkeys(("dask", "distributed", "fsspec", "pyarrow"), ("msd_ident.batching",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
     "h5py": ("msd_ident.bag",),
 }
@@ -175,7 +178,8 @@ def test_functions_are_short() -> None:
 
 
 def test_command_starts_without_heavy_libraries() -> None:
-    heavy = {"bokeh", "control", "matplotlib", "mcap", "numba", "plotly", "rclpy", "rosbags", "scipy"}
+    heavy = {"bokeh", "control", "dask", "distributed", "matplotlib", "mcap", "numba", "plotly", "pyarrow", "rclpy"}
+    heavy |= {"rosbags", "scipy"}
     code = "import sys; from msd_ident.cli.main import main; sys.argv = ['msd', '--help']; main(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "Usage" in done.stdout

@@ -1,6 +1,7 @@
 """Bags, CSV and MAT files in and out, without ROS."""
 
 from msd_ident.bag.bag import Bag, iterate_messages, open_bag
+from msd_ident.bag.covariates import covariates
 from msd_ident.bag.csv_file import write_csv
 from msd_ident.bag.describe import BagInfo, TopicInfo, describe
 from msd_ident.bag.joints import Joint, joints, source_of
@@ -23,6 +24,7 @@ __all__ = [
     "SourceOptions",
     "Topic",
     "TopicInfo",
+    "covariates",
     "describe",
     "each_run",
     "iterate_messages",

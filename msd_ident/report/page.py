@@ -139,15 +139,15 @@ def render(
 
     made = articles(results, provenance)
     title = made[0].name if len(made) == 1 else f"{len(made)} results"
-    page = _environment().get_template("page.html.j2")
+    page = environment().get_template("page.html.j2")
     return page.render(
         articles=[_rendered(article, f"r{number}") for number, article in enumerate(made, start=1)],
         title=f"{title} – {made[0].command}",
         version=versions()["msd_ident"],
         made=next((origin.made for origin in provenance if origin is not None), ""),
-        css=Markup(_shipped("templates", "page.css")),
-        script=Markup(_shipped("templates", "page.js")),
-        plotly=Markup(_shipped("vendor", "plotly-basic.min.js")),
+        css=Markup(shipped("templates", "page.css")),
+        script=Markup(shipped("templates", "page.js")),
+        plotly=Markup(shipped("vendor", "plotly-basic.min.js")),
     )
 
 
@@ -171,7 +171,7 @@ def _rendered(article: Article, anchor: str) -> dict[str, Any]:
     sections = []
     for section in article.sections:
         here = f"{anchor}-{section.slug}"
-        template = _environment().get_template(section.template)
+        template = environment().get_template(section.template)
         body = template.render(here=here, plots=section.plots, **section.context())
         sections.append({"anchor": here, "slug": section.slug, "title": section.title, "body": Markup(body)})
     return {
@@ -185,7 +185,7 @@ def _rendered(article: Article, anchor: str) -> dict[str, Any]:
 
 
 @cache
-def _environment() -> Environment:
+def environment() -> Environment:
     """Templates; every text is escaped, since names and notes come out of other people's files."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
@@ -204,5 +204,5 @@ def _environment() -> Environment:
 
 
 @cache
-def _shipped(folder: str, name: str) -> str:
+def shipped(folder: str, name: str) -> str:
     return resources.files("msd_ident.report").joinpath(folder).joinpath(name).read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from msd_ident.errors import MsdError
-from msd_ident.ros import codes, health, names
+from msd_ident.ros import codes, health, monitoring, names
 from msd_ident.ros.buffer import LiveBuffer
 from msd_ident.ros.codes import code_of
 from msd_ident.ros.diagnosing import Diagnosing
@@ -62,6 +62,7 @@ SETTINGS = (
     Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
     Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
+    *monitoring.SETTINGS,
 )
 
 #: How often the graph and the steps are looked at [s].
@@ -122,6 +123,7 @@ class Identifier:
         self._sources = Sources(s, self.buffer, self.inputs)
         self._make_outputs()
         self._diagnosing = Diagnosing(self.node, self._diagnoses, self._sources, s)
+        self._monitoring = monitoring.Monitoring(self.node, s)
         self.worker.submit(self._prepare)
 
     def close(self) -> bool:
@@ -207,6 +209,7 @@ class Identifier:
         forgotten = self.buffer.position.size
         self.buffer.clear()
         self.watcher.forget()
+        self._monitoring.note()
         response.success = True
         response.message = f"{forgotten} position samples forgotten; the live buffer is empty"
         return response
@@ -260,6 +263,8 @@ class Identifier:
         found = pipeline.identify([record], chosen)
         made_ns = self.node.get_clock().now().nanoseconds
         estimate = to_estimate(found, request.bag_path or "live", made_ns, sources.frame)
+        if not request.bag_path:
+            self._monitoring.add(found, made_ns)
         notes = {note for used in found.records for note in used.notes}
         doubt = "; ".join([warning for warning in found.warnings if warning not in notes][: health.MOST_TOLD])
         return Outcome(True, sentence(estimate), estimate, doubt)
@@ -272,6 +277,7 @@ class Identifier:
         level = health.OK if self._last.success and not self._last.doubt else health.WARN
         estimate = health.status(name("estimate"), level, self._last.doubt or self._last.message, {})
         model = self._diagnosing.status(name("model"))
-        for status in (data, estimate, model):
+        told = [one for one in (data, estimate, model, self._monitoring.status(name("watch"))) if one is not None]
+        for status in told:
             status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
-        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), data, estimate, model))
+        self._diagnostics.publish(health.array(self.node.get_clock().now().to_msg(), *told))

@@ -84,7 +84,7 @@ def test_an_identification_has_a_page_too() -> None:
 def test_the_page_is_one_small_file_that_asks_for_nothing(text: str) -> None:
     assert len(text.encode()) < page.LARGEST
     assert [address for address in Reader(text).addresses if not address.startswith(("#", "data:"))] == []
-    assert "@import" not in text and "url(" not in page._shipped("templates", "page.css")
+    assert "@import" not in text and "url(" not in page.shipped("templates", "page.css")
 
 
 @pytest.mark.parametrize("make", [with_everything, identified], ids=["diagnosis", "identification"])

@@ -1,0 +1,1 @@
+"""Many records: speed, overhead, scaling, memory, faults and an object store, measured with the real thing."""

@@ -1,0 +1,130 @@
+"""What a worker does with one record: fetch, read, diagnose, and say it in rows. Paths go in, numbers come out."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import socket
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from pathlib import Path
+
+from msd_ident import pipeline
+from msd_ident.bag import covariates, joints, read_all, source_of
+from msd_ident.bag.joints import Joint
+from msd_ident.batching import places
+from msd_ident.batching.code import code_version
+from msd_ident.batching.job import Job
+from msd_ident.batching.row import Row, finite, identity, of_diagnosis, of_record
+from msd_ident.diagnose import Diagnosis
+from msd_ident.effort import judge
+from msd_ident.errors import MsdError, SetupError
+from msd_ident.provenance import fingerprint
+from msd_ident.record import Record
+
+#: Writes a record's page: the diagnosis, the record's path, the file to write. Handed in, as pages know of rows.
+Draw = Callable[[Diagnosis, str, Path], None]
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of one path: its rows, or none where its content was known already, whose digest stands here."""
+
+    rows: tuple[Row, ...]
+    known: str = ""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a worker is sent, the same for all records.
+
+    Attributes:
+        job: what is asked.
+        known: digests of contents that have their rows already.
+        draw: makes a record's page where the job asks for pages.
+    """
+
+    job: Job
+    known: Collection[str] = ()
+    draw: Draw | None = None
+
+    def __call__(self, path: str) -> Done:
+        """All rows of one path; whatever is wrong with it is a row too.
+
+        Raises:
+            SetupError: the code here is not the one that was asked for.
+        """
+        if code_version() != self.job.code:
+            raise SetupError(
+                f"worker {_here()} runs msd_ident {code_version()}, and {self.job.code} was asked for; expected one "
+                "version everywhere: install the same on all workers and start them again"
+            )
+        began = time.perf_counter()
+        told = {**identity(path, self.job.labels), "code": self.job.code, "job": self.job.digest}
+        told |= {"options": self.job.told(), "worker": _here()}
+        try:
+            with places.local(path) as copy:
+                size, digest = fingerprint(copy)
+                told |= {"sha256": digest, "bytes": size}
+                if digest in self.known:
+                    return Done((), digest)
+                rows = self._rows(path, copy)
+        except Exception as error:
+            rows = [{"error": in_words(error)}]
+        seconds = (time.perf_counter() - began) / len(rows)
+        return Done(tuple({**told, "seconds": seconds, **row} for row in rows))
+
+    def _rows(self, path: str, copy: Path) -> list[Row]:
+        beside = finite(covariates(copy, self.job.covariates))
+        if self.job.all_joints:
+            return [{**beside, "joint": joint.name, **self._joint(path, copy, joint)} for joint in joints(copy)]
+        records = read_all(copy, self.job.source)
+        several = len(records) > 1  # runs side by side in one file
+        named = [f"run {number}" if several else "" for number in range(1, len(records) + 1)]
+        return [
+            {**beside, **({"joint": name} if several else {}), **self._row(path, record, name)}
+            for name, record in zip(named, records, strict=True)
+        ]
+
+    def _joint(self, path: str, copy: Path, joint: Joint) -> Row:
+        if not joint.has_effort:
+            return {"error": "its messages carry no effort: there is no force to go by"}
+        try:
+            (record,) = read_all(copy, source_of(self.job.source, joint))
+            judged = judge(record)
+        except MsdError as error:
+            return {"error": str(error)}
+        if not judged.usable:
+            return {**of_record(record), "error": judged.sentence}
+        return self._row(path, record, joint.name)
+
+    def _row(self, path: str, record: Record, part: str) -> Row:
+        told, began = of_record(record), time.perf_counter()
+        try:
+            found = pipeline.diagnose([record], self.job.options)
+            told |= {"diagnosis_seconds": time.perf_counter() - began, **of_diagnosis(found)}
+            if self.draw is not None and self.job.pages:
+                page = Path(self.job.pages) / page_name(path, part)
+                self.draw(found, path, page)
+                told["page"] = str(page)
+        except Exception as error:
+            told |= {"diagnosis_seconds": time.perf_counter() - began, "error": in_words(error)}
+        return told
+
+
+def page_name(path: str, part: str) -> str:
+    """Name of a record's page: no two paths share one."""
+    told = f"{path}\n{part}".encode()
+    return f"{hashlib.sha256(told).hexdigest()[:16]}.html"
+
+
+def in_words(error: Exception) -> str:
+    """Why a record has no result, one line."""
+    if isinstance(error, MsdError):
+        return str(error)
+    return f"internal error, please report it: {type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def _here() -> str:
+    return f"{socket.gethostname()}:{os.getpid()}"

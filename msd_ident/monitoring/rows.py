@@ -1,0 +1,50 @@
+"""From rows of a table to the samples of each robot."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Mapping
+from datetime import datetime, timezone
+from typing import Any, Protocol
+
+from msd_ident.batching import reading
+from msd_ident.errors import DataError
+from msd_ident.monitoring.watching import Sample
+
+
+class Table(Protocol):
+    """A table of rows."""
+
+    def to_pylist(self) -> list[dict[str, Any]]:
+        """The rows."""
+
+
+def by_robot(table: Table) -> dict[str, list[Sample]]:
+    """The samples of each robot, or of each of its joints.
+
+    Raises:
+        DataError: no record has a result.
+    """
+    found = defaultdict(list)
+    for row in table.to_pylist():
+        if row["verdict"]:
+            found[" ".join(filter(None, (row["robot"], row["joint"])))].append(_sample(row))
+    if not found:
+        raise DataError("no record of the table has a result; expected diagnoses: look at its column error")
+    return dict(sorted(found.items()))
+
+
+def _sample(row: Mapping[str, Any]) -> Sample:
+    values, stds = reading.parameters(row)
+    return Sample(_time(row), row["name"], values, stds, reading.causes(row), reading.covariates(row))
+
+
+def _time(row: Mapping[str, Any]) -> float:
+    """When a record was made [s since 1970]: its first stamp, else the day in its name; NaN where neither is known."""
+    if row["start"] is not None:
+        return float(row["start"].timestamp())
+    try:
+        return datetime.fromisoformat(row["day"] or "").replace(tzinfo=timezone.utc).timestamp()
+    except ValueError:
+        return math.nan

@@ -1,0 +1,69 @@
+"""``msd batch``, ``compare`` and ``watch`` as a user types them: refusals in one line, and what they print."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("pyarrow", reason="the extra batch is not installed")
+
+from badinputs import run  # noqa: E402
+from batchrigs import row  # noqa: E402
+
+from msd_ident.batching import table  # noqa: E402
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Path:
+    """A table of forty days of two robots, one of which changed."""
+    rows = [row(n) for n in range(40)]
+    rows = [{**one, "stiffness": one["stiffness"] * (1.0 if n < 25 else 0.97)} for n, one in enumerate(rows)]
+    rows += [row(n, "other") for n in range(40)]
+    table.Store(str(tmp_path / "lab.parquet")).finish(table.made(rows))
+    return tmp_path / "lab.parquet"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("batch", "{empty}", "--out", "t.parquet"), "holds no record; expected bags, or files that end in"),
+        (("batch", "{empty}", "--out", "t.csv"), "t.csv is no table's name; expected one that ends in .parquet"),
+        (("batch", "--list", "nowhere.txt", "--out", "t.parquet"), "cannot read the list nowhere.txt"),
+        (("batch", "--out", "t.parquet"), "no paths; expected folders, patterns or records"),
+        (
+            ("batch", "x.csv", "--out", "t.parquet", "--scheduler", "tcp://127.0.0.1:9"),
+            "no scheduler at tcp://127.0.0.1:9",
+        ),
+        (("batch", "x.csv", "--out", "t.parquet", "--workers", "-1"), "-1 workers; expected at least 1"),
+        (("batch", "x.csv", "--out", "t.parquet", "--label", "robot"), "--label 'robot'; expected NAME=VALUE"),
+        (
+            ("batch", "x.csv", "--out", "t.parquet", "--all-joints", "--force", "a"),
+            "--all-joints takes force and position",
+        ),
+        (("compare", "{lab}", "--by", "colour"), "no column colour to compare by; expected one of robot, joint, day"),
+        (("compare", "{lab}", "--by", "joint"), "the column joint is empty in all rows; expected what to compare by"),
+        (("compare", "nowhere.parquet"), "nowhere.parquet is not there; expected a table: make it with msd batch"),
+        (("compare", "{lab}", "x.csv"), "beside other paths; expected one table, or records alone"),
+        (("watch", "{lab}", "--false-alarms", "0"), "0 false alarms a year; expected more than 0, at most 365"),
+        (("watch", "{lab}", "--follow", "-1"), "--follow takes seconds above 0"),
+    ],
+)
+def test_what_makes_no_sense_is_one_line(words: tuple[str, ...], says: str, lab: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    found = run(*(word.format(empty=tmp_path / "empty", lab=lab) for word in words))
+    assert (found.code, found.out) == (2, "")
+    assert found.err.startswith("msd: ") and found.err.count("\n") == 1 and says in found.err
+
+
+def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
+    found = run("watch", lab, "--check", "--report", tmp_path / "watch.html", "--json", tmp_path / "watch.json")
+    assert found.code == 1
+    lines = dict(line.split(": ", 1) for line in found.out.splitlines())
+    assert lines["arm"].startswith("stiffness changed by -") and "no alarm in 40 records" in lines["other"]
+    told = [json.loads(line) for line in (tmp_path / "watch.json").read_text().splitlines()]
+    assert [one["schema"] for one in told] == ["msd.watch/1"] * 2
+    changes = [(one["parameter"], one["record"]) for one in told[0]["change_points"]]
+    assert changes == [("stiffness", "record_00025.csv")]
+    assert (tmp_path / "watch.html").stat().st_size > 10_000
