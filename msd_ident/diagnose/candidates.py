@@ -48,12 +48,14 @@ _SLACK, _SLACK_FAR = 1e-3, 5e-3
 class Experiment:
     """The data and what the base model is: what every candidate shares.
 
-    ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
+    ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay);
+    ``asked`` are the only causes in question, where not all of the library are.
     """
 
     readings: tuple[Readings, ...]
     base: Model
     fixed: frozenset[str]
+    asked: frozenset[str] | None = None
 
     @property
     def evidence(self) -> float:
@@ -68,7 +70,7 @@ class Experiment:
         for part in self.readings:
             fewest = int(_A_SWING * part.record.duration / swing)
             parts.append(part.thinned(max(keep * part.record.samples // total, fewest, 200)))
-        return Experiment(tuple(parts), self.base, self.fixed)
+        return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
         """The same with one force between any two samples, which is simulated in fewer steps."""
@@ -88,6 +90,7 @@ class Experiment:
             effect.name
             for effect in LIBRARY
             if (sprung or not effect.needs_spring) and (forced or effect.acts_on != "input")
+            if self.asked is None or effect.name in self.asked
         )
 
     @cached_property

@@ -17,6 +17,7 @@ from msd_ident.diagnose import (
     identities,
     naming,
     readings,
+    replicating,
     settling,
     spread,
     verdict,
@@ -64,6 +65,7 @@ class Task:
         plant: mass, damping and stiffness that the data shows at a glance, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
+        calibrate: whether copies of the records are diagnosed too; else only where ``replicating`` finds it worth it.
     """
 
     records: tuple[Record, ...]
@@ -73,6 +75,7 @@ class Task:
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
     tolerance: float = TOLERANCE
+    calibrate: bool = False
 
     @property
     def forced(self) -> bool:
@@ -94,6 +97,7 @@ def diagnose_records(
     warnings: Sequence[str] = (),
     ring_down: RingDown | None = None,
     tolerance: float = TOLERANCE,
+    calibrate: bool = False,
     progress: Progress = silent,
     earlier: Diagnosis | None = None,
 ) -> Diagnosis:
@@ -105,6 +109,8 @@ def diagnose_records(
         plant: what the data shows at a glance, to start from.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
+        calibrate: diagnose copies of the records too, and correct the probabilities by what they are called; it is done
+            unasked where the experiment is poor and the copies are cheap.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
@@ -113,7 +119,7 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance)
+    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance, calibrate)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     shared = shared_fits(experiment, task.plant or experiment.base)
@@ -166,7 +172,10 @@ def _conclude(
 ) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
-    progress("verdict", 0.95, "")
+    ranking, matrix = replicating.checked(experiment, base, ranking, task.calibrate, progress)
+    if matrix is not None and (ranking := naming.leading(ranking)).best is not best:
+        ranking, best, heldout = naming.predicting(experiment, base, ranking)
+    progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
@@ -202,6 +211,7 @@ def _conclude(
         characteristics=characteristics,
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
+        calibration=matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=read_with(task.ring_down, causes),
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),

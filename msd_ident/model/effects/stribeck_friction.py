@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import LOT, Effect, Parameter
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from msd_ident.model.model import Model
     from msd_ident.record import Record
 
@@ -58,6 +60,11 @@ class StribeckFriction(Effect):
         force, speed = typical.force(record, plant), typical.speed(record)
         shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
         return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
+
+    def by_lot(self, rng: np.random.Generator) -> StribeckFriction:
+        """A breakaway force of 1.1 to 5 times the sliding one, with the velocity up to ``LOT`` times larger or smaller."""
+        ratio, factor = rng.uniform(1.1, 5.0), math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
+        return replace(self, static_force=ratio * self.coulomb_force, stribeck_velocity=factor * self.stribeck_velocity)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[StribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
