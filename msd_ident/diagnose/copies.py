@@ -10,22 +10,23 @@ surrogates).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from msd_ident.diagnose.adequacy import judge
 from msd_ident.diagnose.candidates import Causes, Experiment, Fitted, posed
-from msd_ident.diagnose.descent import descend
+from msd_ident.diagnose.descent import Weighting
 from msd_ident.diagnose.evidence import Scale, prior_widths
 from msd_ident.diagnose.readings import Readings
 from msd_ident.fit.problem import Initial, Problem
+from msd_ident.model import Effect
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray, Record
 
 #: Steps down that bring the other parameters to the record when one law is given.
-_STEPS = 8
+_STEPS = 15
 #: Variance of a rounding error, in steps squared.
 _UNIFORM = 1.0 / 12.0
 
@@ -65,18 +66,61 @@ def of_any_strength(experiment: Experiment, leader: Fitted, causes: Causes, rng:
     part, initial = experiment.readings[0], leader.initial[0]
     seen = replace(part.record, position=part.record.position - initial.zero)
     values = dict(zip(leader.model.names, leader.model.values.tolist(), strict=True))
-    effects, own = [effect for effect in leader.model.effects if effect.name in causes], set()
+    kept = tuple(effect for effect in leader.model.effects if effect.name in causes)
+    plant, new = replace(leader.model, effects=()), list[Effect]()
     for name in sorted(causes - leader.causes):
         law = by_name(name)
         shared = {p.name: values[p.name] for p in law.parameters if p.name in values}
-        guess = law.guess(seen, replace(leader.model, effects=()))[0]
-        effect = replace(guess, **shared)  # type: ignore[type-var]
-        effects.append(replace(effect.by_lot(rng), **shared))  # type: ignore[type-var]
-        own |= {p.name for p in law.parameters} - set(shared)
-    model = replace(leader.model, effects=tuple(effects))
-    problem, weighting, point = posed(experiment, model, leader.initial, frozenset(own))
-    state = descend(weighting, weighting.exact(point, weighting.steps(None)), _STEPS, 0.02)
-    return Imagined(causes, problem, state.point)
+        guess = law.guess(seen, plant)[0]
+        drawn = replace(guess, **shared).by_lot(rng, seen, plant)  # type: ignore[type-var]
+        new.append(replace(drawn, **shared))  # type: ignore[type-var]
+    own = frozenset(p.name for effect in new for p in effect.parameters)
+    forces = frozenset(p.name for effect in new for p in effect.parameters if p.unit == "N")
+    scaled = forces if own & set(values) else frozenset()
+    found = []
+    for share in _shares(new, values) if scaled else (1.0,):
+        model = replace(leader.model, effects=(*kept, *(_weaker(effect, share) for effect in new)))
+        problem, weighting, point = posed(experiment, model, leader.initial, own - scaled)
+        chi, point = _brought(weighting, point, [problem.names.index(name) for name in sorted(scaled)])
+        found.append((chi, Imagined(causes, problem, point)))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, float]:
+    """Parts of the leading law's force at which others of its family begin.
+
+    A quick motion shows the least force of a law, a slow one the largest.
+    """
+    pairs = [(p.name, getattr(effect, p.name)) for effect in new for p in effect.parameters if p.unit == "N"]
+    least = max(value for name, value in pairs if name in values)
+    return 1.0, least / max(value for _, value in pairs)
+
+
+def _weaker(effect: Effect, share: float) -> Effect:
+    """The same law with all its forces times ``share``."""
+    forces = {p.name: share * getattr(effect, p.name) for p in effect.parameters if p.unit == "N"}
+    return replace(effect, **forces)  # type: ignore[type-var]
+
+
+def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -> tuple[float, FloatArray]:
+    """Chi² and the point (p,) of a few Levenberg–Marquardt steps in which some entries keep their ratios."""
+    problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), 1e-3
+    alone = [entry for entry in range(point.size) if entry not in together]
+    for _ in range(_STEPS):
+        basis = np.eye(point.size)[alone]
+        if together:
+            basis = np.vstack([basis, np.where(np.isin(np.arange(point.size), together), state.point, 0.0)])
+        rows = basis @ state.jacobian
+        normal, gradient = rows @ rows.T, rows @ state.residual
+        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        move = np.linalg.solve(normal / np.outer(size, size) + damping * np.eye(size.size), -gradient / size) / size
+        trial = np.clip(state.point + move @ basis, problem.lower, problem.upper)
+        residual = weighting.residual(trial)
+        if float(residual @ residual) < state.chi:
+            state, damping = weighting.exact(trial, weighting.steps(state)), 0.1 * damping
+        else:
+            damping *= 10.0
+    return state.chi, state.point
 
 
 def whole(experiment: Experiment, found: Imagined) -> Imagined:

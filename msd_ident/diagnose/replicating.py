@@ -23,9 +23,10 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import Record
 
 #: Evidence [nats] that a rival may lack and still be one of the leading explanations, and how many for each cause.
-NEAR, _RIVALS = 12.0, 2
-#: Copies of a row, and copies without a cause that a certain name needs at least.
-COPIES, _ENOUGH = 8, 20
+NEAR, _RIVALS = 12.0, 3
+#: Copies of a row; of one whose strengths are drawn by lot, so that one accident of many leaves a name certain; and
+#: copies without a cause that a certain name needs at least.
+COPIES, _LOTS, _ENOUGH = 8, 16, 20
 #: Cost up to which copies are made unasked: some ten seconds of processor time.
 _CHEAP = 6e6
 
@@ -172,7 +173,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
 
 def _copies(rows: Sequence[Explanation]) -> list[int]:
     """Copies of each row: more where few rows lack a cause, which certainty needs."""
-    counts = [COPIES] * len(rows)
+    counts = [COPIES if row.fitted is not None else _LOTS for row in rows]
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:

@@ -56,7 +56,7 @@ def matrix(found: Calibration) -> Matrix:
     others = len(found.columns) > _MOST
     heads = (*map(spoken, columns), *([OTHER] if others else []))
     lines = tuple(_line(row, columns, others) for row in found.rows)
-    return Matrix(heads, lines, (*sentences(found), *_corrections(found)))
+    return Matrix(heads, lines, (*sentences(found), *corrections(found)))
 
 
 def sentences(found: Calibration) -> tuple[str, ...]:
@@ -80,7 +80,7 @@ def _share(count: int, row: Row) -> str:
     return f"{100.0 * count / row.copies:.0f} %"
 
 
-def _corrections(found: Calibration) -> tuple[str, ...]:
+def corrections(found: Calibration) -> tuple[str, ...]:
     """What became of each probability."""
     return tuple(
         f"{words.effect(name)[0].upper()}{words.effect(name)[1:]}: {words.probability(before)} by the evidence, "

@@ -92,10 +92,17 @@ def calibration_table(diagnosis: Diagnosis) -> Table | None:
     if diagnosis.calibration is None:
         return None
     found = calibration.matrix(diagnosis.calibration)
-    table = new_table("Had it been something else", "had it been", *(f"said: {head}" for head in found.heads), "copies")
-    table.columns[0].no_wrap = False
+    table = new_table("Copies of this record", "had it been", "said so", "said instead", "copies")
+    for column in (0, 2):
+        table.columns[column].no_wrap = False
     for line in found.lines:
-        table.add_row(line.name, *(cell.text for cell in line.cells), str(line.copies))
+        right = [cell.text for cell in line.cells if cell.right and cell.percent]
+        others = [
+            f"{head} {cell.text}"
+            for head, cell in zip(found.heads, line.cells, strict=True)
+            if cell.percent and not cell.right
+        ]
+        table.add_row(line.name, *(right or ["–"]), ", ".join(others) or "–", str(line.copies))
     return table
 
 
@@ -114,6 +121,8 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
         say(console, "tied", "yellow", sentence)
     if diagnosis.calibration is not None:
         say(console, "copies", "cyan", calibration.sentences(diagnosis.calibration)[0])
+        for sentence in calibration.corrections(diagnosis.calibration):
+            say(console, "copies", "cyan", sentence)
     unit = diagnosis.records[0].position_unit
     share = words.percent(diagnosis.left.noise_percent)
     floor = f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit} ({share} of the motion)"

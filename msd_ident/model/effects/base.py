@@ -137,8 +137,14 @@ class Effect:
         del records
         return ()
 
-    def by_lot(self, rng: np.random.Generator) -> Self:
-        """The law with other numbers of its own: any angle, either sign, all else up to ``LOT`` times more or less."""
+    def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> Self:
+        """The law with numbers that a rig may have: any angle, either sign, all else up to ``LOT`` times more or less.
+
+        Args:
+            rng: draws them.
+            record, plant: as of ``guess``, from which this one comes.
+        """
+        del record, plant
         drawn = []
         for parameter, value in zip(self.parameters, self.values, strict=True):
             factor = math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import LOT, Effect, Parameter
+from msd_ident.model.effects.base import Effect, Parameter
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -61,10 +61,13 @@ class StribeckFriction(Effect):
         shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
         return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
 
-    def by_lot(self, rng: np.random.Generator) -> StribeckFriction:
-        """A breakaway force of 1.1 to 5 times the sliding one, with the velocity up to ``LOT`` times larger or smaller."""
-        ratio, factor = rng.uniform(1.1, 5.0), math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
-        return replace(self, static_force=ratio * self.coulomb_force, stribeck_velocity=factor * self.stribeck_velocity)
+    def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> StribeckFriction:
+        """A breakaway force of 1.1 to 5 times the sliding one; 2 to 50 % of the speed of free swings as large as the
+        motion, which a slow motion never reaches.
+        """
+        swings = typical.amplitude(record) * math.sqrt(max(plant.stiffness, 0.0) / plant.mass)
+        velocity = math.exp(rng.uniform(math.log(0.02), math.log(0.5))) * max(typical.speed(record), swings)
+        return replace(self, static_force=rng.uniform(1.1, 5.0) * self.coulomb_force, stribeck_velocity=velocity)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[StribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
