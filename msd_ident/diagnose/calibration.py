@@ -105,8 +105,10 @@ class Calibration:
         """Plain values."""
         return {
             "copies": self.copies,
-            "stated": dict(self.stated),
-            "corrected": dict(self.corrected),
+            "causes": [
+                {"name": name, "stated": value, "corrected": self.corrected[name]}
+                for name, value in self.stated.items()
+            ],
             "rows": [
                 {
                     "causes": sorted(row.causes),

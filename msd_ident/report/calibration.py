@@ -47,7 +47,7 @@ class Matrix:
 
 def spoken(causes: Causes) -> str:
     """A set of causes as people say it."""
-    return words.listed([words.effect(name) for name in sorted(causes)]) or "none of them"
+    return words.listed([words.effect(name) for name in sorted(causes)]) or "the base model"
 
 
 def matrix(found: Calibration) -> Matrix:

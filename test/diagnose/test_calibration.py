@@ -112,7 +112,7 @@ def test_json_holds_every_count() -> None:
         (row(RUB, rub=7, nothing=1), row(PEAK, rub=16)), {"coulomb_friction": 0.99}, {"coulomb_friction": 0.5}
     )
     told = found.to_json_dict()
-    assert told["copies"] == 24 and told["corrected"] == {"coulomb_friction": 0.5}
+    assert told["copies"] == 24 and told["causes"] == [{"name": "coulomb_friction", "stated": 0.99, "corrected": 0.5}]
     assert told["rows"][0] == {
         "causes": ["coulomb_friction"], "any_strength": True, "copies": 8, "right": 7,
         "said": [{"causes": ["coulomb_friction"], "copies": 7}, {"causes": [], "copies": 1}],

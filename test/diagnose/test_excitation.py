@@ -50,7 +50,10 @@ def test_changes_are_those_of_the_force() -> None:
     np.testing.assert_allclose(changes(pushes(0.0, 2.0, -1.0, -1.0, 0.0, 0.0), SWING), [2.0, -3.0, 1.0])
 
 
-@pytest.mark.parametrize(("name", "rate"), [("steps", 200.0), ("sweep", 500.0), ("step", 1000.0), ("release", 1000.0), ("ramp", 250.0)])  # fmt: skip
+EXPERIMENTS = {"steps": 200.0, "sweep": 500.0, "step": 1000.0, "release": 1000.0, "ramp": 250.0}
+
+
+@pytest.mark.parametrize(("name", "rate"), EXPERIMENTS.items(), ids=EXPERIMENTS)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_experiments_of_the_lottery(name: str, rate: float, seed: int) -> None:
     drawn = lottery.draw(seed, None, False, name, rate)
