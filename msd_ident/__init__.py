@@ -22,9 +22,7 @@ def load(path: str | os.PathLike[str]) -> SavedModel:
     return saved.load(path)
 
 
-def batch(
-    paths: Iterable[str | os.PathLike[str]], client: Any = None, wait: bool = True, **given: Any
-) -> Any:
+def batch(paths: Iterable[str | os.PathLike[str]], client: Any = None, wait: bool = True, **given: Any) -> Any:
     """A ``pyarrow.Table`` with a row for each record, as ``msd batch`` makes it; needs the extra ``batch``.
 
     Args:

@@ -65,6 +65,7 @@ class Options:
         loss: ``linear``, or ``soft_l1`` where single samples are wild.
         known: parameters known beforehand, which the fit keeps; their uncertainty goes into all intervals.
         tolerance: part of the motion's rms [%] that a diagnosis may leave unexplained and still be called complete.
+        calibrate: correct a diagnosis by simulated copies of the records, whatever it costs; else where it is cheap.
 
     Raises:
         UsageError: another word, or a tolerance that is no part.
@@ -74,6 +75,7 @@ class Options:
     loss: Loss = "linear"
     known: tuple[Known, ...] = ()
     tolerance: float = TOLERANCE
+    calibrate: bool = False
 
     def __post_init__(self) -> None:
         for what, found, known in (("model", self.model, MODELS), ("loss", self.loss, LOSSES)):
@@ -170,6 +172,7 @@ def diagnose(
         ring_down=ring_down(data.features, data.used[0].position_unit),
         tolerance=options.tolerance,
         rests=data.rest_before,
+        calibrate=options.calibrate,
         progress=progress,
         earlier=earlier,
     )

@@ -12,6 +12,8 @@ PREDICTION = 20140
 RANDOM_STEPS = 20141
 #: Swings of a record, with replacement: the interval of the missing force.
 REMAINDER = 20142
+#: Simulated copies of a record: strengths, noise and missing force.
+CALIBRATION = 20143
 
 #: Lots between equal probabilities of a robot that is watched over days; of no diagnosis, so not in ``ALL``.
 MONITORING = 20143
@@ -21,4 +23,5 @@ ALL = {
     "prediction of the next experiment": PREDICTION,
     "random steps beside a designed profile": RANDOM_STEPS,
     "interval of the missing force": REMAINDER,
+    "simulated copies of the record": CALIBRATION,
 }

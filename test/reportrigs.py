@@ -9,6 +9,7 @@ from msd_ident import pipeline
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import to_tree
 from msd_ident.diagnose import Diagnosis
+from msd_ident.diagnose.calibration import Calibration, Row
 from msd_ident.identification import Identification
 from msd_ident.provenance import Origin, Provenance, versions
 from msd_ident.record import Record
@@ -31,6 +32,18 @@ NEXT = {
     "measurements": ["Weigh the cart."],
 }
 
+_RUB, _PEAK = frozenset({"coulomb_friction"}), frozenset({"stribeck_friction"})
+#: What copies of a record were called.
+COPIES = Calibration(
+    (
+        Row(_RUB, False, {_RUB: 7, frozenset(): 1}),
+        Row(_PEAK, True, {_PEAK: 12, _RUB: 4}),
+        Row(frozenset(), False, {frozenset(): 20}),
+    ),
+    {"coulomb_friction": 0.9996},
+    {"coulomb_friction": 0.77},
+)
+
 
 @cache
 def record() -> Record:
@@ -50,7 +63,7 @@ def with_everything() -> Diagnosis:
     """The same with every section that a page can have: a tie and a next experiment too."""
     found = diagnosed()
     tied = replace(found.causes[0], tied_with=("stribeck_friction", "hysteresis"))
-    return replace(found, verdict="ambiguous", causes=(tied,), next_experiment=NEXT)
+    return replace(found, verdict="ambiguous", causes=(tied,), next_experiment=NEXT, calibration=COPIES)
 
 
 @cache

@@ -21,6 +21,7 @@ def diagnose(
     source: sources.Source,
     model: sources.ModelOption = "auto",
     tolerance: sources.ToleranceOption = 1.0,
+    calibrate: sources.CalibrateOption = False,
     together: sources.TogetherOption = False,
     on: trials.OnOption = None,
     json: sources.JsonOption = "",
@@ -35,7 +36,7 @@ def diagnose(
     from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
 
-    options = pipeline.Options(model=model, tolerance=tolerance)
+    options = pipeline.Options(model=model, tolerance=tolerance, calibrate=calibrate)
     output = run.Output(json, quiet, overwrite)
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints

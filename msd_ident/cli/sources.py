@@ -50,6 +50,12 @@ ToleranceOption = Annotated[
     float,
     typer.Option("--tolerance", metavar="PERCENT", help="part of the motion that may stay unexplained"),
 ]
+CalibrateOption = Annotated[
+    bool,
+    typer.Option(
+        "--calibrate", help="correct the probabilities by diagnosing simulated copies of the record (a minute)"
+    ),
+]
 TogetherOption = Annotated[bool, typer.Option("--together", help="all paths are one experiment: one model for all")]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE|-", help="one JSON object a path; -: and nothing else on stdout")

@@ -51,13 +51,15 @@ class Experiment:
     """The data and what the base model is: what every candidate shares.
 
     ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
-    ``rests`` are stretches of the records in which the cart stands still, and which the fits leave out.
+    ``rests`` are stretches of the records in which the cart stands still, and which the fits leave out. ``asked`` are
+    the only causes in question, where not all of the library are.
     """
 
     readings: tuple[Readings, ...]
     base: Model
     fixed: frozenset[str]
     rests: tuple[Readings, ...] = ()
+    asked: frozenset[str] | None = None
 
     @property
     def evidence(self) -> float:
@@ -94,6 +96,7 @@ class Experiment:
             if (sprung or not effect.needs_spring)
             and (forced or effect.acts_on != "input")
             and any(effect.fits(record) for record in self.records)
+            if self.asked is None or effect.name in self.asked
         )
 
     @property

@@ -17,6 +17,7 @@ from msd_ident.diagnose import (
     identities,
     naming,
     readings,
+    replicating,
     settling,
     spread,
     verdict,
@@ -65,6 +66,7 @@ class Task:
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
         rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
+        calibrate: whether copies of the records are diagnosed too; else only where ``replicating`` finds it worth it.
     """
 
     records: tuple[Record, ...]
@@ -75,6 +77,7 @@ class Task:
     ring_down: RingDown | None = None
     tolerance: float = TOLERANCE
     rests: tuple[Record | None, ...] = ()
+    calibrate: bool = False
 
     @property
     def forced(self) -> bool:
@@ -97,6 +100,7 @@ def diagnose_records(
     ring_down: RingDown | None = None,
     tolerance: float = TOLERANCE,
     rests: Sequence[Record | None] = (),
+    calibrate: bool = False,
     progress: Progress = silent,
     earlier: Diagnosis | None = None,
 ) -> Diagnosis:
@@ -109,6 +113,8 @@ def diagnose_records(
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
         rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
+        calibrate: diagnose copies of the records too, and correct the probabilities by what they are called; it is done
+            unasked where the experiment is poor and the copies are cheap.
         progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
@@ -117,7 +123,8 @@ def diagnose_records(
     """
     if not records:
         raise UsageError("no records to diagnose; expected at least one")
-    task = Task(tuple(records), sprung, plant, tuple(findings), tuple(warnings), ring_down, tolerance, tuple(rests))
+    said = tuple(findings), tuple(warnings)
+    task = Task(tuple(records), sprung, plant, *said, ring_down, tolerance, tuple(rests), calibrate)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     shared = shared_fits(experiment, task.plant or experiment.base)
@@ -173,7 +180,10 @@ def _conclude(
 ) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
-    progress("verdict", 0.95, "")
+    ranking, matrix = replicating.checked(experiment, base, ranking, task.calibrate, progress)
+    if matrix is not None and (ranking := naming.leading(ranking)).best is not best:
+        ranking, best, heldout = naming.predicting(experiment, base, ranking)
+    progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
@@ -209,6 +219,7 @@ def _conclude(
         characteristics=characteristics,
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
+        calibration=matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=read_with(task.ring_down, causes),
         contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from msd_ident.datasheet import data_sheet
 from msd_ident.diagnose.adequacy import Adequacy
+from msd_ident.diagnose.calibration import Calibration
 from msd_ident.diagnose.contenders import Contender
 from msd_ident.diagnose.curves import Characteristics
 from msd_ident.diagnose.dependence import Dependence
@@ -79,6 +80,8 @@ class Diagnosis:
         contenders: the explanations still standing, as fitted models, the leading one first; for the design of a next
             experiment, not in the JSON.
         tried: every cause of the library with what it leaves and why it is held or not.
+        calibration: what copies of this experiment were called, and how that corrects the probabilities; ``None`` where
+            none were made.
     """
 
     records: tuple[Record, ...]
@@ -106,6 +109,7 @@ class Diagnosis:
     contenders: tuple[Contender, ...] = ()
     tried: tuple[Tried, ...] = ()
     turned: bool = False
+    calibration: Calibration | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
         """The JSON contract's object, without ``path``."""
@@ -146,6 +150,8 @@ class Diagnosis:
         }
         if self.ring_down is not None:
             found["ring_down"] = self.ring_down.to_json_dict()
+        if self.calibration is not None:
+            found["calibration"] = self.calibration.to_json_dict()
         if self.characteristics is not None:
             found["characteristics"] = self.characteristics.to_json_dict()
         return found

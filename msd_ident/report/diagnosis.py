@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
-from msd_ident.report import numbers, words
+from msd_ident.report import calibration, numbers, words
 from msd_ident.report.tables import new_table, say
 
 if TYPE_CHECKING:
@@ -87,6 +87,25 @@ def rivals_table(diagnosis: Diagnosis) -> Table | None:
     return table
 
 
+def calibration_table(diagnosis: Diagnosis) -> Table | None:
+    """What copies of the record were called; ``None`` where none were made."""
+    if diagnosis.calibration is None:
+        return None
+    found = calibration.matrix(diagnosis.calibration)
+    table = new_table("Copies of this record", "had it been", "said so", "said instead", "copies")
+    for column in (0, 2):
+        table.columns[column].no_wrap = False
+    for line in found.lines:
+        right = [cell.text for cell in line.cells if cell.right and cell.percent]
+        others = [
+            f"{head} {cell.text}"
+            for head, cell in zip(found.heads, line.cells, strict=True)
+            if cell.percent and not cell.right
+        ]
+        table.add_row(line.name, *(right or ["–"]), ", ".join(others) or "–", str(line.copies))
+    return table
+
+
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     """Everything that a lab needs to act on a diagnosis."""
     name = escape(" + ".join(record.name for record in diagnosis.records))
@@ -94,11 +113,16 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     console.print(f"[bold]{name}[/bold]: [bold {colour}]{diagnosis.verdict}[/bold {colour}]")
     console.print(diagnosis.summary, markup=False)
     console.print()
-    for table in (causes_table(diagnosis), models_table(diagnosis), rivals_table(diagnosis)):
+    tables = (causes_table, calibration_table, models_table, rivals_table)
+    for table in (made(diagnosis) for made in tables):
         if table is not None:
             console.print(table)
     for sentence in ties(diagnosis):
         say(console, "tied", "yellow", sentence)
+    if diagnosis.calibration is not None:
+        say(console, "copies", "cyan", calibration.sentences(diagnosis.calibration)[0])
+        for sentence in calibration.corrections(diagnosis.calibration):
+            say(console, "copies", "cyan", sentence)
     unit = diagnosis.records[0].position_unit
     share = words.percent(diagnosis.left.noise_percent)
     floor = f"noise floor {numbers.number(diagnosis.noise_floor, 3)} {unit} ({share} of the motion)"

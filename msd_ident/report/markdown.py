@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 from msd_ident.datasheet import data_sheet
 from msd_ident.diagnose import Cause, Diagnosis
 from msd_ident.report import words
+from msd_ident.report.calibration import matrix
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.parameters import Column, diagnosis_columns, identification_columns
 from msd_ident.report.writing import write_text
 
 if TYPE_CHECKING:
+    from msd_ident.diagnose.calibration import Calibration
     from msd_ident.identification import Identification
     from msd_ident.provenance import Provenance
     from msd_ident.record import Record
@@ -68,10 +70,22 @@ def _diagnosis(found: Diagnosis) -> Iterator[str]:
     if found.causes:
         yield from ("", "## Causes", "")
         yield from _table(("cause", "probability", "parameters", "tied with"), [_cause(c) for c in found.causes])
+    if found.calibration is not None:
+        yield from _calibration(found.calibration)
     yield from _parameters(diagnosis_columns(found))
     yield from _sentences("Notes", found.warnings)
     if found.next_experiment is not None:
         yield from ("", "## Next experiment", "", plain(str(found.next_experiment.get("sentence", ""))))
+
+
+def _calibration(found: Calibration) -> Iterator[str]:
+    """What copies of the record were called, and what that means."""
+    table = matrix(found)
+    yield from ("", "## Had it been something else", "")
+    rows = [(line.name, *(cell.text for cell in line.cells), str(line.copies)) for line in table.lines]
+    yield from _table(("had it been", *(f"said: {head}" for head in table.heads), "copies"), rows)
+    yield ""
+    yield from (f"- {plain(sentence)}" for sentence in table.sentences)
 
 
 def _cause(cause: Cause) -> tuple[str, ...]:

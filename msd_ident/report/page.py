@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.diagnose import Diagnosis
 from msd_ident.provenance import versions
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
+from msd_ident.report.sections.calibration import Calibration
 from msd_ident.report.sections.causes import Causes
 from msd_ident.report.sections.data import Data
 from msd_ident.report.sections.fit import Fit
@@ -77,6 +78,8 @@ def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail:
         Parameters(found.records, diagnosis_columns(found), found.extended.open_directions),
         Data(found.records, found.findings, provenance, found.extended.quantities.get("time_offset")),
     ]
+    if found.calibration is not None:
+        sections.insert(4, Calibration(found.calibration))
     if found.next_experiment is not None:
         sections.append(NextExperiment(found.next_experiment, found.records[0].position_unit))
     return Article("msd diagnose", " + ".join(record.name for record in found.records), tuple(sections))

@@ -236,7 +236,8 @@ class Diagnosing:
             if joint is not None and not (judged := judge(records[0])).usable:
                 result.diagnoses = [*result.diagnoses, failed(name, judged.sentence)]
                 return
-            options = pipeline.Options(model=self._settings["model"], tolerance=self._settings["tolerance"])
+            chosen = {name: self._settings[name] for name in ("model", "tolerance", "calibrate")}
+            options = pipeline.Options(**chosen)
             one = pipeline.diagnose(records, options, tell)
         except MsdError as error:
             if joint is None:  # of all joints, one that rests or is not measured leaves the others a success

@@ -59,6 +59,7 @@ SETTINGS = (
     ),
     Setting("all_joints", False, "a diagnosis of bags takes every joint of their JointState topics", fixed=False),
     Setting("tolerance", 1.0, "part of the motion that a diagnosis may leave unexplained [%]", 0.0, 99.0, fixed=False),
+    Setting("calibrate", False, "a diagnosis always diagnoses simulated copies of the record too", fixed=False),
     Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
     Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),

@@ -19,6 +19,7 @@ from msd_ident import pipeline
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.proposal import Proposal
 from msd_ident.diagnose import Diagnosis
+from msd_ident.diagnose.calibration import Calibration, Row
 from msd_ident.diagnose.curves import Characteristics, Curve
 from msd_ident.quality import Finding
 
@@ -108,6 +109,9 @@ def everything(diagnosis: Diagnosis) -> Diagnosis:
         spread={"mass": (0.9, 1.1)},
         findings=(Finding("info", "code", "sentence"),),
         warnings=("…",),
+        calibration=Calibration(
+            (Row(frozenset({"backlash"}), True, {frozenset({"end_stop"}): 1}),), {"a": 1.0}, {"a": 0.9}
+        ),
     )
 
 

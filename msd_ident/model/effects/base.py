@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
+    import numpy as np
     from typing_extensions import Self
 
     from msd_ident.model.model import Model
@@ -22,6 +23,9 @@ ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
 BOTH, ABOVE, OUTSIDE, HALVES = "both", "above", "outside", "halves"
 #: Knee of a law that is not smooth at x = 0.
 AT_ZERO = ("0", "0", ABOVE)
+
+#: Factor by which the numbers of a law drawn by lot are larger or smaller than where a search would start.
+LOT = 5.0
 
 #: Kinds of law that an effect may have, see ``Effect``.
 KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map", "reading")
@@ -198,6 +202,22 @@ class Effect:
         """
         del records
         return ()
+
+    def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> Self:
+        """The law with numbers that a rig may have: any angle, either sign, all else up to ``LOT`` times more or less.
+
+        Args:
+            rng: draws them.
+            record, plant: as of ``guess``, from which this one comes.
+        """
+        del record, plant
+        drawn = []
+        for parameter, value in zip(self.parameters, self.values, strict=True):
+            factor = math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
+            sign = 1.0 if parameter.lower == 0.0 or rng.random() < 0.5 else -1.0
+            angle = rng.uniform(-math.pi, math.pi)
+            drawn.append(angle if parameter.name.endswith("_phase") else sign * factor * value)
+        return self.within_bounds(*drawn)
 
     @classmethod
     def laws(cls) -> dict[str, Callable[..., float]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
@@ -12,6 +12,8 @@ from msd_ident.model.effects.base import Effect, Parameter, Seen
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from msd_ident.model.model import Model
     from msd_ident.record import Record
 
@@ -63,6 +65,14 @@ class StribeckFriction(Effect):
         force, speed = typical.force(record, plant), typical.speed(record)
         shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
         return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
+
+    def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> StribeckFriction:
+        """A breakaway force of 1.1 to 5 times the sliding one; 2 to 50 % of the speed of free swings as large as the
+        motion, which a slow motion never reaches.
+        """
+        swings = typical.amplitude(record) * math.sqrt(max(plant.stiffness, 0.0) / plant.mass)
+        velocity = math.exp(rng.uniform(math.log(0.02), math.log(0.5))) * max(typical.speed(record), swings)
+        return replace(self, static_force=rng.uniform(1.1, 5.0) * self.coulomb_force, stribeck_velocity=velocity)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[StribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""

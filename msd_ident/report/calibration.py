@@ -1,0 +1,97 @@
+"""The confusion matrix of an experiment in words: for the page, Markdown and the terminal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.report import words
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose.calibration import Calibration, Row
+    from msd_ident.diagnose.candidates import Causes
+
+#: Columns of a table: what was said most often; all else together is one more.
+_MOST = 5
+OTHER = "something else"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Copies of one row that were called so: in per cent, and whether it is what they were."""
+
+    text: str
+    percent: float
+    right: bool
+
+
+@dataclass(frozen=True)
+class Line:
+    """One row: what was simulated, how many copies, and a cell for each column."""
+
+    name: str
+    copies: int
+    cells: tuple[Cell, ...]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Heads of the columns, rows, and what they mean."""
+
+    heads: tuple[str, ...]
+    lines: tuple[Line, ...]
+    sentences: tuple[str, ...]
+
+
+def spoken(causes: Causes) -> str:
+    """A set of causes as people say it."""
+    return words.listed([words.effect(name) for name in sorted(causes)]) or "the base model"
+
+
+def matrix(found: Calibration) -> Matrix:
+    """The whole table."""
+    columns = found.columns[:_MOST]
+    others = len(found.columns) > _MOST
+    heads = (*map(spoken, columns), *([OTHER] if others else []))
+    lines = tuple(_line(row, columns, others) for row in found.rows)
+    return Matrix(heads, lines, (*sentences(found), *corrections(found)))
+
+
+def sentences(found: Calibration) -> tuple[str, ...]:
+    """For each row: had it been X, we would have said X in so many per cent."""
+    return tuple(_sentence(row) for row in found.rows)
+
+
+def _sentence(row: Row) -> str:
+    """Of one row, with what was said most often in its place."""
+    said = Counter({causes: count for causes, count in row.said.items() if causes != row.causes})
+    strength = " of any strength" if row.any_strength else ""
+    right = _share(row.right, row)
+    told = f"On this experiment, had it been {spoken(row.causes)}{strength}, we would have said so in {right}"
+    if not said:
+        return f"{told}."
+    most = min(said, key=lambda causes: (-said[causes], sorted(causes)))
+    return f"{told}, {spoken(most)} in {_share(said[most], row)}."
+
+
+def _share(count: int, row: Row) -> str:
+    return f"{100.0 * count / row.copies:.0f} %"
+
+
+def corrections(found: Calibration) -> tuple[str, ...]:
+    """What became of each probability."""
+    return tuple(
+        f"{words.effect(name)[0].upper()}{words.effect(name)[1:]}: {words.probability(before)} by the evidence, "
+        f"{words.probability(found.corrected[name])} as {found.copies} copies of this record allow."
+        for name, before in found.stated.items()
+    )
+
+
+def _line(row: Row, columns: Sequence[Causes], others: bool) -> Line:
+    counts = [(row.said.get(causes, 0), causes == row.causes) for causes in columns]
+    if others:
+        counts.append((row.copies - sum(count for count, _ in counts), False))
+    cells = tuple(Cell(_share(n, row) if n else "–", 100.0 * n / row.copies, right) for n, right in counts)
+    return Line(spoken(row.causes) + (", any strength" if row.any_strength else ""), row.copies, cells)

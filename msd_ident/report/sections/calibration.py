@@ -1,0 +1,26 @@
+"""What copies of the record were called: the confusion matrix of this experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.report.calibration import matrix
+from msd_ident.report.sections.section import Section
+
+if TYPE_CHECKING:
+    from msd_ident.diagnose.calibration import Calibration as Found
+
+
+class Calibration(Section):
+    """A table, and a sentence for each of its rows."""
+
+    slug = "calibration"
+    title = "Had it been something else"
+
+    def __init__(self, found: Found) -> None:
+        self._found = found
+
+    def context(self) -> Mapping[str, Any]:
+        """The matrix in words, and the number of copies."""
+        return {"matrix": matrix(self._found), "copies": self._found.copies}
