@@ -100,6 +100,7 @@ def _facts(effect: type[Effect]) -> str:
         f"It acts **{'on the ' if effect.acts_on == 'force' else ''}{PLACES[effect.acts_on]}**."
         if effect.acts_on != "force"
         else "It is a **force on the mass**.",
+        f"It is another law of the cause [`{effect.form_of}`]({effect.form_of}.md)." if effect.form_of else "",
         f"It vanishes, exactly, with {gone}.",
         "It acts on the linear spring and means nothing without one." if effect.needs_spring else "",
         "It only ever takes energy out of the motion." if effect.dissipative else "",
