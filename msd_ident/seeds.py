@@ -12,10 +12,13 @@ PREDICTION = 20140
 RANDOM_STEPS = 20141
 #: Swings of a record, with replacement: the interval of the missing force.
 REMAINDER = 20142
+#: Parameter sets of an exported posterior.
+DRAWS = 20143
 
 #: By what they are drawn for.
 ALL = {
     "prediction of the next experiment": PREDICTION,
     "random steps beside a designed profile": RANDOM_STEPS,
     "interval of the missing force": REMAINDER,
+    "draws of an exported posterior": DRAWS,
 }

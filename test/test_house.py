@@ -34,7 +34,7 @@ STOREYS = (
     ("spring_decision",),
     ("pipeline", "saved"),
     ("joints", "validation"),
-    ("investigation",),
+    ("investigation", "export"),
     ("report",),
     ("live",),
     ("ros",),
@@ -61,6 +61,7 @@ AT_HOME = {
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
     "h5py": ("msd_ident.bag",),
+    **dict.fromkeys(("mujoco", "fmpy"), ("msd_ident.export",)),
 }
 
 LONGEST_FUNCTION = 60

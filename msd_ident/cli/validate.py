@@ -48,7 +48,7 @@ def validate(
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, None, figures, source, output)
     targets.check()
-    saved = _saved(result, line)
+    saved = saved_model(result, line)
     met = []
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
@@ -62,7 +62,8 @@ def validate(
     return code or (0 if all(met) else 1)
 
 
-def _saved(path: Path, line: int | None) -> SavedModel:
+def saved_model(path: Path, line: int | None) -> SavedModel:
+    """The saved model of a file, of the line asked for."""
     from msd_ident import saved
 
     if line is None:
