@@ -14,6 +14,8 @@ RANDOM_STEPS = 20141
 REMAINDER = 20142
 #: Parameter sets of an exported posterior.
 DRAWS = 20143
+#: Noise of the encoder on positions that somebody else's simulation gives.
+ENCODER = 20144
 
 #: By what they are drawn for.
 ALL = {
@@ -21,4 +23,5 @@ ALL = {
     "random steps beside a designed profile": RANDOM_STEPS,
     "interval of the missing force": REMAINDER,
     "draws of an exported posterior": DRAWS,
+    "noise on a simulation that is compared": ENCODER,
 }

@@ -35,6 +35,7 @@ STOREYS = (
     ("pipeline", "saved"),
     ("joints", "validation"),
     ("investigation", "export"),
+    ("comparison",),
     ("report",),
     ("live",),
     ("ros",),

@@ -19,9 +19,14 @@ if TYPE_CHECKING:
 
 @sources.reading
 def validate(
-    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
-    paths: sources.PathsArgument,
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")
+    ],
     source: sources.Source,
+    paths: Annotated[
+        Optional[list[Path]],  # noqa: UP045
+        typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+    ] = None,
     line: Annotated[
         Optional[int],  # noqa: UP045
         typer.Option("--line", min=1, help="which result of a file with several, one a line"),
@@ -33,6 +38,18 @@ def validate(
         Optional[float],  # noqa: UP045
         typer.Option("--require", metavar="PERCENT", help="exit code 1 where less of the motion is explained"),
     ] = None,
+    mujoco: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--mujoco", metavar="ROBOT.xml", help="try this MuJoCo model in place of a result; with --joint"),
+    ] = None,
+    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco")] = "",
+    function: Annotated[
+        str, typer.Option("--callable", metavar="MODULE:FUNCTION", help="try this Python function in place of a result")
+    ] = "",
+    simulated: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--simulated", metavar="FILE", help="try these simulated positions in place of a result"),
+    ] = None,
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
@@ -41,11 +58,18 @@ def validate(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Validate a saved model on other records: simulate it as it is, nothing refitted but how the record began."""
+    output = run.Output(json, quiet, overwrite)
+    if mujoco is not None or function or simulated is not None:
+        from msd_ident.cli import theirs
+
+        chosen = theirs.Chosen(mujoco, joint, function, simulated)
+        return theirs.compare([result, *(paths or ())], source, together, output, chosen)
+    if not paths:
+        raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident import validation
     from msd_ident.report import validation as tables
 
     options = validation.Options(refit_zero, require)
-    output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, None, figures, source, output)
     targets.check()
     saved = saved_model(result, line)

@@ -14,7 +14,7 @@ import numpy as np
 from msd_ident.errors import SetupError
 from msd_ident.export import header, python_source
 from msd_ident.export.mujoco_elements import BEFORE
-from msd_ident.export.mujoco_replay import averages, lagged
+from msd_ident.export.mujoco_replay import at_samples, averages, lagged
 from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
 from msd_ident.export.saying import Saying
@@ -104,9 +104,9 @@ class FmuTarget(PythonTarget):
             str(out), start_time=given["time"][0], stop_time=given["time"][-1], output_interval=record.period,
             step_size=record.period, start_values=begin, input=given, output=["position"], fmi_type="CoSimulation",
         )  # fmt: skip
-        readings = np.asarray(found["position"], dtype=np.float64)[: record.samples]
+        readings = np.asarray(found["position"], dtype=np.float64)[: force.size + 1]
         readings[0] = initial.position + plan.zero
-        return readings
+        return at_samples(record, readings)
 
 
 def _filled(plan: Plan, name: str) -> str:

@@ -27,7 +27,7 @@ _SDF = """<?xml version="1.0"?>
     <joint name="{joint}_mount" type="fixed"><parent>world</parent><child>base</child></joint>
     <link name="{joint}_body">
       <inertial>{inertial}</inertial>
-      <enable_wind>false</enable_wind>
+      <gravity>false</gravity>
     </link>
     <joint name="{joint}" type="{kind}">
       <parent>base</parent>
@@ -153,12 +153,12 @@ class UrdfTarget(SdfTarget):
 
 
 def _limits(plan: Plan) -> dict[str, str]:
-    reach = plan.value("stop_position", FREE)
     stiffness = plan.value("stop_stiffness")
     effort = plan.value("force_limit", FREE)
+    reach = plan.value("stop_position")
     return {
-        "lower": number(plan.zero - reach),
-        "upper": number(plan.zero + reach),
+        "lower": number(plan.zero - reach if stiffness else -FREE),
+        "upper": number(plan.zero + reach if stiffness else FREE),
         "effort": number(min(effort, FREE)),
         "stop": f"<stiffness>{number(stiffness)}</stiffness><dissipation>0</dissipation>" if stiffness else "",
     }

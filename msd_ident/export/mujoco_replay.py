@@ -55,14 +55,32 @@ def run(path: Path, callback: Path | None, plan: Plan, start: Start) -> FloatArr
     _begin(mujoco, model, data, plan, start)
     force = plan.force_scale * plan.saved.force_sign * averages(start.record, plan.steps)
     with _installed(callback, model):
-        return _stepped(mujoco, model, data, force, plan.steps)
+        return at_samples(start.record, _stepped(mujoco, model, data, force, plan.steps))
 
 
 def averages(record: Record, steps: int) -> FloatArray:
-    """Mean force of each solver step, ((n - 1), steps): held forces keep their impulse wherever their stamps lie."""
-    edges = record.time[0] + record.period / steps * np.arange((record.samples - 1) * steps + 1)
+    """Mean force of each solver step, (periods, steps): held forces keep their impulse wherever their stamps lie.
+
+    The periods are even and cover the record, whatever its samples do.
+    """
+    periods = round(record.duration / record.period)
+    periods += periods * record.period < record.duration - 1e-3 * record.period
+    edges = record.time[0] + record.period / steps * np.arange(periods * steps + 1)
     impulse = impulses(record, edges)
-    return np.asarray(np.diff(impulse).reshape(record.samples - 1, steps) * (steps / record.period))
+    return np.asarray(np.diff(impulse).reshape(periods, steps) * (steps / record.period))
+
+
+def at_samples(record: Record, positions: FloatArray) -> FloatArray:
+    """Positions (n,) at the record's samples from those at even periods from its first one on."""
+    even = record.time[0] + record.period * np.arange(positions.size)
+    if positions.size == record.samples and float(np.max(np.abs(even - record.time))) < 1e-3 * record.period:
+        return positions
+    from scipy.interpolate import CubicSpline
+
+    good = np.isfinite(positions)
+    if not good.all():
+        return np.full(record.samples, np.nan)
+    return np.asarray(CubicSpline(even, positions)(record.time), dtype=np.float64)
 
 
 def impulses(record: Record, at: FloatArray) -> FloatArray:

@@ -29,12 +29,16 @@ class Nearest:
         dropped: effects that the format does not carry.
         see: standard error of estimate of that model on the record, simulated here: what the replay should show.
             ``None`` where there was no record to fit it on.
+        whole: that of the whole model.
+        unit: of both.
     """
 
     model: Model
     zero: float
     dropped: tuple[str, ...]
     see: float | None
+    whole: float
+    unit: str
 
     @property
     def sentence(self) -> str:
@@ -42,7 +46,10 @@ class Nearest:
         names = ", ".join(spoken(name) for name in self.dropped)
         if self.see is None:
             return f"without {names}; nothing was fitted in their place, as there was no record: give --replay PATH"
-        return f"without {names}; all other parameters are the nearest, fitted on the record"
+        return (
+            f"without {names}; all other parameters are the nearest, fitted on the record. Predicted cost: it leaves "
+            f"{self.see:.3g} {self.unit}, where the whole model leaves {self.whole:.3g}"
+        )
 
 
 def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Record]) -> Nearest | None:
@@ -64,9 +71,10 @@ def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Re
         return None
     kept = model.without(*dropped)
     if not records:
-        return Nearest(kept, zero, dropped, None)
+        return Nearest(kept, zero, dropped, None, saved.see, saved.position_unit)
     found = min((_fitted(saved, one, records) for one in _structures(target, kept)), key=_cost)
-    return Nearest(found.model, float(sum(i.zero for i in found.initial) / len(found.initial)), dropped, found.see)
+    own = float(sum(initial.zero for initial in found.initial) / len(found.initial))
+    return Nearest(found.model, own, dropped, found.see, saved.see, saved.position_unit)
 
 
 def plain(saved: SavedModel, records: Sequence[Record]) -> FitResult:

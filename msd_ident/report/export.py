@@ -32,7 +32,7 @@ def proof_table(found: Export) -> Table:
     """What the simulations leave, in the target and here."""
     assert found.proof is not None
     unit = found.plan.saved.position_unit
-    table = new_table("Replay", "", f"SEE [{unit}]", "motion explained [%]")
+    table = new_table("Replay", "", f"SEE in {unit}", "motion explained in %")
     lines = [("this model, simulated here", "ours")]
     if found.nearest is not None:
         lines.append(("nearest in the format, predicted here", "expected"))
