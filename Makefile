@@ -57,6 +57,9 @@ bench-live: setup
 picture: setup
 	@.venv/bin/msd diagnose bags/drag_steps --figures out/picture --overwrite
 	@cp out/picture/drag_steps/verdict.png docs/images/verdict.png
+	@.venv/bin/msd diagnose bags/drag_steps --quiet --json out/picture/drag.json --overwrite
+	@.venv/bin/msd export out/picture/drag.json --to mujoco --out out/picture/drag.xml --figures out/picture --overwrite
+	@cp out/picture/drag_steps_in_mujoco/fit.png docs/images/export.png
 	@$(PY) -m bench.live --rate 200 --picture docs/images/live.png
 
 bench: setup

@@ -7,11 +7,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.export.results import drawn, saved
+from bench.export.results import drawn, fitted
 from msd_ident.comparison import MujocoSimulation, compare
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
-from msd_ident.fit import fit
 from msd_ident.model import Model
 from msd_ident.record import Record
 
@@ -82,9 +81,8 @@ def _holds(percent: object, factor: float) -> bool:
 
 
 def _write(model: Model, record: Record, path: Path) -> None:
-    """Their model, as they would have it from us: with a step a quarter of the record's."""
-    result = saved(fit(model, record, fixed=model.names, search="near"), record)
-    plan = Plan(result, model, period=record.period, steps=8)
+    """Their model, with these very values and a step an eighth of the record's."""
+    plan = Plan(fitted(model, record), model, period=record.period, steps=8)
     for file, content in target("mujoco").files(plan, path).items():
         file.write_bytes(content)
 

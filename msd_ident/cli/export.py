@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from msd_ident.cli import run, sources
+from msd_ident.cli import pages, run, sources
 from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
@@ -60,6 +60,8 @@ def export(
         typer.Option("--line", min=1, help="which result of a file with several, one a line"),
     ] = None,
     json: sources.JsonOption = "",
+    report: pages.ReportOption = None,
+    figures: pages.FiguresOption = None,
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
 ) -> int:
@@ -67,22 +69,28 @@ def export(
     from rich.console import Console
 
     from msd_ident import export as exports
+    from msd_ident.bag import read_all
     from msd_ident.report import export as tables
 
     output = run.Output(json, quiet, overwrite)
     output.check()
+    page = pages.Pages(report, None, figures, source, output)
+    page.check()
     chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
     chosen.check_name(out)
     _check_files(chosen, out, overwrite)
     saved = saved_model(result, line)
     options = exports.Options(joint, mass, draws, steps)
-    records, why = ((), "--no-replay") if no_replay else _records(saved, result, replay, source)
+    paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
+    records = [record for path in paths for record in read_all(path, source)]
     found = exports.export(saved, chosen, out, options, records)
     if why and found.proof is None and found.target.library is not None:
         found = found.unproven(why)
     if output.tables:
         tables.print_export(found, Console(highlight=False))
     run.write([found.to_json_dict()], output)
+    page.keep(tuple(paths), found)
+    page.finish()
     return 0
 
 
@@ -91,27 +99,26 @@ def _check_files(target: Target, out: Path, overwrite: bool) -> None:
         run.check_target(path, overwrite)
 
 
-def _records(
+def _paths(
     saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
-) -> tuple[Sequence[Record], str]:
+) -> tuple[Sequence[Path], str]:
     """Records to replay: those given, or that of the result where it is still there; else why there are none."""
     from msd_ident.bag import read_all
 
     if replay:
-        return [record for path in replay for record in read_all(path, source)], ""
+        return replay, ""
     for own in (Path(saved.path), result.parent / saved.path):
         if saved.path and own.exists():
             try:
-                records = read_all(own, source)
-                _check(saved, records)
+                for record in read_all(own, source):
+                    _check(saved, record)
             except MsdError as error:
                 return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
-            return records, ""
+            return (own,), ""
     return (), f"its own record {saved.path} is not here: give --replay PATH"
 
 
-def _check(saved: SavedModel, records: Sequence[Record]) -> None:
-    """Refuse records in other units before anything is written."""
-    for record in records:
-        if record.position_unit != saved.position_unit:
-            raise UsageError(f"it is read in {record.position_unit}; expected {saved.position_unit}")
+def _check(saved: SavedModel, record: Record) -> None:
+    """Refuse a record in other units than the result before anything is written."""
+    if record.position_unit != saved.position_unit:
+        raise UsageError(f"it is read in {record.position_unit}; expected {saved.position_unit}")

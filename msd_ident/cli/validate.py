@@ -14,7 +14,7 @@ from msd_ident.errors import UsageError
 if TYPE_CHECKING:
     from msd_ident.record import Record
     from msd_ident.saved import SavedModel
-    from msd_ident.validation import Validation
+    from msd_ident.validation import Options, Validation
 
 
 @sources.reading
@@ -57,7 +57,7 @@ def validate(
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
 ) -> int:
-    """Validate a saved model on other records: simulate it as it is, nothing refitted but how the record began."""
+    """Validate a saved model on other records, nothing refitted but their start, or name what your simulation lacks."""
     output = run.Output(json, quiet, overwrite)
     if mujoco is not None or function or simulated is not None:
         from msd_ident.cli import theirs
@@ -67,12 +67,18 @@ def validate(
     if not paths:
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident import validation
-    from msd_ident.report import validation as tables
 
     options = validation.Options(refit_zero, require)
     targets = pages.Pages(report, None, figures, source, output)
     targets.check()
-    saved = saved_model(result, line)
+    return _tried(saved_model(result, line), options, paths, together, targets)
+
+
+def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
+    """Try a saved model on every path, or on all together; the exit code."""
+    from msd_ident import validation
+    from msd_ident.report import validation as tables
+
     met = []
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
@@ -81,6 +87,7 @@ def validate(
         met.append(found.met)
         return found
 
+    source, output = targets.source, targets.output
     code = run.work(paths, source, together, output, solve, tables.print_validation, targets.keep)
     targets.finish()
     return code or (0 if all(met) else 1)

@@ -22,9 +22,9 @@ from msd_ident.saved import SavedModel
 from msd_ident.validation import as_saved
 
 #: Solver steps a step of the record, where dry friction acts and where not, and at most.
-DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 32
+DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 64
 #: Distance of the replay from this simulation that is good enough, in noise floors; and what a finer step aims at.
-CLOSE, AIM = 0.2, 0.15
+CLOSE, AIM = 0.2, 0.12
 #: Whole models, whose motion is right also where forces have no newtons.
 WHOLE = "mujoco, mujoco-xml, python, python-msd, fmu or draws"
 

@@ -55,7 +55,7 @@ def run(path: Path, callback: Path | None, plan: Plan, start: Start) -> FloatArr
     _begin(mujoco, model, data, plan, start)
     force = plan.force_scale * plan.saved.force_sign * averages(start.record, plan.steps)
     with _installed(callback, model):
-        return at_samples(start.record, _stepped(mujoco, model, data, force, plan.steps))
+        return at_samples(start.record, _stepped(mujoco, model, data, force, plan))
 
 
 def averages(record: Record, steps: int) -> FloatArray:
@@ -107,9 +107,9 @@ def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: Start) -> None
     data.qvel[joint.dofadr[0]] = initial.velocity
     if any(model.joint(i).name == SECOND for i in range(model.njnt)):
         data.qpos[model.joint(SECOND).qposadr[0]] = 0.0
-    if model.na:
-        data.act[0] = plan.force_scale * plan.saved.force_sign * lagged(record, plan)
     number = model.actuator(ACTUATOR).id
+    if model.actuator_actadr[number] >= 0:
+        data.act[model.actuator_actadr[number]] = plan.force_scale * plan.saved.force_sign * lagged(record, plan)
     samples = int(model.actuator_history[number, 0]) if model.nhistory else 0
     if samples:
         step = model.opt.timestep
@@ -144,13 +144,14 @@ def _mapped(plan: Plan, force: float) -> float:
     return force
 
 
-def _stepped(mujoco: Any, model: Any, data: Any, force: FloatArray, steps: int) -> FloatArray:
+def _stepped(mujoco: Any, model: Any, data: Any, force: FloatArray, plan: Plan) -> FloatArray:
     """Readings after each step of the record; NaN from where the motion leaves all bounds."""
-    number = model.actuator(ACTUATOR).id
+    number, place, steps = model.actuator(ACTUATOR).id, model.joint(plan.joint).qposadr[0], plan.steps
     sensor = any(model.sensor(i).name == SENSOR for i in range(model.nsensor))
+    read = model.sensor(SENSOR).adr[0] if sensor else 0
     out = np.full(force.shape[0] + 1, np.nan)
     mujoco.mj_forward(model, data)
-    out[0] = data.sensordata[0] if sensor else data.qpos[0]
+    out[0] = data.sensordata[read] if sensor else data.qpos[place]
     even = bool(np.all(np.ptp(force, axis=1) == 0.0))
     for i, row in enumerate(force):
         if even:
@@ -160,11 +161,11 @@ def _stepped(mujoco: Any, model: Any, data: Any, force: FloatArray, steps: int) 
             for value in row:
                 data.ctrl[number] = value
                 mujoco.mj_step(model, data)
-        if not np.isfinite(data.qpos[0]) or data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+        if not np.isfinite(data.qpos[place]) or data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
             break
         if sensor:
             mujoco.mj_forward(model, data)
-        out[i + 1] = data.sensordata[0] if sensor else data.qpos[0]
+        out[i + 1] = data.sensordata[read] if sensor else data.qpos[place]
     return out
 
 

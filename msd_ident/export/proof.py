@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -81,6 +82,13 @@ class Proof:
             told[f"see_{key}_m"] = self.see(name)
             told[f"explained_{key}_percent"] = self.explained(name)
         return told
+
+
+def percent_text(percent: float) -> str:
+    """An explained part with two digits of what is left to 100 %."""
+    left = abs(100.0 - percent)
+    digits = min(max(1 - math.floor(math.log10(left)), 0), 9) if left > 0.0 else 0
+    return f"{percent:.{digits}f}"
 
 
 def replayed(made: Export, records: Sequence[Record], earlier: Proof | None = None) -> Proof:

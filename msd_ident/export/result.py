@@ -10,10 +10,11 @@ from typing import Any
 from msd_ident.errors import SetupError
 from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan
-from msd_ident.export.proof import Proof
+from msd_ident.export.proof import Proof, percent_text
 from msd_ident.export.saying import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
+from msd_ident.record import Record
 from msd_ident.saved import SavedModel
 
 SCHEMA = "msd.export/1"
@@ -42,6 +43,16 @@ class Export:
     files: tuple[Path, ...] = ()
     proof: Proof | None = None
     not_replayed: str = ""
+
+    @property
+    def label(self) -> str:
+        """What tells its figures from those of other results of the same records."""
+        return f"_in_{self.target.name}"
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """Records that it was replayed on."""
+        return tuple(part.record for part in self.proof.parts) if self.proof is not None else ()
 
     @property
     def model_in_record_units(self) -> Model:
@@ -82,14 +93,14 @@ class Export:
             return f"Not replayed: {self.not_replayed}."
         proof = self.proof
         said = (
-            f"In {self.target.name} the model leaves {proof.see('target'):.3g} {unit} ({proof.ratio:.3g} times ours, "
-            f"{proof.see('ours'):.3g}); mass, damping and stiffness alone leave {proof.see('base'):.3g}"
+            f"In {self.target.name} the model leaves {proof.see('target'):.3g} {unit}, {proof.ratio:.3f} times what it "
+            f"leaves here; mass, damping and stiffness alone leave {proof.see('base'):.3g} {unit} there"
         )
         if self.nearest is not None:
-            said += f"; predicted were {proof.see('expected'):.3g}"
+            said += f"; {proof.see('expected'):.3g} {unit} were predicted"
         return (
-            f"{said}. It explains {proof.explained('target'):.5g} % of the motion, without correction "
-            f"{proof.explained('base'):.5g} %."
+            f"{said}. It explains {percent_text(proof.explained('target'))} % of the motion, uncorrected "
+            f"{percent_text(proof.explained('base'))} %."
         )
 
     def to_json_dict(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from msd_ident.export.proof import percent_text
 from msd_ident.report import numbers
 from msd_ident.report.tables import new_table, say
 
@@ -38,5 +39,5 @@ def proof_table(found: Export) -> Table:
         lines.append(("nearest in the format, predicted here", "expected"))
     lines += [(f"exported, run in {found.target.name}", "target"), ("m, b, k alone, run there", "base")]
     for label, name in lines:
-        table.add_row(label, numbers.number(found.proof.see(name)), f"{found.proof.explained(name):.5g}")
+        table.add_row(label, numbers.number(found.proof.see(name)), percent_text(found.proof.explained(name)))
     return table
