@@ -63,17 +63,27 @@ class MujocoSimulation:
         data.qpos[place], data.qvel[dof] = initial.position + initial.zero, initial.velocity
         pusher = _pusher(mujoco, model, joint.id)
         force = mujoco_replay.averages(record, steps)
-        out = np.empty(force.shape[0] + 1)
-        out[0] = data.qpos[place]
-        for i, row in enumerate(force):
-            for value in row:
-                if pusher is None:
-                    data.qfrc_applied[dof] = value
-                else:
-                    data.ctrl[pusher] = value
-                mujoco.mj_step(model, data)
-            out[i + 1] = data.qpos[place]
+        with mujoco_replay.quiet():
+            out = _stepped(mujoco, model, data, (place, dof, pusher), force)
         return mujoco_replay.at_samples(record, _finite(out, self.name))
+
+
+def _stepped(
+    mujoco: Any, model: Any, data: Any, at: tuple[int, int, int | None], force: FloatArray
+) -> FloatArray:
+    """Joint positions after each row of forces, from the state given on; ``at``: position, freedom and actuator."""
+    place, dof, pusher = at
+    out = np.empty(force.shape[0] + 1)
+    out[0] = data.qpos[place]
+    for i, row in enumerate(force):
+        for value in row:
+            if pusher is None:
+                data.qfrc_applied[dof] = value
+            else:
+                data.ctrl[pusher] = value
+            mujoco.mj_step(model, data)
+        out[i + 1] = data.qpos[place]
+    return out
 
 
 def _pusher(mujoco: Any, model: Any, joint: int) -> int | None:

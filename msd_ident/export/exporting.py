@@ -10,6 +10,7 @@ from pathlib import Path
 from msd_ident.errors import SetupError, UsageError
 from msd_ident.export import nearest as nearby
 from msd_ident.export import posterior
+from msd_ident.export.laws import fastest
 from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan, check_scale, check_units, scaled
 from msd_ident.export.proof import Proof, replayed
@@ -23,6 +24,8 @@ from msd_ident.validation import as_saved
 
 #: Solver steps a step of the record, where dry friction acts and where not, and at most.
 DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 64
+#: Part of the fastest law's time that a step may take at most.
+QUICK = 0.5
 #: Distance of the replay from this simulation that is good enough, in noise floors; and what a finer step aims at.
 CLOSE, AIM = 0.2, 0.12
 #: Whole models, whose motion is right also where forces have no newtons.
@@ -89,11 +92,11 @@ def _planned(
     elif target.needs_newtons:
         check_scale(saved, target.name, WHOLE)
     rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())
-    period = 1.0 / saved.rate if saved.rate > 0.0 else (records[0].period if records else 1e-3)
+    period = records[0].period if records else 1.0 / saved.rate if saved.rate > 0.0 else 1e-3
     made = posterior.draw(saved, records, options.draws) if target.name == "draws" else None
     plan = Plan(
         saved=told, model=model, joint=options.joint, zero=zero if near is None else near.zero,
-        period=records[0].period if records else period, steps=options.steps or _steps(model), force_scale=scale,
+        period=period, steps=options.steps or _steps(model, period), force_scale=scale,
         rows=rows, draws=made,
     )  # fmt: skip
     return plan, near
@@ -103,22 +106,22 @@ def _rows(saved: SavedModel, target: Target) -> tuple[Row, ...]:
     return tuple(Row(effect.name, target.saying(effect, saved.model)) for effect in saved.model.effects)
 
 
-def _steps(model: Model) -> int:
-    """Steps to begin with: a solver that meets dry friction within a step turns it round a part of the step late."""
+def _steps(model: Model, period: float) -> int:
+    """Steps to begin with: enough for the fastest law, and more where dry friction is solved once a step."""
     dry = any("friction" in effect.laws() for effect in model.effects)
-    return DRY_STEPS if dry else STEPS
+    needed = math.ceil(period * fastest(model) / QUICK)
+    return min(max(DRY_STEPS if dry else STEPS, needed), MOST_STEPS)
 
 
 def _written_and_proven(made: Export, options: Options, records: Sequence[Record]) -> Export:
-    """Write, replay, and once more with finer steps where the target's steps are seen in the noise."""
+    """Write, replay, and again with finer steps while the target's steps are seen in the noise."""
     made = made.written()
     why = _not_replayed(made.target, records)
     if why:
         return replace(made, not_replayed=why)
     try:
         proof = replayed(made, records)
-        finer = _finer(made, proof, options)
-        if finer > made.plan.steps:
+        while (finer := _finer(made, proof, options)) > made.plan.steps:
             made = replace(made, plan=replace(made.plan, steps=finer)).written()
             proof = replayed(made, records, proof)
     except SetupError as missing:
@@ -132,7 +135,9 @@ def _finer(made: Export, proof: Proof, options: Options) -> int:
         return made.plan.steps
     floor = made.plan.saved.noise_floor
     worst = max(part.distance for part in proof.parts)
-    if not floor > 0.0 or not math.isfinite(worst) or worst <= CLOSE * floor:
+    if not math.isfinite(worst):
+        return min(4 * made.plan.steps, MOST_STEPS)
+    if not floor > 0.0 or worst <= CLOSE * floor:
         return made.plan.steps
     return min(math.ceil(made.plan.steps * worst / (AIM * floor)), MOST_STEPS)
 

@@ -52,7 +52,8 @@ class @CLASS@(Fmi2Slave):
         if self.y is None:
             lag = self.initial_lagged_force
             position, velocity = self.initial_position, self.initial_velocity
-            self.y, self.kept = np.array([position, velocity@FMU_START@], dtype=float), @KEPT@
+            self.y = np.array([position, velocity@FMU_START@], dtype=float)
+            self.kept = reversal(position, 0.0, @KEPT@)
         self.waiting.append((current_time + @DELAY@, FORCE_SIGN * self.force))
         t, end = current_time, current_time + step_size
         while t < end - 1e-12:

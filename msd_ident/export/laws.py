@@ -8,6 +8,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable
 
+from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
 
 #: Effects that have no law of force: they change how the plant is built.
@@ -76,3 +77,32 @@ def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
     """The one law of this kind as an expression, or ``otherwise``."""
     found = [call(type(effect), kind) for effect in effects if kind in effect.laws()]
     return found[0] if found else otherwise
+
+
+def fastest(model: Model) -> float:
+    """Fastest rate of a model [1/s], for the step of an integration: swings, damping, stops, lag, second mass, laws.
+
+    A law with a force over a length (a ripple, a hysteresis) has a stiffness of its own, one with a force over a speed
+    a damping.
+    """
+    value = dict(zip(model.names, model.values.tolist(), strict=True))
+    stiffness = model.stiffness + value.get("stop_stiffness", 0.0) + value.get("second_stiffness", 0.0)
+    damping = model.damping + value.get("second_damping", 0.0)
+    for effect in model.effects:
+        force, length, speed = (_of_unit(effect, unit) for unit in ("N", "m", "m/s"))
+        if force and length and effect.laws():
+            stiffness += 2.0 * math.pi * max(force) / min(length)
+        if force and speed and effect.laws():
+            damping += max(force) / min(speed)
+    rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
+    if second := value.get("second_mass", 0.0):
+        rates += [math.sqrt(value["second_stiffness"] / second), value["second_damping"] / second]
+    if lag := value.get("lag_time", 0.0):
+        rates.append(1.0 / lag)
+    return float(max(rates))
+
+
+def _of_unit(effect: Effect, unit: str) -> list[float]:
+    """Sizes of an effect's finite parameters of a unit that are not 0."""
+    sizes = (abs(v) for p, v in zip(effect.parameters, effect.values, strict=True) if p.unit == unit)
+    return [size for size in sizes if 0.0 < size < math.inf]

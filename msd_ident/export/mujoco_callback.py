@@ -43,7 +43,7 @@ class Memory:
 
     def restart(self, t, x, v):
         self.time, self.x, self.v, self.direction = t, x, v, sign(v)
-        self.kept = {{{start}}}
+        self.kept = reversal(x, 0.0, **{{{start}}})
 
     def at(self, t, x, v, a, step):
         """Direction of the motion and what is remembered, for this stage of this step."""

@@ -87,6 +87,8 @@ class Proof:
 def percent_text(percent: float) -> str:
     """An explained part with two digits of what is left to 100 %."""
     left = abs(100.0 - percent)
+    if not math.isfinite(left):
+        return "no"
     digits = min(max(1 - math.floor(math.log10(left)), 0), 9) if left > 0.0 else 0
     return f"{percent:.{digits}f}"
 

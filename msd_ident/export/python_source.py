@@ -121,11 +121,12 @@ def advance(t, end, y, push, mode, kept):
             t, y = t + h, new
             continue
         t, y, turned = located(t, y, t + h, push, mode, kept)
-        if turned:
-            y[1] = 0.0
-            before, mode = mode, begin(t, y, push(t), kept) if mode else breaks(t, y, push(t), kept)
-            if before and mode != before:
-                kept = reversal(y[0], before, kept)
+        if turned and mode:
+            # What is remembered is remembered from here, whichever way it goes on.
+            y[1], kept = 0.0, reversal(y[0], mode, kept)
+            mode = begin(t, y, push(t), kept)
+        elif turned:
+            mode = breaks(t, y, push(t), kept)
     return y, mode, kept
 
 
@@ -147,7 +148,7 @@ def simulate(time, force_time, force, position=0.0, velocity=0.0, hold=HOLD):
     inside = stamps[(stamps > time[0]) & (stamps < time[-1])]
     edges = np.union1d(time, inside)
     at = np.searchsorted(stamps, edges, side="right") - 1
-    kept = @KEPT@
+    kept = reversal(position, 0.0, @KEPT@)
     y = np.array([position, velocity@START@], dtype=float)
     out, place, mode = np.empty(time.size), 0, None
     for i, t in enumerate(edges):
@@ -212,7 +213,7 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "ZERO": laws.number(plan.zero),
         "SIGN": str(plan.saved.force_sign),
         "HOLD": "linear" if plan.saved.force_hold in ("linear", "band_limited") else "zero",
-        "RATE": laws.number(rate(plan)),
+        "RATE": laws.number(laws.fastest(plan.model)),
         "FUNCTIONS": f"\n{functions}\n\n" if functions else "",
         "COMMAND": laws.one(effects, "input_map", "u"),
         "FRICTION": laws.one(effects, "friction", "0.0"),
@@ -220,19 +221,6 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "READING": laws.one(effects, "reading", "x"),
         "FORCES": "".join(f"    total -= {one}\n" for one in calls),
     }
-
-
-def rate(plan: Plan) -> float:
-    """Fastest rate of the model [1/s]: swings, damping, stops, lag, second mass."""
-    mass = plan.model.mass
-    stiffness = plan.model.stiffness + plan.value("stop_stiffness") + plan.value("second_stiffness")
-    found = [(stiffness / mass) ** 0.5, (plan.model.damping + plan.value("second_damping")) / mass]
-    if plan.value("second_mass") > 0.0:
-        second = plan.value("second_mass")
-        found += [(plan.value("second_stiffness") / second) ** 0.5, plan.value("second_damping") / second]
-    if plan.value("lag_time") > 0.0:
-        found.append(1.0 / plan.value("lag_time"))
-    return float(max(found))
 
 
 def structure(plan: Plan) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -92,6 +93,8 @@ class Export:
         if self.proof is None:
             return f"Not replayed: {self.not_replayed}."
         proof = self.proof
+        if not math.isfinite(proof.see("target")):
+            return f"In {self.target.name} the model blows up at steps of {self.plan.step:.3g} s: give more --steps."
         said = (
             f"In {self.target.name} the model leaves {proof.see('target'):.3g} {unit}, {proof.ratio:.3f} times what it "
             f"leaves here; mass, damping and stiffness alone leave {proof.see('base'):.3g} {unit} there"

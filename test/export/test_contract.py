@@ -87,6 +87,21 @@ def test_fmu_moves_alike(effects: tuple[str, ...], tmp_path: Path) -> None:
     assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-3 * np.std(ours)
 
 
+@pytest.mark.parametrize("start", [(0.02, 0.0), (-0.01, 0.2)])
+@pytest.mark.parametrize("target", ["mujoco", "python", "fmu"])
+def test_what_is_remembered_begins_where_the_motion_does(
+    target: str, start: tuple[float, float], tmp_path: Path
+) -> None:
+    record, model = effect_examples.silent(1000.0, 1.0), effect_examples.model("hysteresis")
+    one, plan = BY_NAME[target], Plan(saved(model), model, steps=2)
+    out = tmp_path / f"rig{one.suffixes[0]}"
+    for path, content in one.files(plan, out).items():
+        path.write_bytes(content)
+    got = one.replay(out, plan, Start(record, Initial(*start, 0.0)))
+    ours = Simulator(model, record).positions(model.values, *start)
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-4 * np.std(ours)
+
+
 @pytest.mark.parametrize("target", ["mujoco", "python"])
 def test_all_together(target: str, tmp_path: Path) -> None:
     """Eleven effects at once, a force that was turned, and a start in motion."""

@@ -61,6 +61,21 @@ def test_steps_are_made_finer_where_the_noise_shows_them(tmp_path: Path) -> None
     assert fine.proof.distance < 0.2 * coarse.proof.distance
 
 
+def test_a_stiff_law_gets_steps_that_carry_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ripple of a tenth of a millimetre, sampled at 100 Hz: one step a sample would blow up."""
+    monkeypatch.chdir(tmp_path)
+    model = effect_examples.plant() + effect_examples.by_name("hysteresis")(0.5, 1e-5)
+    record = measured(model, effect_examples.record(100.0, duration=3.0))
+    for name in ("mujoco", "python"):
+        out = tmp_path / f"rig{target(name).suffixes[0]}"
+        found = export(replace(saved(model), rate=100.0), target(name), out, Options(), (record,))
+        assert found.proof is not None and found.proof.ratio == pytest.approx(1.0, abs=0.1), name
+    coarse = export(saved(model), target("mujoco"), tmp_path / "coarse.xml", Options(steps=1), (record,))
+    assert coarse.proof is not None and not coarse.proof.ratio < 2.0
+    assert "blows up at steps of 0.01 s: give more --steps" in coarse.sentence
+    assert not list(tmp_path.glob("MUJOCO_LOG*"))
+
+
 @pytest.mark.parametrize("effect", ["hysteresis", "stribeck_friction", "cogging", "stiffness_drift"])
 def test_predicted_cost_is_the_replayed_one(effect: str, tmp_path: Path) -> None:
     found = made("mujoco-xml", tmp_path, effect)
