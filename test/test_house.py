@@ -35,7 +35,7 @@ STOREYS = (
     ("pipeline", "saved"),
     ("joints", "validation"),
     ("investigation", "export"),
-    ("comparison",),
+    ("external",),
     ("report",),
     ("live",),
     ("ros",),

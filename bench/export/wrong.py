@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.export.results import drawn, fitted
-from msd_ident.comparison import MujocoSimulation, compare
+from msd_ident.external import MujocoSimulation, compare
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
 from msd_ident.model import Model

@@ -12,7 +12,7 @@ from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
     from msd_ident.bag import SourceOptions
-    from msd_ident.comparison import Comparison, Simulation
+    from msd_ident.external import Comparison, Simulation
     from msd_ident.record import Record
 
 
@@ -42,12 +42,12 @@ class Chosen:
         Raises:
             DataError, UsageError: the file of positions cannot be read.
         """
-        from msd_ident import comparison
+        from msd_ident import external
 
         if self.mujoco is not None:
-            return comparison.MujocoSimulation(self.mujoco, self.joint)
+            return external.MujocoSimulation(self.mujoco, self.joint)
         if self.function:
-            return comparison.FunctionSimulation(self.function)
+            return external.FunctionSimulation(self.function)
         assert self.simulated is not None
         return table(self.simulated, source)
 
@@ -57,7 +57,7 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     from dataclasses import replace
 
     from msd_ident.bag import SourceOptions, read
-    from msd_ident.comparison import TableSimulation
+    from msd_ident.external import TableSimulation
     from msd_ident.errors import DataError
 
     plain = SourceOptions(force="none", position_unit=source.position_unit)
@@ -72,12 +72,12 @@ def compare(
     paths: Sequence[Path], source: SourceOptions, together: bool, output: run.Output, chosen: Chosen
 ) -> int:
     """Compare every path, or all together, with the simulation; the exit code."""
-    from msd_ident import comparison
-    from msd_ident.report.comparison import print_comparison
+    from msd_ident import external
+    from msd_ident.report.external import print_comparison
 
     simulation = chosen.simulation(source)
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Comparison:
-        return comparison.compare(simulation, records, progress)
+        return external.compare(simulation, records, progress)
 
     return run.work(paths, source, together, output, solve, print_comparison)

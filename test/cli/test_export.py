@@ -77,7 +77,7 @@ def test_simulated_positions_of_a_file(rig: Path, tmp_path: Path) -> None:
     found = run("validate", rig / "rig.csv", "--mujoco", tmp_path / "rig.xml", "--joint", "x", "--json", "-")
     assert found.code == 0, found.err
     told = json.loads(found.out)
-    assert told["schema"] == "msd.comparison/1" and told["explained_percent"] > 99.9
+    assert told["schema"] == "msd.external/1" and told["explained_percent"] > 99.9
     positions = np.loadtxt(rig / "rig.csv", delimiter=",", skiprows=1)[:, [0, 2]] * [1.0, 0.9]
     header = "time_s,position_m"
     np.savetxt(tmp_path / "theirs.csv", positions, delimiter=",", header=header, comments="", fmt="%.9g")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from exportrigs import measured, saved
 
-from msd_ident.comparison import Comparison, FunctionSimulation, MujocoSimulation, TableSimulation, compare
+from msd_ident.external import Comparison, FunctionSimulation, MujocoSimulation, TableSimulation, compare
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
@@ -91,7 +91,7 @@ def test_a_stiffness_that_is_off(
     import json_contract
 
     page = (repository / "docs" / "json.md").read_text(encoding="utf-8")
-    known = json_contract.documented(page, "msd.comparison/1")
+    known = json_contract.documented(page, "msd.external/1")
     assert known - {"path"} == {"warnings[]" if path == "warnings" else path for path in json_contract.paths(told)}
 
 

@@ -1,8 +1,8 @@
-"""comparison: what somebody else's simulation gets wrong about a record."""
+"""external: what somebody else's simulation gets wrong about a record."""
 
-from msd_ident.comparison.comparing import Comparison, compare
-from msd_ident.comparison.difference import Difference
-from msd_ident.comparison.simulations import (
+from msd_ident.external.comparing import Comparison, compare
+from msd_ident.external.difference import Difference
+from msd_ident.external.simulations import (
     FunctionSimulation,
     MujocoSimulation,
     Simulation,

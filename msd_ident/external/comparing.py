@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from msd_ident import pipeline, seeds
-from msd_ident.comparison.difference import Difference, differences
-from msd_ident.comparison.simulations import Simulation
+from msd_ident.external.difference import Difference, differences
+from msd_ident.external.simulations import Simulation
 from msd_ident.diagnose import Diagnosis
 from msd_ident.fit import FitResult, fit, see
 from msd_ident.fit.posing import Zero
@@ -24,7 +24,7 @@ from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray, Record
 
-SCHEMA = "msd.comparison/1"
+SCHEMA = "msd.external/1"
 #: Noise floors that the rig's structure may leave of a simulation; more, and the simulation is diagnosed too.
 _ALIKE = 1.3
 
@@ -76,7 +76,7 @@ class Comparison:
         return f"{said}; with what follows mended it would leave {self.rig.see:.3g} {unit}."
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The contract ``msd.comparison/1`` without ``path``."""
+        """The contract ``msd.external/1`` without ``path``."""
         return {
             "schema": SCHEMA,
             "simulation": self.simulation,

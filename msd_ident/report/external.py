@@ -10,7 +10,7 @@ from msd_ident.report.tables import new_table, say
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.comparison import Comparison
+    from msd_ident.external import Comparison
 
 
 def print_comparison(found: Comparison, console: Console) -> None:
