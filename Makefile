@@ -7,6 +7,7 @@
 # make bench-live  processor time and memory of the live view, ten minutes
 # make blind    the long study with hidden causes
 # make real     measured rigs beside the repository (../shared/data), and what is true of them; without the data it says so
+# make bench-export  exported models replayed in MuJoCo, wrong models, measured rigs (long)
 # make blind-design  designed experiments on rigs with a hidden cause, and for µ (long); writes docs/blind-design.md
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
@@ -24,7 +25,7 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-live blind blind-design real study soak load fuzz audit clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-export bench-live blind blind-design real study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -56,6 +57,9 @@ bench-live: setup
 picture: setup
 	@.venv/bin/msd diagnose bags/drag_steps --figures out/picture --overwrite
 	@cp out/picture/drag_steps/verdict.png docs/images/verdict.png
+	@.venv/bin/msd diagnose bags/drag_steps --quiet --json out/picture/drag.json --overwrite
+	@.venv/bin/msd export out/picture/drag.json --to mujoco --out out/picture/drag.xml --figures out/picture --overwrite
+	@cp out/picture/drag_steps_in_mujoco/fit.png docs/images/export.png
 	@$(PY) -m bench.live --rate 200 --picture docs/images/live.png
 
 bench: setup
@@ -71,6 +75,10 @@ bench-compare: setup
 
 bench-watch: setup
 	@$(PY) -m bench.watch $(ARGS)
+
+bench-export: export OPENBLAS_NUM_THREADS = 1
+bench-export: setup
+	@$(PY) -m bench.export $(ARGS)
 
 blind-design: setup
 	@$(PY) -m bench.blind_design --docs docs $(ARGS)

@@ -69,6 +69,7 @@ setup(
     ],
     extras_require={
         "mat": ["h5py>=3.11"],  # MAT files of version 7.3
+        "export": ["mujoco>=4.0", "pythonfmu>=0.7", "fmpy>=0.3.32"],  # replays of `msd export`, and its FMU
         "live": ["bokeh>=3.7"],  # the page of `msd live`; `make setup` installs it
         # Many records: `msd batch`, `msd watch` of a folder; tables in parquet; records in object stores.
         "batch": ["dask>=2024.8", "distributed>=2024.8", "fsspec>=2024.6", "pyarrow>=17.0", "s3fs>=2024.6"],
@@ -78,14 +79,17 @@ setup(
             "mkdocs-material>=9.6",
         ],
         "test": [
+            "fmpy>=0.3.32",
             "h5py>=3.11",
             "hypothesis>=6.100",
             "flask>=3.0",  # with flask-cors: the server of moto, an object store on this machine
             "flask-cors>=5.0",
             "moto[s3]>=5.0",
+            "mujoco>=4.0",
             "mypy>=1.11",
             "playwright>=1.45",  # drives the Chromium of the machine
             "plotly>=6.0",  # says whether the page's figures are valid
+            "pythonfmu>=0.7",
             "pytest>=8.2,<9.2",  # 9.2 loses the groups of pytest-xdist up to 3.8 (its issue 1386)
             "pytest-timeout>=2.3",
             "pytest-xdist>=3.7",

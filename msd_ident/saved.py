@@ -37,6 +37,12 @@ class SavedModel:
         zeros: reading at which the spring is relaxed, of each of its records; none where the result does not tell.
         causes: what the model holds beyond mass, damping and stiffness.
         base_depends_on: of a diagnosis, share of the base model's missing force that each signal explains.
+        base: mass, damping and stiffness alone; ``None`` where the result does not tell.
+        rate: samples a second of its first record [Hz]; NaN where the result does not tell.
+        noise_floor: what no model can get below on its record, in the position unit.
+        rivals: other sets of causes that stand, with their probabilities.
+        text: the result as JSON.
+        scale_assumed: whether no force set anything in motion, so that its forces are those of an assumed mass.
     """
 
     schema: str
@@ -51,6 +57,12 @@ class SavedModel:
     zeros: tuple[float, ...]
     causes: tuple[str, ...]
     base_depends_on: Mapping[str, float]
+    base: Model | None = None
+    rate: float = math.nan
+    noise_floor: float = math.nan
+    rivals: tuple[tuple[tuple[str, ...], float], ...] = ()
+    text: str = ""
+    scale_assumed: bool = False
 
 
 def load(path: str | os.PathLike[str]) -> SavedModel:
@@ -111,6 +123,12 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             zeros=tuple(_number(start["zero_m"]) for start in result.get("initial", ())),
             causes=effects,
             base_depends_on={key: float(value) for key, value in result.get("missing_force_depends_on", {}).items()},
+            base=_base(result),
+            rate=_number(sheets[0].get("rate_hz")),
+            noise_floor=_number(result.get("noise_floor_m")),
+            rivals=tuple((tuple(one["causes"]), float(one["probability"])) for one in result.get("rivals", ())),
+            text=json.dumps(result, ensure_ascii=False) + "\n",
+            scale_assumed=_assumed(parameters, result),
         )
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, UsageError) as error:
         raise DataError(
@@ -166,6 +184,22 @@ def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
         effect = by_name(name)
         model = model + effect.from_values({p.name: values.get(p.name, math.inf) for p in effect.parameters})
     return model
+
+
+def _base(result: Mapping[str, Any]) -> Model | None:
+    """The linear model of a result: the base of a diagnosis, the original one of an identification."""
+    told = result.get("base") or result.get("original")
+    if told is None:
+        return None
+    values = {key: _quantity(value).value for key, value in told["parameters"].items()}
+    return Plant(values["mass"], values["damping"], values["stiffness"])
+
+
+def _assumed(parameters: Mapping[str, Quantity], result: Mapping[str, Any]) -> bool:
+    """Whether the mass is a kilogram because no force tells it: neither fitted nor given."""
+    given = {str(one["name"]) for one in result.get("known", ())}
+    mass = parameters["mass"]
+    return mass.value == 1.0 and mass.std == 0.0 and not given & {"mass", "stiffness", "damping"}
 
 
 def _effects_of(parameters: Mapping[str, Quantity]) -> tuple[str, ...]:

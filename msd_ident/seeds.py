@@ -14,9 +14,13 @@ RANDOM_STEPS = 20141
 REMAINDER = 20142
 #: Simulated copies of a record: strengths, noise and missing force.
 CALIBRATION = 20143
+#: Parameter sets of an exported posterior.
+DRAWS = 20144
+#: Noise of the encoder on positions that somebody else's simulation gives.
+ENCODER = 20145
 
 #: Lots between equal probabilities of a robot that is watched over days; of no diagnosis, so not in ``ALL``.
-MONITORING = 20143
+MONITORING = 20146
 
 #: By what they are drawn for.
 ALL = {
@@ -24,4 +28,6 @@ ALL = {
     "random steps beside a designed profile": RANDOM_STEPS,
     "interval of the missing force": REMAINDER,
     "simulated copies of the record": CALIBRATION,
+    "draws of an exported posterior": DRAWS,
+    "noise on a simulation that is compared": ENCODER,
 }

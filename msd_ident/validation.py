@@ -190,13 +190,9 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
         UsageError: no records, or records in other units than the model.
         DataError: the data cannot carry any estimate.
     """
-    _check_units(saved, records)
-    hold = saved.force_hold
-    asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
-    data = prepared(asked)
-    used, warnings = _turned_as_saved(data, saved)
+    used, data, warnings = as_saved(saved, records)
     refit = options.refit_zero or not saved.zeros
-    initial, residuals = _simulated(saved, used, refit)
+    initial, residuals = simulated(saved, used, refit)
     if not refit:
         warnings += _zero_moved(saved, used, residuals)
     elif not options.refit_zero:
@@ -225,6 +221,23 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     )
 
 
+def as_saved(
+    saved: SavedModel, records: Sequence[Record]
+) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
+    """Records as the model is simulated on them: cleaned, held and turned like its own; with what was found.
+
+    Raises:
+        UsageError: no records, or records in other units than the model.
+        DataError: the data cannot carry any estimate.
+    """
+    _check_units(saved, records)
+    hold = saved.force_hold
+    asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
+    data = prepared(asked)
+    used, warnings = _turned_as_saved(data, saved)
+    return used, data, warnings
+
+
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
     if not records:
         raise UsageError("no records to try the model on; expected at least one")
@@ -251,7 +264,7 @@ def _turned_as_saved(data: Prepared, saved: SavedModel) -> tuple[tuple[Record, .
     return tuple(replace(record, force=-record.force) for record in data.used), (*data.warnings, said)
 
 
-def _simulated(
+def simulated(
     saved: SavedModel, records: tuple[Record, ...], refit_zero: bool
 ) -> tuple[tuple[Initial, ...], tuple[FloatArray, ...]]:
     """Start of each record by least squares, and what the model leaves from there."""

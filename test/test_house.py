@@ -36,7 +36,8 @@ STOREYS = (
     ("joints", "validation"),
     ("batching",),
     ("comparison", "monitoring"),
-    ("investigation",),
+    ("investigation", "export"),
+    ("external",),
     ("report",),
     ("live",),
     ("ros",),
@@ -64,6 +65,7 @@ AT_HOME = {
     **dict.fromkeys(("dask", "distributed", "fsspec", "pyarrow"), ("msd_ident.batching",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
     "h5py": ("msd_ident.bag",),
+    **dict.fromkeys(("mujoco", "fmpy"), ("msd_ident.export",)),
 }
 
 LONGEST_FUNCTION = 60

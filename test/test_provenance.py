@@ -58,5 +58,5 @@ def test_whatever_draws_takes_its_seed_from_there_or_from_the_profile(repository
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("default_rng", "random.seed")):
                 taken.add(", ".join(map(ast.unparse, node.args)))
-    drawn = {"seeds.PREDICTION", "seeds.RANDOM_STEPS", "seeds.REMAINDER", "[seeds.CALIBRATION, *number]"}
-    assert taken == drawn | {"self.seed"}
+    names = ("PREDICTION", "RANDOM_STEPS", "REMAINDER", "DRAWS", "ENCODER")
+    assert taken == {*(f"seeds.{name}" for name in names), "[seeds.CALIBRATION, *number]", "self.seed"}

@@ -13,6 +13,7 @@ import command_page  # noqa: E402
 import docs_equations  # noqa: E402
 import docs_values  # noqa: E402
 import effect_pages  # noqa: E402
+import export_tables  # noqa: E402
 import ros_tables  # noqa: E402
 from mkdocs.config.defaults import MkDocsConfig  # noqa: E402
 from mkdocs.exceptions import PluginError  # noqa: E402
@@ -20,8 +21,8 @@ from mkdocs.structure.files import File, Files  # noqa: E402
 
 #: Written by studies (`make blind` and others): in the contents where they are there.
 OPTIONAL = ("planning.md", "reliability.md", "accuracy.md", "blind-study.md", "blind-design.md")
-_TABLE = re.compile(r"^<!-- (message|parameters): (\S+) -->$", re.MULTILINE)
-_TABLES = {"message": ros_tables.message, "parameters": ros_tables.parameters}
+_TABLE = re.compile(r"^<!-- (message|parameters|export): (\S+) -->$", re.MULTILINE)
+_TABLES = {"message": ros_tables.message, "parameters": ros_tables.parameters, "export": export_tables.written}
 
 
 def generated() -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from msd_ident.cli import pages, run, sources, trials
+from msd_ident.cli import exports, pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -24,6 +24,7 @@ def diagnose(
     calibrate: sources.CalibrateOption = False,
     together: sources.TogetherOption = False,
     on: trials.OnOption = None,
+    export: exports.ExportOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -45,7 +46,8 @@ def diagnose(
         return diagnose_joints(paths, source, options, output, others)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
-    tried = trials.Trials(on or (), source)
+    tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
+    exported.check(1 if together else len(paths))
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:
         def tell(stage: str, fraction: float, cause: str) -> None:
@@ -53,6 +55,7 @@ def diagnose(
 
         return pipeline.diagnose(records, options, tell)
 
-    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, targets.keep, tried)
+    further = trials.both(tried, exported)
+    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, exported.keep, further)
     targets.finish()
     return code

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
-from msd_ident.cli import pages, run, sources, trials
+from msd_ident.cli import exports, pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident import pipeline
@@ -31,6 +31,7 @@ def identify(
     ] = None,
     together: sources.TogetherOption = False,
     on: trials.OnOption = None,
+    export: exports.ExportOption = None,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
     markdown: pages.MarkdownOption = None,
@@ -47,11 +48,13 @@ def identify(
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
-    tried = trials.Trials(on or (), source)
+    tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
+    exported.check(1 if together else len(paths))
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
         return pipeline.identify(records, options, progress)
 
-    code = run.work(paths, source, together, output, solve, tables.print_identification, targets.keep, tried)
+    further = trials.both(tried, exported)
+    code = run.work(paths, source, together, output, solve, tables.print_identification, exported.keep, further)
     targets.finish()
     return code

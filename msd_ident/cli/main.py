@@ -11,8 +11,8 @@ from msd_ident.errors import MsdError, UsageError
 
 #: Subcommands, each a module of this package with a function of the same name.
 COMMANDS = (
-    *("identify", "diagnose", "validate", "batch", "compare", "watch", "design", "run", "investigate", "record"),
-    *("replay", "live", "repair", "simulate", "demo", "paper", "info", "warm"),
+    *("identify", "diagnose", "validate", "export", "batch", "compare", "watch", "design", "run", "investigate"),
+    *("record", "replay", "live", "repair", "simulate", "demo", "paper", "info", "warm"),
 )
 #: Modules that are not called like their subcommand, and the function in them.
 MODULES = {"run": "run_profile"}

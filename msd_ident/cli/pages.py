@@ -17,6 +17,7 @@ from msd_ident.cli import run
 if TYPE_CHECKING:
     from msd_ident.bag import SourceOptions
     from msd_ident.diagnose import Diagnosis
+    from msd_ident.export import Export
     from msd_ident.identification import Identification
     from msd_ident.provenance import Origin, Provenance
     from msd_ident.validation import Validation
@@ -51,7 +52,7 @@ class Pages:
     figures: Path | None
     source: SourceOptions
     output: run.Output
-    kept: list[tuple[tuple[Path, ...], Diagnosis | Identification | Validation]] = field(default_factory=list)
+    kept: list[tuple[tuple[Path, ...], Diagnosis | Identification | Validation | Export]] = field(default_factory=list)
 
     def check(self) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
@@ -66,7 +67,7 @@ class Pages:
         if self.figures is not None:
             run.make_folder(self.figures)
 
-    def keep(self, paths: tuple[Path, ...], found: Diagnosis | Identification | Validation) -> None:
+    def keep(self, paths: tuple[Path, ...], found: Diagnosis | Identification | Validation | Export) -> None:
         """Remember a result."""
         self.kept.append((paths, found))
 
@@ -98,10 +99,12 @@ class Pages:
             page.save(results, self.report, told)
             lines.append(f"report: {self.report}")
         if self.markdown is not None:
+            from msd_ident.export import Export
             from msd_ident.report import markdown
             from msd_ident.validation import Validation
 
-            markdown.save([found for found in results if not isinstance(found, Validation)], self.markdown, told)
+            plain = [found for found in results if not isinstance(found, Validation | Export)]
+            markdown.save(plain, self.markdown, told)
             lines.append(f"summary: {self.markdown}")
         return lines
 
@@ -112,7 +115,8 @@ class Pages:
 
         lines = []
         for _, found in self.kept:
-            target = self.figures / "+".join(record.name for record in found.records).replace("/", "_")
+            name = "+".join(record.name for record in found.records)
+            target = self.figures / f"{name}{getattr(found, 'label', '')}".replace("/", "_")
             if target.is_dir():
                 for path in figures.paths(found, target):
                     run.check_target(path, self.output.overwrite)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
@@ -52,3 +52,12 @@ class Trials:
             if console is not None:
                 print_validation(found, console)
         return {"validations": told}
+
+
+#: What is done with a result once it is shown; gives further keys for its JSON.
+Further = Callable[[Mapping[str, Any], "Console | None"], dict[str, Any]]
+
+
+def both(first: Further, second: Further) -> Further:
+    """One after the other, the keys of both."""
+    return lambda result, console: {**first(result, console), **second(result, console)}

@@ -14,14 +14,19 @@ from msd_ident.errors import UsageError
 if TYPE_CHECKING:
     from msd_ident.record import Record
     from msd_ident.saved import SavedModel
-    from msd_ident.validation import Validation
+    from msd_ident.validation import Options, Validation
 
 
 @sources.reading
 def validate(
-    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
-    paths: sources.PathsArgument,
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")
+    ],
     source: sources.Source,
+    paths: Annotated[
+        Optional[list[Path]],  # noqa: UP045
+        typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+    ] = None,
     line: Annotated[
         Optional[int],  # noqa: UP045
         typer.Option("--line", min=1, help="which result of a file with several, one a line"),
@@ -33,6 +38,18 @@ def validate(
         Optional[float],  # noqa: UP045
         typer.Option("--require", metavar="PERCENT", help="exit code 1 where less of the motion is explained"),
     ] = None,
+    mujoco: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--mujoco", metavar="ROBOT.xml", help="try this MuJoCo model in place of a result; with --joint"),
+    ] = None,
+    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco")] = "",
+    function: Annotated[
+        str, typer.Option("--callable", metavar="MODULE:FUNCTION", help="try this Python function in place of a result")
+    ] = "",
+    simulated: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--simulated", metavar="FILE", help="try these simulated positions in place of a result"),
+    ] = None,
     together: sources.TogetherOption = False,
     json: sources.JsonOption = "",
     report: pages.ReportOption = None,
@@ -40,15 +57,28 @@ def validate(
     quiet: sources.QuietOption = False,
     overwrite: sources.OverwriteOption = False,
 ) -> int:
-    """Validate a saved model on other records: simulate it as it is, nothing refitted but how the record began."""
+    """Validate a saved model on other records, nothing refitted but their start, or name what your simulation lacks."""
+    output = run.Output(json, quiet, overwrite)
+    if mujoco is not None or function or simulated is not None:
+        from msd_ident.cli import theirs
+
+        chosen = theirs.Chosen(mujoco, joint, function, simulated)
+        return theirs.compare([result, *(paths or ())], source, together, output, chosen)
+    if not paths:
+        raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
+    from msd_ident import validation
+
+    options = validation.Options(refit_zero, require)
+    targets = pages.Pages(report, None, figures, source, output)
+    targets.check()
+    return _tried(saved_model(result, line), options, paths, together, targets)
+
+
+def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
+    """Try a saved model on every path, or on all together; the exit code."""
     from msd_ident import validation
     from msd_ident.report import validation as tables
 
-    options = validation.Options(refit_zero, require)
-    output = run.Output(json, quiet, overwrite)
-    targets = pages.Pages(report, None, figures, source, output)
-    targets.check()
-    saved = _saved(result, line)
     met = []
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
@@ -57,12 +87,14 @@ def validate(
         met.append(found.met)
         return found
 
+    source, output = targets.source, targets.output
     code = run.work(paths, source, together, output, solve, tables.print_validation, targets.keep)
     targets.finish()
     return code or (0 if all(met) else 1)
 
 
-def _saved(path: Path, line: int | None) -> SavedModel:
+def saved_model(path: Path, line: int | None) -> SavedModel:
+    """The saved model of a file, of the line asked for."""
     from msd_ident import saved
 
     if line is None:

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from msd_ident.diagnose import Diagnosis
+from msd_ident.export import Export
 from msd_ident.provenance import versions
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import Calibration
 from msd_ident.report.sections.causes import Causes
 from msd_ident.report.sections.data import Data
+from msd_ident.report.sections.export import Effects, Exported
 from msd_ident.report.sections.fit import Fit
 from msd_ident.report.sections.missing_force import MissingForce
 from msd_ident.report.sections.next_experiment import NextExperiment
@@ -37,7 +39,8 @@ if TYPE_CHECKING:
 
     from msd_ident.identification import Identification
     from msd_ident.provenance import Provenance
-    from msd_ident.report.plot import Plot
+    from msd_ident.record import FloatArray
+    from msd_ident.report.plot import Plot, Role
 
 #: A page is not larger than this, however many records it is about [bytes].
 LARGEST = 6_000_000
@@ -113,13 +116,39 @@ def of_validation(found: Validation, provenance: Provenance | None = None, detai
     return Article("msd validate", " + ".join(record.name for record in found.records), sections)
 
 
+def of_export(found: Export, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+    """The sections of an exported model: in its target with and without the correction."""
+    sections: list[Section] = [Exported(found)]
+    if found.proof is not None:
+        detail = detail or Detail.shared_by(len(found.records))
+        target = found.target.name
+        runs: tuple[tuple[str, Role], ...] = (("base", "base"), ("target", "extended"))
+        curves = [
+            ModelCurve(f"{'m, b, k alone' if name == 'base' else 'exported'}, in {target}", role, *_runs(found, name))
+            for name, role in runs
+        ]
+        sections.append(Fit(found.records, curves, found.plan.saved.noise_floor, detail))
+    sections.append(Effects(found))
+    if found.records:
+        sections.append(Data(found.records, (), provenance, None))
+    return Article("msd export", f"{found.out.name} ({found.target.name})", tuple(sections))
+
+
+def _runs(found: Export, name: str) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+    """Readings and residuals of a simulation in the target."""
+    assert found.proof is not None
+    readings = tuple(getattr(part, name) for part in found.proof.parts)
+    left = tuple(run - part.record.position for run, part in zip(readings, found.proof.parts, strict=True))
+    return readings, left
+
+
 def _saved_column(found: Validation) -> Column:
     saved = found.saved
     return Column("saved model", "extended", "model", saved.parameters, saved.see, saved.model)
 
 
 def articles(
-    results: Sequence[Diagnosis | Identification | Validation], provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Diagnosis | Identification | Validation | Export], provenance: Sequence[Provenance | None] = ()
 ) -> tuple[Article, ...]:
     """An article for each result, all together as detailed as one page can carry."""
     detail = Detail.shared_by(sum(len(found.records) for found in results))
@@ -129,13 +158,15 @@ def articles(
             made.append(of_diagnosis(found, origin, detail))
         elif isinstance(found, Validation):
             made.append(of_validation(found, origin, detail))
+        elif isinstance(found, Export):
+            made.append(of_export(found, origin, detail))
         else:
             made.append(of_identification(found, origin, detail))
     return tuple(made)
 
 
 def render(
-    results: Sequence[Diagnosis | Identification | Validation], provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Diagnosis | Identification | Validation | Export], provenance: Sequence[Provenance | None] = ()
 ) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
     from markupsafe import Markup
@@ -155,7 +186,7 @@ def render(
 
 
 def save(
-    results: Sequence[Diagnosis | Identification | Validation],
+    results: Sequence[Diagnosis | Identification | Validation | Export],
     path: Path,
     provenance: Sequence[Provenance | None] = (),
 ) -> None:

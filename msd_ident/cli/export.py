@@ -1,0 +1,124 @@
+"""``msd export``: a saved model as a file that another simulation reads, with proof by replay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Optional
+
+import typer
+
+from msd_ident.cli import pages, run, sources
+from msd_ident.cli.validate import saved_model
+from msd_ident.errors import MsdError, UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.bag import SourceOptions
+    from msd_ident.export import Target
+    from msd_ident.record import Record
+    from msd_ident.saved import SavedModel
+
+ToOption = Annotated[
+    str,
+    typer.Option(
+        "--to",
+        metavar="TARGET",
+        help="mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
+    ),
+]
+ReplayOption = Annotated[
+    Optional[list[Path]],  # noqa: UP045
+    typer.Option("--replay", metavar="PATH", help="record to prove it on; repeatable; else the result's own"),
+]
+
+
+@sources.reading
+def export(
+    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
+    source: sources.Source,
+    to: ToOption,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="main file; others go beside it")],
+    replay: ReplayOption = None,
+    no_replay: Annotated[bool, typer.Option("--no-replay", help="write only, prove nothing")] = False,
+    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="name of the joint")] = "x",
+    into: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--into", metavar="ROBOT.xml", help="put it into this MuJoCo model's joint, written to --out"),
+    ] = None,
+    fragment: Annotated[bool, typer.Option("--fragment", help="only the elements of the joint, to paste")] = False,
+    mass: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option("--mass", metavar="KG", help="the moving mass: newtons for a result that has only ratios"),
+    ] = None,
+    draws: Annotated[int, typer.Option("--draws", help="parameter sets of --to draws")] = 1000,
+    steps: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option("--steps", min=1, max=1000, help="solver steps a step of the record; else as the replay asks"),
+    ] = None,
+    line: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option("--line", min=1, help="which result of a file with several, one a line"),
+    ] = None,
+    json: sources.JsonOption = "",
+    report: pages.ReportOption = None,
+    figures: pages.FiguresOption = None,
+    quiet: sources.QuietOption = False,
+    overwrite: sources.OverwriteOption = False,
+) -> int:
+    """Export a saved model: MuJoCo, SDF, URDF, Python, FMU, gains or draws, and prove it by replay."""
+    from rich.console import Console
+
+    from msd_ident import export as exports
+    from msd_ident.bag import read_all
+    from msd_ident.report import export as tables
+
+    output = run.Output(json, quiet, overwrite)
+    output.check()
+    page = pages.Pages(report, None, figures, source, output)
+    page.check()
+    chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
+    chosen.check_name(out)
+    _check_files(chosen, out, overwrite)
+    saved = saved_model(result, line)
+    options = exports.Options(joint, mass, draws, steps)
+    paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
+    records = [record for path in paths for record in read_all(path, source)]
+    found = exports.export(saved, chosen, out, options, records)
+    if why and found.proof is None and found.target.library is not None:
+        found = found.unproven(why)
+    if output.tables:
+        tables.print_export(found, Console(highlight=False))
+    run.write([found.to_json_dict()], output)
+    page.keep(tuple(paths), found)
+    page.finish()
+    return 0
+
+
+def _check_files(target: Target, out: Path, overwrite: bool) -> None:
+    for path in (out, *target.beside(out)):
+        run.check_target(path, overwrite)
+
+
+def _paths(
+    saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
+) -> tuple[Sequence[Path], str]:
+    """Records to replay: those given, or that of the result where it is still there; else why there are none."""
+    from msd_ident.bag import read_all
+
+    if replay:
+        return replay, ""
+    for own in (Path(saved.path), result.parent / saved.path):
+        if saved.path and own.exists():
+            try:
+                for record in read_all(own, source):
+                    _check(saved, record)
+            except MsdError as error:
+                return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
+            return (own,), ""
+    return (), f"its own record {saved.path} is not here: give --replay PATH"
+
+
+def _check(saved: SavedModel, record: Record) -> None:
+    """Refuse a record in other units than the result before anything is written."""
+    if record.position_unit != saved.position_unit:
+        raise UsageError(f"it is read in {record.position_unit}; expected {saved.position_unit}")

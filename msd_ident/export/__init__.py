@@ -1,0 +1,55 @@
+"""export: an identified model as files that other simulations read, with proof by replay."""
+
+from pathlib import Path
+
+from msd_ident.errors import UsageError
+from msd_ident.export.draws_target import DrawsTarget
+from msd_ident.export.exporting import Options, export
+from msd_ident.export.fmu import FmuTarget
+from msd_ident.export.gains import GainsTarget
+from msd_ident.export.gazebo import SdfTarget, UrdfTarget
+from msd_ident.export.mujoco_plain import MujocoXmlTarget
+from msd_ident.export.mujoco_robot import FragmentTarget, RobotTarget
+from msd_ident.export.mujoco_target import MujocoTarget
+from msd_ident.export.python_target import PythonMsdTarget, PythonTarget
+from msd_ident.export.result import Export
+from msd_ident.export.target import Target
+
+__all__ = ["TARGETS", "Export", "Options", "Target", "export", "into", "target"]
+
+#: All targets.
+TARGETS: tuple[Target, ...] = (
+    MujocoTarget(),
+    MujocoXmlTarget(),
+    FragmentTarget(),
+    SdfTarget(),
+    UrdfTarget(),
+    PythonTarget(),
+    PythonMsdTarget(),
+    FmuTarget(),
+    GainsTarget(),
+    DrawsTarget(),
+)
+
+
+def target(name: str) -> Target:
+    """The target of this name.
+
+    Raises:
+        UsageError: there is none; the message lists those there are.
+    """
+    for one in TARGETS:
+        if one.name == name:
+            return one
+    raise UsageError(f"no target is called {name!r}; expected one of {', '.join(one.name for one in TARGETS)}")
+
+
+def into(path: Path, name: str) -> Target:
+    """A target that puts the joint into a robot's MuJoCo model.
+
+    Raises:
+        UsageError: the target asked for is not MuJoCo.
+    """
+    if name != "mujoco":
+        raise UsageError(f"--into with --to {name}; expected --to mujoco, whose models it changes")
+    return RobotTarget(path)

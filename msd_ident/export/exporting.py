@@ -1,0 +1,148 @@
+"""From a saved result to files that another simulation reads, with proof: written, run there, and compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from msd_ident.errors import SetupError, UsageError
+from msd_ident.export import nearest as nearby
+from msd_ident.export import posterior
+from msd_ident.export.laws import fastest
+from msd_ident.export.nearest import Nearest
+from msd_ident.export.plan import Plan, check_scale, check_units, scaled
+from msd_ident.export.proof import Proof, replayed
+from msd_ident.export.result import Export
+from msd_ident.export.saying import Row
+from msd_ident.export.target import Target
+from msd_ident.model import Model
+from msd_ident.record import Record
+from msd_ident.saved import SavedModel
+from msd_ident.validation import as_saved
+
+#: Solver steps a step of the record, where dry friction acts and where not, and at most.
+DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 64
+#: Part of the fastest law's time that a step may take at most.
+QUICK = 0.5
+#: Distance of the replay from this simulation that is good enough, in noise floors; and what a finer step aims at.
+CLOSE, AIM = 0.2, 0.12
+#: Whole models, whose motion is right also where forces have no newtons.
+WHOLE = "mujoco, mujoco-xml, python, python-msd, fmu or draws"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user decides about an export.
+
+    Attributes:
+        joint: name of the joint.
+        mass: the moving mass [kg or kg·m²], which gives a result without newtons its force scale.
+        draws: parameter sets to draw.
+        steps: solver steps a step of the record; ``None`` for as many as the replay asks for.
+    """
+
+    joint: str = "x"
+    mass: float | None = None
+    draws: int = 1000
+    steps: int | None = None
+
+
+def export(
+    saved: SavedModel, target: Target, out: Path, options: Options = Options(), records: Sequence[Record] = ()  # noqa: B008
+) -> Export:
+    """Write a result for a target, and run it there on the records.
+
+    Args:
+        saved: the result.
+        target: the format.
+        out: its main file; what it needs beside it goes into the same folder.
+        options: the user's.
+        records: for the nearest parameters, the draws and the proof; none for a file without proof.
+
+    Raises:
+        UsageError: units that no joint has, a result without newtons for a target that needs them, or records in
+            other units.
+        DataError: the records cannot carry any estimate.
+        SetupError: a library is missing, or the disk does not take the file.
+    """
+    target.check_name(out)
+    check_units(saved)
+    used = as_saved(saved, records)[0] if records else ()
+    plan, near = _planned(saved, target, options, used)
+    return _written_and_proven(Export(target, out, plan, _rows(saved, target), near), options, used)
+
+
+def _planned(
+    saved: SavedModel, target: Target, options: Options, records: Sequence[Record]
+) -> tuple[Plan, Nearest | None]:
+    zero = sum(saved.zeros) / len(saved.zeros) if saved.zeros else 0.0
+    near = nearby.nearest(target, saved, zero, records)
+    model, scale = saved.model if near is None else near.model, 1.0
+    told = saved
+    if options.mass is not None:
+        if saved.force_unit in ("N", "N·m") and not saved.scale_assumed:
+            raise UsageError(
+                "--mass with a result that has newtons already; expected none: identify again with --mass if the mass "
+                "is known better"
+            )
+        model, scale = scaled(replace(saved, model=model), options.mass)
+        told = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
+    elif target.needs_newtons:
+        check_scale(saved, target.name, WHOLE)
+    rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())
+    period = records[0].period if records else 1.0 / saved.rate if saved.rate > 0.0 else 1e-3
+    made = posterior.draw(saved, records, options.draws) if target.name == "draws" else None
+    plan = Plan(
+        saved=told, model=model, joint=options.joint, zero=zero if near is None else near.zero,
+        period=period, steps=options.steps or _steps(model, period), force_scale=scale,
+        rows=rows, draws=made,
+    )  # fmt: skip
+    return plan, near
+
+
+def _rows(saved: SavedModel, target: Target) -> tuple[Row, ...]:
+    return tuple(Row(effect.name, target.saying(effect, saved.model)) for effect in saved.model.effects)
+
+
+def _steps(model: Model, period: float) -> int:
+    """Steps to begin with: enough for the fastest law, and more where dry friction is solved once a step."""
+    dry = any("friction" in effect.laws() for effect in model.effects)
+    needed = math.ceil(period * fastest(model) / QUICK)
+    return min(max(DRY_STEPS if dry else STEPS, needed), MOST_STEPS)
+
+
+def _written_and_proven(made: Export, options: Options, records: Sequence[Record]) -> Export:
+    """Write, replay, and again with finer steps while the target's steps are seen in the noise."""
+    made = made.written()
+    why = _not_replayed(made.target, records)
+    if why:
+        return replace(made, not_replayed=why)
+    try:
+        proof = replayed(made, records)
+        while (finer := _finer(made, proof, options)) > made.plan.steps:
+            made = replace(made, plan=replace(made.plan, steps=finer)).written()
+            proof = replayed(made, records, proof)
+    except SetupError as missing:
+        return replace(made, not_replayed=str(missing))
+    return replace(made, proof=proof)
+
+
+def _finer(made: Export, proof: Proof, options: Options) -> int:
+    """Solver steps that bring the replay close: what they miss falls at least as they do."""
+    if options.steps is not None or not made.target.stepped:
+        return made.plan.steps
+    floor = made.plan.saved.noise_floor
+    worst = max(part.distance for part in proof.parts)
+    if not math.isfinite(worst):
+        return min(4 * made.plan.steps, MOST_STEPS)
+    if not floor > 0.0 or worst <= CLOSE * floor:
+        return made.plan.steps
+    return min(math.ceil(made.plan.steps * worst / (AIM * floor)), MOST_STEPS)
+
+
+def _not_replayed(target: Target, records: Sequence[Record]) -> str:
+    if target.library is None:
+        return target.why_not
+    return "" if records else "no record to replay: give --replay PATH"

@@ -1,0 +1,151 @@
+"""FMU: the generated Python simulation as an FMI 2 co-simulation unit, built by PythonFMU and replayed by FMPy."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from msd_ident.errors import SetupError
+from msd_ident.export import header, python_source
+from msd_ident.export.mujoco_elements import BEFORE
+from msd_ident.export.mujoco_replay import at_samples, averages, lagged
+from msd_ident.export.plan import Plan
+from msd_ident.export.python_target import PythonTarget
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Start
+from msd_ident.model import Model
+from msd_ident.model.effects import Effect
+from msd_ident.record import FloatArray
+
+_SLAVE = '''
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+
+class @CLASS@(Fmi2Slave):
+    """Input force, held over a communication step; outputs the encoder's reading and the velocity."""
+
+    author = "msd export"
+    description = "mass-spring-damper with identified effects"
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.force, self.position, self.velocity = 0.0, ZERO, 0.0
+        self.initial_position, self.initial_velocity, self.initial_lagged_force = 0.0, 0.0, 0.0
+        self.register_variable(Real("force", causality=Fmi2Causality.input))
+        for name in ("position", "velocity"):
+            self.register_variable(Real(name, causality=Fmi2Causality.output))
+        for name in ("initial_position", "initial_velocity", "initial_lagged_force"):
+            self.register_variable(
+                Real(name, causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable)
+            )
+        self.y = None
+        self.waiting, self.pushed = [], 0.0
+
+    def do_step(self, current_time, step_size):
+        if self.y is None:
+            lag = self.initial_lagged_force
+            position, velocity = self.initial_position, self.initial_velocity
+            self.y = np.array([position, velocity@FMU_START@], dtype=float)
+            self.kept = reversal(position, 0.0, @KEPT@)
+        self.waiting.append((current_time + @DELAY@, FORCE_SIGN * self.force))
+        t, end = current_time, current_time + step_size
+        while t < end - 1e-12:
+            while self.waiting and self.waiting[0][0] <= t + 1e-12:
+                self.pushed = self.waiting.pop(0)[1]
+            until = min([end] + [stamp for stamp, _ in self.waiting[:1]])
+            force = command(self.pushed)
+            push = lambda t: force
+            speed = self.y[1]
+            mode = int(math.copysign(1, speed)) if speed else begin(t, self.y, force, self.kept)
+            self.y, _, self.kept = advance(t, until, self.y, push, mode, self.kept)
+            t = until
+        self.position, self.velocity = float(reading(end, self.y[0])), float(self.y[1])
+        return True
+'''
+
+
+class FmuTarget(PythonTarget):
+    """FMI 2.0 co-simulation; it needs a Python with numpy, scipy and pythonfmu on the machine that runs it."""
+
+    name = "fmu"
+    suffixes = (".fmu",)
+    what = "FMU for co-simulation (FMI 2.0)"
+    library = "fmpy"
+    imported = False
+
+    def saying(self, effect: Effect, model: Model) -> Saying:
+        if effect.name == "time_offset" and effect.values[0] < 0.0:
+            return BEFORE
+        return super().saying(effect, model)
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        said = "\n".join(header.lines(plan, self.what))
+        name = f"Rig{hashlib.sha256(repr(plan.values).encode() + repr(plan.zero).encode()).hexdigest()[:8]}"
+        text = python_source.text(plan, said, name) + _filled(plan, name)
+        return {out: built(text, name)}
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        record, initial = start.record, start.initial
+        force = plan.force_scale * plan.saved.force_sign * averages(record, 1)[:, 0]
+        given = np.zeros(force.size + 1, dtype=[("time", np.float64), ("force", np.float64)])
+        given["time"] = record.time[0] + record.period * np.arange(force.size + 1)
+        given["force"] = np.append(force, force[-1])
+        begin = {
+            "initial_position": initial.position, "initial_velocity": initial.velocity,
+            "initial_lagged_force": plan.force_scale * lagged(record, plan),
+        }  # fmt: skip
+        found = library().simulate_fmu(
+            str(out), start_time=given["time"][0], stop_time=given["time"][-1], output_interval=record.period,
+            step_size=record.period, start_values=begin, input=given, output=["position"], fmi_type="CoSimulation",
+        )  # fmt: skip
+        readings = np.asarray(found["position"], dtype=np.float64)[: force.size + 1]
+        readings[0] = initial.position + plan.zero
+        return at_samples(record, readings)
+
+
+def _filled(plan: Plan, name: str) -> str:
+    filled = _SLAVE
+    parts = {**python_source.structure(plan), **python_source.memory(plan), "CLASS": name}
+    lag = ", lag" if plan.model.has("actuator_lag") else ""
+    parts["FMU_START"] = lag + (", position, velocity" if plan.model.has("second_mode") else "")
+    for key, value in parts.items():
+        filled = filled.replace(f"@{key}@", value)
+    return filled
+
+
+def library() -> Any:
+    """FMPy.
+
+    Raises:
+        SetupError: it is not installed.
+    """
+    try:
+        import fmpy
+    except ImportError:
+        raise SetupError("FMPy is not installed; expected it for the replay: pip install fmpy") from None
+    return fmpy
+
+
+def built(text: str, name: str) -> bytes:
+    """The FMU of a slave's source.
+
+    Raises:
+        SetupError: PythonFMU is not installed, or fails.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder, f"{name}.py")
+        script.write_text(text, encoding="utf-8")
+        command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", folder]
+        done = subprocess.run(command, capture_output=True, text=True)
+        made = Path(folder, f"{name}.fmu")
+        if not made.exists():
+            why = (done.stderr.strip().splitlines() or ["it wrote nothing"])[-1]
+            raise SetupError(f"PythonFMU could not build the FMU ({why}); expected it: pip install pythonfmu")
+        return made.read_bytes()

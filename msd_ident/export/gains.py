@@ -1,0 +1,68 @@
+"""Feedforward gains for a controller: force = kS·sign(v) + kV·v + kA·a + kP·(x - zero) + kG."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from msd_ident.export import header
+from msd_ident.export.plan import Plan
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Target
+from msd_ident.model.effects import Effect
+
+_SAID = {
+    "coulomb_friction": Saying("exact", "kS"),
+    "force_offset": Saying("exact", "kG"),
+    "actuator_lag": Saying("exact", "lag_time: lead the command by it"),
+    "time_offset": Saying("exact", "delay: lead the command by it"),
+    "sensor_drift": Saying("cannot", "a feedforward reads no sensor"),
+    "periodic_disturbance": Saying("cannot", "gains know no time"),
+    "second_mode": Saying("cannot", "gains know one mass"),
+    "backlash": Saying("cannot", "gains know no play"),
+    "end_stop": Saying("cannot", "keep the reference away from the stop"),
+}
+
+
+class GainsTarget(Target):
+    """YAML of the parameters of a feedforward, as ros2_control reads parameters."""
+
+    name = "gains"
+    suffixes = (".yaml", ".yml")
+    what = "feedforward gains (kS, kV, kA, kG) as ROS 2 parameters"
+    library = None
+    why_not = "gains move nothing by themselves"
+    needs_newtons = True
+
+    def says(self, effect: type[Effect]) -> Saying:
+        nearest = Saying("approximated", "the nearest m, b, k and friction are fitted in its place")
+        return _SAID.get(effect.name, nearest)
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        comment = "".join(f"# {line}".rstrip() + "\n" for line in header.lines(plan, self.what))
+        use = (
+            "# force = kS*sign(v) + kV*v + kA*a + kP*(x - zero) + kG, of the reference's motion x, v, a.\n"
+            "# kS, kV, kA and kG are what feedforward controllers call so; pid_controller of ros2_controllers takes\n"
+            "# one feedforward_gain on its reference: kV for a velocity reference, kP for a position reference.\n"
+        )
+        text = comment + use + yaml.safe_dump(gains(plan), sort_keys=False)
+        return {out: text.encode()}
+
+
+def gains(plan: Plan) -> dict[str, Any]:
+    """The gains in the tree of a ROS 2 parameter file."""
+    sign = float(plan.saved.force_sign)
+    found = {
+        "kS": sign * plan.value("coulomb_force"),
+        "kV": sign * plan.model.damping,
+        "kA": sign * plan.model.mass,
+        "kG": sign * plan.value("offset_force"),
+        "kP": sign * plan.model.stiffness,
+        "zero": plan.zero,
+    }
+    for name in ("lag_time", "time_offset"):
+        if name in plan.values:
+            found[name] = plan.value(name)
+    return {"/**": {"ros__parameters": {"feedforward": {plan.joint: found}}}}

@@ -1,0 +1,175 @@
+"""Gazebo's formats: SDF with spring, damper, friction and stops of a joint; URDF with damper and friction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+from msd_ident.export import header
+from msd_ident.export.laws import number
+from msd_ident.export.plan import MOTIONS, Plan
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Target
+from msd_ident.model import Model
+from msd_ident.model.effects import Effect
+
+#: Range of a joint without stops, in the position unit: far beyond any motion.
+FREE = 1e6
+_SHAKEN = "the nearest m, b, k and friction are fitted in its place"
+
+_SDF = """<?xml version="1.0"?>
+<!--
+{header}
+-->
+<sdf version="1.11">
+  <model name="{joint}">
+    <link name="base"/>
+    <joint name="{joint}_mount" type="fixed"><parent>world</parent><child>base</child></joint>
+    <link name="{joint}_body">
+      <inertial>{inertial}</inertial>
+      <gravity>false</gravity>
+    </link>
+    <joint name="{joint}" type="{kind}">
+      <parent>base</parent>
+      <child>{joint}_body</child>
+      <axis>
+        <xyz>1 0 0</xyz>
+        <limit><lower>{lower}</lower><upper>{upper}</upper><effort>{effort}</effort>{stop}</limit>
+        <dynamics>
+          <damping>{damping}</damping>
+          <friction>{friction}</friction>
+          <spring_stiffness>{stiffness}</spring_stiffness>
+          <spring_reference>{reference}</spring_reference>
+        </dynamics>
+      </axis>
+    </joint>
+    <plugin filename="gz-sim-apply-joint-force-system" name="gz::sim::systems::ApplyJointForce">
+      <joint_name>{joint}</joint_name>
+    </plugin>
+  </model>
+</sdf>
+"""
+
+_URDF = """<?xml version="1.0"?>
+<!--
+{header}
+-->
+<robot name="{joint}">
+  <link name="base"/>
+  <link name="{joint}_body">
+    <inertial>{inertial}</inertial>
+  </link>
+  <joint name="{joint}" type="{kind}">
+    <parent link="base"/>
+    <child link="{joint}_body"/>
+    <axis xyz="1 0 0"/>
+    <limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{free}"/>
+    <dynamics damping="{damping}" friction="{friction}"/>
+  </joint>
+  <!-- URDF itself has no spring; Gazebo takes one from this element, other readers of URDF pass over it. -->
+  <gazebo reference="{joint}">
+    <springStiffness>{stiffness}</springStiffness>
+    <springReference>{reference}</springReference>
+  </gazebo>
+  <!-- ros2_control: a joint with command_interface effort moves like this model; joint_state_broadcaster reads it. -->
+  <ros2_control name="{joint}_system" type="system">
+    <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+    <joint name="{joint}">
+      <command_interface name="effort"/>
+      <state_interface name="position"/>
+      <state_interface name="velocity"/>
+    </joint>
+  </ros2_control>
+</robot>
+"""
+
+_SAID = {
+    "coulomb_friction": Saying("exact", "friction of the joint"),
+    "force_offset": Saying("exact", "spring_reference"),
+    "end_stop": Saying("approximated", "limit; an engine may take it for hard, whatever stiffness stands there"),
+    "sensor_drift": Saying("cannot", "a sensor's drift is no matter of the joint"),
+    "actuator_lag": Saying("cannot", "no actuator: put the lag into the controller"),
+    "time_offset": Saying("cannot", "no actuator: put the delay into the controller"),
+    "periodic_disturbance": Saying("cannot", "no force that depends on time"),
+    "stiffness_drift": Saying("approximated", "the mean stiffness over the record"),
+    "second_mode": Saying("approximated", "one moving mass: " + _SHAKEN),
+    "force_gain_nonlinearity": Saying("approximated", "effort limit; of a bent gain, " + _SHAKEN),
+}
+
+
+class SdfTarget(Target):
+    """SDF 1.11 for Gazebo."""
+
+    name = "sdf"
+    suffixes = (".sdf",)
+    what = "SDF model for Gazebo"
+    library = None
+    why_not = "Gazebo has no Python package that steps a world; open it with gz sim"
+    needs_newtons = True
+    kept = ("coulomb_friction", "force_offset", "end_stop")
+    template = _SDF
+
+    def says(self, effect: type[Effect]) -> Saying:
+        return _SAID.get(effect.name, Saying("approximated", _SHAKEN))
+
+    def saying(self, effect: Effect, model: Model) -> Saying:
+        if effect.name == "force_offset" and model.stiffness == 0.0:
+            return Saying("cannot", "there is no spring whose reference could carry it")
+        return super().saying(effect, model)
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        text = self.template.format(
+            header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"),
+            joint=plan.joint, kind=MOTIONS[plan.saved.position_unit], inertial=self.inertial(plan), free=number(FREE),
+            **_limits(plan), **_dynamics(plan),
+        )  # fmt: skip
+        return {out: text.encode()}
+
+    @staticmethod
+    def inertial(plan: Plan) -> str:
+        """Mass, or moment about the axis, as elements."""
+        size = number(plan.model.mass)
+        if plan.revolute:
+            diagonal = f"<ixx>{size}</ixx><iyy>{size}</iyy><izz>{size}</izz>"
+            return f"<mass>1</mass><inertia>{diagonal}</inertia>"
+        return f"<mass>{size}</mass><inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia>"
+
+
+class UrdfTarget(SdfTarget):
+    """URDF with notes for ros2_control."""
+
+    name = "urdf"
+    suffixes = (".urdf",)
+    what = "URDF with ros2_control"
+    why_not = "URDF is a description; its spring needs Gazebo: open it with gz sim"
+    template = _URDF
+
+    @staticmethod
+    def inertial(plan: Plan) -> str:
+        size = number(plan.model.mass)
+        mass, moment = ("1", size) if plan.revolute else (size, "1e-3")
+        rest = 'ixy="0" ixz="0" iyz="0"'
+        return f'<mass value="{mass}"/><inertia ixx="{moment}" iyy="{moment}" izz="{moment}" {rest}/>'
+
+
+def _limits(plan: Plan) -> dict[str, str]:
+    stiffness = plan.value("stop_stiffness")
+    effort = plan.value("force_limit", FREE)
+    reach = plan.value("stop_position")
+    return {
+        "lower": number(plan.zero - reach if stiffness else -FREE),
+        "upper": number(plan.zero + reach if stiffness else FREE),
+        "effort": number(min(effort, FREE)),
+        "stop": f"<stiffness>{number(stiffness)}</stiffness><dissipation>0</dissipation>" if stiffness else "",
+    }
+
+
+def _dynamics(plan: Plan) -> dict[str, str]:
+    stiffness = plan.model.stiffness
+    shift = plan.value("offset_force") / stiffness if stiffness else 0.0
+    return {
+        "damping": number(plan.model.damping),
+        "friction": number(plan.value("coulomb_force")),
+        "stiffness": number(stiffness),
+        "reference": number(plan.zero - shift),
+    }

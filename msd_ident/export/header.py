@@ -1,0 +1,44 @@
+"""The comment that every exported file begins with: where it is from, and what it cannot say."""
+
+from __future__ import annotations
+
+from msd_ident.export.plan import FORCES, Plan
+from msd_ident.provenance import versions
+from msd_ident.quantity import Z95
+
+
+def lines(plan: Plan, target: str) -> list[str]:
+    """Lines of the header, without the signs of a comment."""
+    saved = plan.saved
+    said = [
+        f"{target}: exported by msd export (msd_ident {versions()['msd_ident']})",
+        f"from a result of schema {saved.schema} on {saved.path or 'an unnamed record'}",
+        "",
+        f"{'parameter':<26} {'value':>12}   95 % of the fit",
+    ]
+    for name, value in plan.values.items():
+        said.append(f"{name:<26} {value:>12.6g}   {_interval(plan, name)}")
+    said += ["", *_units(plan), *(f"- {row}" for row in plan.rows)]
+    return said
+
+
+def _interval(plan: Plan, name: str) -> str:
+    quantity = plan.saved.parameters.get(name)
+    if quantity is None or plan.saved.model.names != plan.model.names:
+        return "put in place of what is missing" if quantity is None else f"was {quantity.value:.6g}"
+    if not quantity.known:
+        return f"open, {quantity.unit}"
+    scale = plan.values[name] / quantity.value if quantity.value else 1.0
+    return f"+- {Z95 * abs(scale) * quantity.std:.2g} {quantity.unit}"
+
+
+def _units(plan: Plan) -> list[str]:
+    saved = plan.saved
+    said = [f"positions in {saved.position_unit}, as the encoder reads them; the spring is relaxed at {plan.zero:.6g}"]
+    if saved.force_unit not in FORCES:
+        said.append(f"forces in {saved.force_unit}: the motion is right, masses are in {saved.force_unit} per m/s^2")
+    elif saved.scale_assumed:
+        said.append("no force scale was measured: the motion is right, forces are those of a mass of 1 kg")
+    if saved.force_sign < 0:
+        said.append("a positive force moves the encoder downwards: the actuator is turned")
+    return said

@@ -1,0 +1,108 @@
+"""The laws of a model's effects as readable Python, from their own source: for generated files without msd_ident."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Iterable
+
+from msd_ident.model import Model
+from msd_ident.model.effects import ARGUMENTS, Effect
+
+#: Effects that have no law of force: they change how the plant is built.
+STRUCTURES = ("actuator_lag", "backlash", "end_stop", "second_mode", "time_offset")
+
+
+def number(value: float) -> str:
+    """A float as Python and XML both read it back, without a digit lost."""
+    return repr(float(value)) if math.isfinite(value) else ("math.inf" if value > 0 else "-math.inf")
+
+
+def source(effect: type[Effect], kind: str) -> str:
+    """A law as a function of its own, ``force_of_quadratic_drag(v, speed, drag_coefficient)``."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(effect.laws()[kind])))
+    function = tree.body[0]
+    assert isinstance(function, ast.FunctionDef)
+    function.decorator_list, function.name = [], f"{kind}_of_{effect.name}"
+    for argument in function.args.args:
+        argument.annotation = None
+    function.returns = None
+    return ast.unparse(function)
+
+
+def call(effect: type[Effect], kind: str) -> str:
+    """The same function as it is called where its arguments are known by their names."""
+    return f"{kind}_of_{effect.name}({', '.join(arguments(effect.laws()[kind]))})"
+
+
+def arguments(law: Callable[..., float]) -> tuple[str, ...]:
+    """Names of a law's arguments."""
+    return tuple(inspect.signature(law).parameters)
+
+
+def needs_plant(effects: Iterable[Effect]) -> tuple[str, ...]:
+    """Names that laws take and that are neither motion, nor parameters or memory of the effects themselves."""
+    found = set()
+    for effect in effects:
+        own = {parameter.name for parameter in effect.parameters} | {name for name, _ in effect.memory}
+        for law in effect.laws().values():
+            found |= set(arguments(law)) - own - set(ARGUMENTS)
+    return tuple(sorted(found))
+
+
+def constants(effects: Iterable[Effect]) -> list[str]:
+    """Lines that set every parameter, with its unit and meaning."""
+    lines = {}
+    for effect in effects:
+        for parameter, value in zip(effect.parameters, effect.values, strict=True):
+            lines[parameter.name] = f"{parameter.name} = {number(value)}  # [{parameter.unit}] {parameter.meaning}"
+    return list(lines.values())
+
+
+def functions(effects: Iterable[Effect], kinds: Callable[[str], bool] = lambda kind: True) -> str:
+    """The source of all laws of these kinds, two lines between functions."""
+    found = [source(type(effect), kind) for effect in effects for kind in effect.laws() if kinds(kind)]
+    return "\n\n\n".join(found)
+
+
+def summed(effects: Iterable[Effect], kinds: tuple[str, ...]) -> str:
+    """The sum of all laws of these kinds as an expression, ``0.0`` where there is none."""
+    found = [call(type(effect), kind) for effect in effects for kind in kinds if kind in effect.laws()]
+    return " + ".join(found) or "0.0"
+
+
+def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
+    """The one law of this kind as an expression, or ``otherwise``."""
+    found = [call(type(effect), kind) for effect in effects if kind in effect.laws()]
+    return found[0] if found else otherwise
+
+
+def fastest(model: Model) -> float:
+    """Fastest rate of a model [1/s], for the step of an integration: swings, damping, stops, lag, second mass, laws.
+
+    A law with a force over a length (a ripple, a hysteresis) has a stiffness of its own, one with a force over a speed
+    a damping.
+    """
+    value = dict(zip(model.names, model.values.tolist(), strict=True))
+    stiffness = model.stiffness + value.get("stop_stiffness", 0.0) + value.get("second_stiffness", 0.0)
+    damping = model.damping + value.get("second_damping", 0.0)
+    for effect in model.effects:
+        force, length, speed = (_of_unit(effect, unit) for unit in ("N", "m", "m/s"))
+        if force and length and effect.laws():
+            stiffness += 2.0 * math.pi * max(force) / min(length)
+        if force and speed and effect.laws():
+            damping += max(force) / min(speed)
+    rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
+    if second := value.get("second_mass", 0.0):
+        rates += [math.sqrt(value["second_stiffness"] / second), value["second_damping"] / second]
+    if lag := value.get("lag_time", 0.0):
+        rates.append(1.0 / lag)
+    return float(max(rates))
+
+
+def _of_unit(effect: Effect, unit: str) -> list[float]:
+    """Sizes of an effect's finite parameters of a unit that are not 0."""
+    sizes = (abs(v) for p, v in zip(effect.parameters, effect.values, strict=True) if p.unit == unit)
+    return [size for size in sizes if 0.0 < size < math.inf]

@@ -1,0 +1,212 @@
+"""The callback file beside a MuJoCo model: laws that MuJoCo has no element for, as readable Python."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from msd_ident.export import header, laws
+from msd_ident.export.mujoco_elements import SENSOR
+from msd_ident.export.plan import Plan
+from msd_ident.model.effects import Effect
+
+_HEAD = '''"""{header}
+
+What MuJoCo has no element for. Use:
+
+    import mujoco
+    import {module}
+
+    model = mujoco.MjModel.from_xml_path("{model}")
+    {module}.install(model)      # {module}.remove() takes it away again
+"""
+
+import math
+
+import mujoco
+import numpy
+
+JOINT = "{joint}"
+ZERO = {zero}  # joint position at which the spring is relaxed
+{constants}
+
+
+{functions}
+'''
+
+_MEMORY = '''
+
+class Memory:
+    """What the laws remember from the last reversal; a reversal counts once the step in which it lies is over."""
+
+    def __init__(self):
+        self.time = None
+
+    def restart(self, t, x, v):
+        self.time, self.x, self.v, self.direction = t, x, v, sign(v)
+        self.kept = reversal(x, 0.0, **{{{start}}})
+
+    def at(self, t, x, v, a, step):
+        """Direction of the motion and what is remembered, for this stage of this step."""
+        if self.time is None or t < self.time:
+            self.restart(t, x, v)
+        direction, kept = sign(v) or self.direction or sign(a), self.kept
+        if self.direction == 0.0:
+            self.direction = direction
+        if direction != self.direction:
+            # The velocity crossed zero on a straight line since the last step.
+            part = self.v / (self.v - v) if self.v != v else 0.0
+            kept = reversal(self.x + 0.5 * part * self.v * (t - self.time), self.direction, **kept)
+        if t > self.time + 0.75 * step:
+            self.time, self.x, self.v, self.direction, self.kept = t, x, v, direction, kept
+        return direction, kept
+
+
+def reversal(x, direction, {names}):
+    """The new values of what is remembered when the motion turns at x."""
+    return {{
+{new}
+    }}
+
+
+memory = Memory()
+'''
+
+_TAIL = '''
+
+def sign(value):
+    """-1.0, 0.0 or 1.0."""
+    return float(value > 0.0) - float(value < 0.0)
+
+
+def install(model):
+    """Set MuJoCo's callbacks for this model."""
+    joint = model.joint(JOINT)
+    place, dof = joint.qposadr[0], joint.dofadr[0]
+{body}
+
+def remove():
+    """Take all callbacks away."""
+    for setter in ({setters}):
+        setter(None)
+'''
+
+
+def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> str:
+    """The whole file."""
+    kinds = {kind for effect in called for kind in effect.laws()}
+    remembered = [pair for effect in called for pair in effect.memory]
+    body, setters = _installed(plan, called, kinds, bool(remembered))
+    plant = [f"{n} = {laws.number(plan.value(n))}" for n in laws.needs_plant(called) if n in plan.values]
+    spring = [_spring(plan)] if _uses(called, "spring_force") else []
+    parts = [
+        _HEAD.format(
+            header="\n".join(header.lines(plan, f"Callbacks for {model_file}")), module=module, model=model_file,
+            joint=plan.joint, zero=laws.number(plan.zero), constants="\n".join([*plant, *laws.constants(called)]),
+            functions="\n\n\n".join([laws.functions(called), *spring]),
+        )
+    ]  # fmt: skip
+    if remembered:
+        parts.append(_MEMORY.format(**_memory(called)))
+    parts.append(_TAIL.format(body=body, setters=", ".join([*(f"mujoco.{one}" for one in setters), ""]).strip()))
+    return "".join(parts)
+
+
+def _memory(called: Sequence[Effect]) -> dict[str, str]:
+    pairs = [(effect, name, start) for effect in called for name, start in effect.memory]
+    return {
+        "start": ", ".join(f'"{name}": {start}' for _, name, start in pairs),
+        "names": ", ".join(name for _, name, _ in pairs),
+        "new": "\n".join(
+            f'        "{name}": {laws.call(type(effect), f"reversal_{name}")},' for effect, name, _ in pairs
+        ),
+    }
+
+
+def _installed(plan: Plan, called: Sequence[Effect], kinds: set[str], remembers: bool) -> tuple[str, list[str]]:
+    """Body of ``install`` and the setters that it uses."""
+    body, setters = "", []
+    if kinds & {"constant", "disturbance", "force", "friction"}:
+        body += _passive(called, kinds, remembers)
+        setters.append("set_mjcb_passive")
+    if "input_map" in kinds:
+        mapped = laws.one(called, "input_map", "u")
+        body += _command(plan, mapped)
+        setters.append("set_mjcb_act_dyn" if plan.model.has("actuator_lag") else "set_mjcb_act_gain")
+    if "reading" in kinds:
+        body += _sensor(laws.one(called, "reading", "x"))
+        setters.append("set_mjcb_sensor")
+    return body + "\n" + "".join(f"    mujoco.{one}({one.removeprefix('set_mjcb_')})\n" for one in setters), setters
+
+
+def _passive(called: Sequence[Effect], kinds: set[str], remembers: bool) -> str:
+    lines = [
+        "def passive(model, data):",
+        "    t, x, v = data.time, data.qpos[place] - ZERO, data.qvel[dof]",
+        "    speed = abs(v)",
+    ]
+    if remembers:
+        lines.append("    direction, kept = memory.at(t, x, v, data.qacc[dof], model.opt.timestep)")
+        names = [name for effect in called for name, _ in effect.memory]
+        lines.append(f"    {', '.join(names)} = {', '.join(f'kept[{name!r}]' for name in names)}")
+    else:
+        lines.append("    direction = sign(v)")
+    if _uses(called, "spring_force"):
+        lines.append("    spring_force = spring(x)")
+    for effect in called:
+        own = [kind for kind in ("constant", "disturbance", "force") if kind in effect.laws()]
+        lines += [f"    data.qfrc_passive[dof] -= {laws.call(type(effect), kind)}" for kind in own]
+    if "friction" in kinds:
+        lines += [
+            f"    size = {laws.one(called, 'friction', '0.0')}",
+            "    for kind, number, loss in (",
+            "        (data.efc_type, data.efc_id, data.efc_frictionloss),",
+            "        (data.iefc_type, data.iefc_id, data.iefc_frictionloss),",
+            "    ):",
+            "        for i in range(len(loss)):",
+            "            if kind[i] == mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF and number[i] == dof:",
+            "                loss[i] = size",
+        ]
+    return "\n" + _indented(lines)
+
+
+def _spring(plan: Plan) -> str:
+    """The linear spring's force, behind its play where there is one."""
+    stiffness, gap = laws.number(plan.model.stiffness), laws.number(plan.value("backlash_half_width"))
+    law = f"{stiffness} * (x - min(max(x, -{gap}), {gap}))"
+    return f'def spring(x):\n    """Force [N] of the spring."""\n    return {law}'
+
+
+def _uses(called: Sequence[Effect], name: str) -> bool:
+    return any(name in laws.arguments(law) for effect in called for law in effect.laws().values())
+
+
+def _command(plan: Plan, mapped: str) -> str:
+    reading = ["    u = data.ctrl[number]"]
+    if plan.model.has("time_offset"):
+        reading = [
+            "    line = model.actuator_history[number, 1]",
+            "    u = mujoco.mj_readCtrl(model, data, number, data.time, numpy.zeros(1), line)[0]",
+        ]
+    if plan.model.has("actuator_lag"):
+        own = ["def act_dyn(model, data, number):", *reading,
+               "    act = data.act[model.actuator_actadr[number]]",
+               f"    return ({mapped} - act) / {laws.number(plan.value('lag_time'))}"]  # fmt: skip
+    else:
+        own = ["def act_gain(model, data, number):", *reading, f"    return {mapped} / u if u else 1.0"]
+    return "\n" + _indented(own)
+
+
+def _sensor(reading: str) -> str:
+    lines = [
+        f'place_of_reading = model.sensor("{SENSOR}").adr[0]',
+        "",
+        "def sensor(model, data, stage):",
+        "    if stage == mujoco.mjtStage.mjSTAGE_POS:",
+        "        t, x = data.time, data.qpos[place] - ZERO",
+        f"        data.sensordata[place_of_reading] = {reading} + ZERO",
+    ]
+    return "\n" + _indented(lines)
+
+
+def _indented(lines: Sequence[str]) -> str:
+    return "".join(f"    {line}".rstrip() + "\n" for line in lines)

@@ -1,0 +1,53 @@
+"""MuJoCo without Python callbacks, for its C library, for MJX and other readers of MJCF: the XML says all there is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target
+from msd_ident.export.mujoco_elements import NATIVE
+from msd_ident.export.plan import Plan
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Start, Target
+from msd_ident.model import Model
+from msd_ident.model.effects import Effect
+from msd_ident.record import FloatArray
+
+_SAID = {
+    "sensor_drift": Saying("cannot", "no element drifts; readings are the joint's position"),
+    "periodic_disturbance": Saying("cannot", "no force that depends on time"),
+}
+
+
+class MujocoXmlTarget(Target):
+    """MJCF alone."""
+
+    name = "mujoco-xml"
+    suffixes = (".xml",)
+    what = "MuJoCo model (MJCF) without callbacks"
+    library = "mujoco"
+    stepped = True
+
+    def says(self, effect: type[Effect]) -> Saying:
+        if effect.name in _SAID:
+            return _SAID[effect.name]
+        if effect.name in NATIVE and "input_map" not in effect.laws():
+            return mujoco_elements.says(effect)
+        if "input_map" in effect.laws():
+            return Saying("approximated", "ctrlrange for a limit; of a bent gain, the nearest m, b, k and friction")
+        return Saying("approximated", "the nearest m, b, k, friction and other elements are fitted in its place")
+
+    def saying(self, effect: Effect, model: Model) -> Saying:
+        if effect.name == "time_offset" and effect.values[0] < 0.0:
+            return mujoco_elements.BEFORE
+        if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
+            return Saying("exact", "ctrlrange")
+        return super().saying(effect, model)
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        made = mujoco_elements.elements(plan)
+        return {out: mujoco_target.model(plan, made, self.what).encode()}
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        return mujoco_replay.run(out, None, plan, start)
+

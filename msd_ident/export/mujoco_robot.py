@@ -1,0 +1,130 @@
+"""MuJoCo models that exist: the identified joint put into one of them, or as a fragment to paste."""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.sax.saxutils import escape
+
+from msd_ident.errors import UsageError
+from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, mujoco_target, robot
+from msd_ident.export.laws import number
+from msd_ident.export.mujoco_elements import ACTUATOR, Elements
+from msd_ident.export.mujoco_target import MujocoTarget, callback_path
+from msd_ident.export.plan import Plan
+
+_FRAGMENT = """<!--
+{header}
+
+To paste: the attributes into joint "{joint}" of your model (angle="radian"), the sections beside those that it has.
+The armature is the inertia that the bodies of your model do not have already: take theirs off it.
+The friction is dry with the integrator RK4 at a timestep of {step} s and <flag refsafe="disable"/>.
+-->
+<mujocoinclude>
+  <joint name="{joint}" armature="{mass}" {attributes}/>
+{rest}</mujocoinclude>
+"""
+
+
+class FragmentTarget(MujocoTarget):
+    """Elements of one joint."""
+
+    name = "mujoco-fragment"
+    what = "MuJoCo elements of one joint, to paste"
+    library = None
+    why_not = "a fragment is no model that runs: put it into one with --into robot.xml"
+    needs_newtons = True
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        made = mujoco_elements.elements(plan)
+        text = _FRAGMENT.format(
+            header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"), joint=plan.joint,
+            step=number(plan.step), mass=number(plan.model.mass), attributes=mujoco_target.attributes(made.joint),
+            rest=mujoco_target.rest(plan, made),
+        )  # fmt: skip
+        return {out: text.encode(), **_callbacks(plan, made, out)}
+
+
+def _callbacks(plan: Plan, made: Elements, out: Path) -> dict[Path, bytes]:
+    if not made.called:
+        return {}
+    beside = callback_path(out)
+    return {beside: mujoco_callback.text(plan, made.called, beside.stem, out.name).encode()}
+
+
+class RobotTarget(MujocoTarget):
+    """A model with the identified joint in it.
+
+    Args:
+        path: the model to put it into.
+    """
+
+    name = "mujoco-into"
+    what = "MuJoCo model with the identified joint"
+    needs_newtons = True
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        tree = robot.parsed(self.path)
+        one = robot.joint(tree, self.path, plan.joint, plan.saved.position_unit)
+        made = mujoco_elements.elements(plan)
+        if made.bodies:
+            raise UsageError(
+                f"a second mass cannot be put into {self.path}; expected its body in the robot: export the whole model "
+                "(--to mujoco) and take the body from there"
+            )
+        own = self._own_inertia(plan)
+        if own > plan.model.mass * (1.0 + 1e-6):
+            raise UsageError(
+                f"the bodies behind joint {plan.joint} of {self.path} have {own:.4g} {_inertia(plan)}, more than the "
+                f"{plan.model.mass:.4g} {_inertia(plan)} that was identified; expected less: correct their masses"
+            )
+        for name, value in {**made.joint, "armature": number(max(plan.model.mass - own, 0.0))}.items():
+            one.set(name, self._in_its_unit(tree, plan, name, value))
+        self._options(tree, plan)
+        self._sections(tree, plan, made)
+        said = "\n".join(header.lines(plan, self.what)).replace("--", "- -")
+        tree.getroot().insert(0, ElementTree.Comment(f"\n{said}\n"))
+        buffer = io.BytesIO()
+        ElementTree.indent(tree)
+        tree.write(buffer, encoding="utf-8")
+        return {out: buffer.getvalue() + b"\n", **_callbacks(plan, made, out)}
+
+    def _own_inertia(self, plan: Plan) -> float:
+        """Inertia that the model's bodies have about the joint already [kg or kg·m²], without its armature."""
+        mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        joint = model.joint(plan.joint)
+        return float(1.0 / model.dof_invweight0[joint.dofadr[0]] - model.dof_armature[joint.dofadr[0]])
+
+    @staticmethod
+    def _in_its_unit(tree: ElementTree.ElementTree[ElementTree.Element], plan: Plan, name: str, value: str) -> str:
+        """Angles in degrees where the model has them so."""
+        if not plan.revolute or name not in ("range", "springref") or not robot.in_degrees(tree):
+            return value
+        return " ".join(number(math.degrees(float(part))) for part in value.split())
+
+    @staticmethod
+    def _options(tree: ElementTree.ElementTree[ElementTree.Element], plan: Plan) -> None:
+        option = robot.section(tree, "option")
+        option.set("timestep", number(plan.step))
+        option.set("integrator", "RK4")
+        flag = option.find("flag")
+        (flag if flag is not None else ElementTree.SubElement(option, "flag")).set("refsafe", "disable")
+
+    @staticmethod
+    def _sections(tree: ElementTree.ElementTree[ElementTree.Element], plan: Plan, made: Elements) -> None:
+        """Tendons, actuator and sensors; an actuator of ours with its name taken is refused."""
+        if any(one.get("name") == ACTUATOR for part in tree.getroot().iter("actuator") for one in part):
+            raise UsageError(f"the model has an actuator {ACTUATOR!r} already; expected that name free: rename yours")
+        for part in ElementTree.fromstring(f"<all>{mujoco_target.rest(plan, made)}</all>"):
+            robot.section(tree, part.tag).extend(list(part))
+
+
+def _inertia(plan: Plan) -> str:
+    return "kg·m²" if plan.revolute else "kg"

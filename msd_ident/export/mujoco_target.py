@@ -1,0 +1,110 @@
+"""MuJoCo: a whole MJCF model that runs, with a callback file beside it where MuJoCo has no element for a law."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+from xml.sax.saxutils import escape
+
+from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay
+from msd_ident.export.laws import number
+from msd_ident.export.mujoco_elements import ACTUATOR, Elements
+from msd_ident.export.plan import Plan
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Start, Target
+from msd_ident.model import Model
+from msd_ident.model.effects import Effect
+from msd_ident.record import FloatArray
+
+_MODEL = """<!--
+{header}
+-->
+<mujoco model="{name}">
+  <compiler angle="radian"/>
+  <option timestep="{step}" integrator="RK4" gravity="0 0 0">
+    <flag contact="disable" refsafe="disable" island="disable"/>
+  </option>
+  <worldbody>
+    <body name="{body}">
+      <joint name="{joint}" type="{kind}" axis="1 0 0" {attributes}/>
+      {inertial}{bodies}
+      <geom type="box" size=".03 .02 .02" contype="0" conaffinity="0" mass="0"/>
+    </body>
+  </worldbody>
+{rest}</mujoco>
+"""
+
+
+def attributes(given: dict[str, str]) -> str:
+    """XML attributes."""
+    return " ".join(f'{name}="{value}"' for name, value in given.items())
+
+
+class MujocoTarget(Target):
+    """MJCF with a callback file."""
+
+    name = "mujoco"
+    suffixes = (".xml",)
+    what = "MuJoCo model (MJCF), with a Python callback file where it needs one"
+    library: ClassVar[str | None] = "mujoco"
+    stepped = True
+
+    def says(self, effect: type[Effect]) -> Saying:
+        return mujoco_elements.says(effect)
+
+    def saying(self, effect: Effect, model: Model) -> Saying:
+        if effect.name == "time_offset" and effect.values[0] < 0.0:
+            return mujoco_elements.BEFORE
+        return super().saying(effect, model)
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        made = mujoco_elements.elements(plan)
+        files = {out: model(plan, made, self.what).encode()}
+        if made.called:
+            beside = callback_path(out)
+            files[beside] = mujoco_callback.text(plan, made.called, beside.stem, out.name).encode()
+        return files
+
+    def beside(self, out: Path) -> tuple[Path, ...]:
+        return (callback_path(out),)
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        called = mujoco_elements.elements(plan).called
+        return mujoco_replay.run(out, callback_path(out) if called else None, plan, start)
+
+
+def callback_path(out: Path) -> Path:
+    """Where the callback file stands: a name that Python can import."""
+    stem = "".join(letter if letter.isalnum() else "_" for letter in out.stem)
+    return out.with_name(f"{stem if not stem[:1].isdigit() else f'model_{stem}'}_callback.py")
+
+
+def model(plan: Plan, made: Elements, what: str) -> str:
+    """The whole model as MJCF."""
+    return _MODEL.format(
+        header=escape("\n".join(header.lines(plan, what))).replace("--", "- -"),
+        name=plan.joint,
+        step=number(plan.step),
+        body=f"{plan.joint}_body",
+        joint=plan.joint,
+        kind="hinge" if plan.revolute else "slide",
+        attributes=attributes(made.joint),
+        inertial=mujoco_elements.inertial(plan.model.mass, plan.revolute),
+        bodies="".join(f"\n      {body}" for body in made.bodies),
+        rest=rest(plan, made),
+    )
+
+
+def rest(plan: Plan, made: Elements) -> str:
+    """What stands outside the bodies: tendons, actuators, sensors."""
+    turned = {"gear": "-1"} if plan.saved.force_sign < 0 else {}
+    pushers = [f'<general name="{ACTUATOR}" joint="{plan.joint}" {attributes(made.actuator | turned)}/>']
+    if made.offset:
+        bias = {"gainprm": "0", "biastype": "affine", "biasprm": f"{number(-made.offset)} 0 0"}
+        pushers.append(f'<general name="offset" joint="{plan.joint}" {attributes(bias)}/>')
+    sections = (("tendon", made.tendons), ("actuator", pushers), ("sensor", made.sensors))
+    return "".join(
+        f"  <{name}>\n" + "".join(f"    {item}\n" for item in items) + f"  </{name}>\n"
+        for name, items in sections
+        if items
+    )

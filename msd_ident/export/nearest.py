@@ -1,0 +1,112 @@
+"""The nearest that a poorer format can say: its own law fitted on the user's record, not the rest of a richer one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from msd_ident.export.target import Target
+from msd_ident.fit import FitResult, fit
+from msd_ident.fit.posing import Zero
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects import by_name, spoken
+from msd_ident.record import Record
+from msd_ident.saved import SavedModel
+
+#: Stands in where a format has friction of one kind only.
+_STAND_IN = "coulomb_friction"
+#: A stand-in stays where it makes the error this much smaller.
+_WORTH = 0.99
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """What is written in place of a model.
+
+    Attributes:
+        model: in the format's law.
+        zero: reading at which its spring is relaxed.
+        dropped: effects that the format does not carry.
+        see: standard error of estimate of that model on the record, simulated here: what the replay should show.
+            ``None`` where there was no record to fit it on.
+        whole: that of the whole model.
+        unit: of both.
+    """
+
+    model: Model
+    zero: float
+    dropped: tuple[str, ...]
+    see: float | None
+    whole: float
+    unit: str
+
+    @property
+    def sentence(self) -> str:
+        """What was put in place of what."""
+        names = ", ".join(spoken(name) for name in self.dropped)
+        if self.see is None:
+            return f"without {names}; nothing was fitted in their place, as there was no record: give --replay PATH"
+        return (
+            f"without {names}; all other parameters are the nearest, fitted on the record. Predicted cost: it leaves "
+            f"{self.see:.3g} {self.unit}, where the whole model leaves {self.whole:.3g}"
+        )
+
+
+def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Record]) -> Nearest | None:
+    """What the target can say of the model; ``None`` where it says all of it.
+
+    Args:
+        target: the format.
+        saved: the model.
+        zero: at which its spring is relaxed.
+        records: as the model is simulated on them; none for no fit.
+    """
+    model = saved.model
+    dropped = tuple(
+        effect.name
+        for effect in model.effects
+        if target.saying(effect, model).kind != "exact" and effect.name not in target.kept
+    )
+    if not dropped:
+        return None
+    kept = model.without(*dropped)
+    if not records:
+        return Nearest(kept, zero, dropped, None, saved.see, saved.position_unit)
+    found = min((_fitted(saved, one, records) for one in _structures(target, kept)), key=_cost)
+    own = float(sum(initial.zero for initial in found.initial) / len(found.initial))
+    return Nearest(found.model, own, dropped, found.see, saved.see, saved.position_unit)
+
+
+def plain(saved: SavedModel, records: Sequence[Record]) -> FitResult:
+    """Mass, damping and stiffness alone, as near as they come to these records."""
+    model = saved.base or Plant(saved.model.mass, saved.model.damping, saved.model.stiffness)
+    return _fitted(saved, model, records)
+
+
+def _structures(target: Target, kept: Model) -> list[Model]:
+    """The kept effects, and with dry friction beside them where the format has it."""
+    friction = by_name(_STAND_IN)
+    found = [kept]
+    if target.says(friction).kind == "exact" and not any(effect.family == friction.family for effect in kept.effects):
+        found.append(kept + friction.from_values({"coulomb_force": 0.0}))
+    return found
+
+
+def _cost(found: FitResult) -> float:
+    """SEE, a little more for a stand-in, which must be worth its place."""
+    return found.see if not found.model.has(_STAND_IN) else found.see / _WORTH
+
+
+def _fitted(saved: SavedModel, model: Model, records: Sequence[Record]) -> FitResult:
+    given = {name for name, quantity in saved.parameters.items() if quantity.std == 0.0 and name in model.names}
+    fixed = given | ({"stiffness"} if model.stiffness == 0.0 else set())
+    zero: Zero = "free" if model.stiffness > 0.0 else "known"
+    starts = [model.with_values({"coulomb_force": 0.02 * _force(records, model)})] if model.has(_STAND_IN) else []
+    return fit(model, records, fixed=fixed, zero=zero, search="near", starts=starts)
+
+
+def _force(records: Sequence[Record], model: Model) -> float:
+    """The largest force at work [N]."""
+    from msd_ident.model.effects import typical
+
+    return max(typical.force(record, model) for record in records)

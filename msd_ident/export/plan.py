@@ -1,0 +1,134 @@
+"""What is exported: a saved model with the choices that every target shares."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from msd_ident.errors import UsageError
+from msd_ident.model import Model
+from msd_ident.saved import SavedModel
+
+if TYPE_CHECKING:
+    from msd_ident.export.posterior import Draws
+
+#: Position unit → how a joint of that unit moves.
+MOTIONS = {"m": "prismatic", "rad": "revolute"}
+#: Forces that are newtons, or newton metres.
+FORCES = ("N", "N·m")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A model on its way into a file.
+
+    Attributes:
+        saved: the result that it comes from.
+        model: what is written: that of the result, or the nearest that the target can say.
+        joint: name of the joint.
+        zero: position of the joint at which the spring is relaxed, in the position unit; readings are joint positions.
+        period: step of the record [s].
+        steps: steps of a solver for each step of the record.
+        force_scale: newtons per force unit of the record, where a mass was given later; 1 otherwise.
+        rows: lines for the header: what the target says of each effect, and what was put in place of others.
+        draws: parameter sets, where the target writes some.
+    """
+
+    saved: SavedModel
+    model: Model
+    joint: str = "x"
+    zero: float = 0.0
+    period: float = 1e-3
+    steps: int = 1
+    force_scale: float = 1.0
+    rows: tuple[str, ...] = ()
+    draws: Draws | None = None
+
+    @property
+    def step(self) -> float:
+        """Time step of a solver [s]."""
+        return self.period / self.steps
+
+    @property
+    def revolute(self) -> bool:
+        """Whether the joint turns."""
+        return self.saved.position_unit == "rad"
+
+    @property
+    def in_newtons(self) -> bool:
+        """Whether forces are newtons or newton metres that were measured."""
+        return self.saved.force_unit in FORCES and not self.saved.scale_assumed
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Parameter name → value of what is written."""
+        return dict(zip(self.model.names, self.model.values.tolist(), strict=True))
+
+    def value(self, name: str, otherwise: float = 0.0) -> float:
+        """A parameter of the model, or ``otherwise`` where it has none of this name."""
+        return self.values.get(name, otherwise)
+
+
+def check_units(saved: SavedModel) -> None:
+    """Refuse positions that no joint has.
+
+    Raises:
+        UsageError: the result is neither in metres nor in radians.
+    """
+    if saved.position_unit not in MOTIONS:
+        raise UsageError(
+            f"the result's positions are in {saved.position_unit}; expected m or rad, which a joint moves in: identify "
+            "again with --position-scale and --position-unit"
+        )
+
+
+def check_scale(saved: SavedModel, target: str, instead: str) -> None:
+    """Refuse a target that needs newtons where the result has none.
+
+    Args:
+        saved: the result.
+        target: name of the target.
+        instead: targets whose motion is right all the same.
+
+    Raises:
+        UsageError: forces are in volts and the like, or those of an assumed mass.
+    """
+    if saved.force_unit not in FORCES:
+        found = f"forces are in {saved.force_unit}"
+    elif saved.scale_assumed:
+        found = "no force moved the cart, so only ratios are known (its mass of 1 kg is assumed)"
+    else:
+        return
+    raise UsageError(
+        f"{target} needs newtons, and in this result {found}; expected a force scale: give the moving mass with "
+        f"--mass, or export to {instead}, whose motion is right without"
+    )
+
+
+def scaled(saved: SavedModel, mass: float) -> tuple[Model, float]:
+    """The model with this mass [kg or kg·m²], all forces scaled with it, and newtons per force unit of the record.
+
+    Raises:
+        UsageError: the mass is no mass.
+    """
+    if not 0.0 < mass < math.inf:
+        raise UsageError(f"the mass is {mass:g}; expected more than 0, e.g. --mass 0.94")
+    factor = mass / saved.model.mass
+    values = dict(zip(saved.model.names, saved.model.values.tolist(), strict=True))
+    for parameter in saved.model.parameters:
+        power = force_power(parameter.unit)
+        if power and math.isfinite(values[parameter.name]):
+            values[parameter.name] *= factor**power
+    return saved.model.with_values(values), factor
+
+
+def force_power(unit: str) -> int:
+    """How often a unit has the force in it: 1 for N, kg and N/m, -1 for 1/N, 0 for m."""
+    above, _, below = unit.partition("/")
+    return _forces(above) - _forces(below)
+
+
+def _forces(part: str) -> int:
+    return sum(factor.rstrip("²³") in ("N", "kg") for factor in part.split("·"))

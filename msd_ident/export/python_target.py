@@ -1,0 +1,91 @@
+"""Python: a file of its own with numpy and scipy, and a file of three lines with msd_ident."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from msd_ident.export import header, laws, mujoco_replay, python_source
+from msd_ident.export.plan import Plan
+from msd_ident.export.saying import Saying
+from msd_ident.export.target import Start, Target
+from msd_ident.model.effects import Effect
+from msd_ident.record import FloatArray
+
+
+class PythonTarget(Target):
+    """One file without msd_ident."""
+
+    name = "python"
+    suffixes = (".py",)
+    what = "Python simulation in one file (numpy, scipy)"
+    library = ""
+    imported = True
+
+    def says(self, effect: type[Effect]) -> Saying:
+        if effect.laws() or effect.name in laws.STRUCTURES:
+            return Saying("exact", "its law, in the file")
+        return Saying("cannot", "no law that the file could hold")
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        said = "\n".join(header.lines(plan, self.what))
+        return {out: python_source.text(plan, said, out.stem).encode()}
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        module = mujoco_replay.imported(out)
+        record = start.record
+        readings = module.simulate(
+            record.time, record.force_time, plan.force_scale * plan.saved.force_sign * record.force,
+            start.initial.position, start.initial.velocity, hold=record.hold,
+        )  # fmt: skip
+        return np.asarray(readings, dtype=np.float64)
+
+
+_LINES = '''"""{header}
+
+{file} must lie beside this file; positions are measured from the relaxed spring, at the reading {zero}.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import msd_ident
+from msd_ident.model import simulate
+
+
+def motion(record, position=0.0, velocity=0.0):
+    """Trajectory of the saved model under the force of a msd_ident.Record, from this state on."""
+    saved = msd_ident.load(Path(__file__).with_name("{file}"))
+    return simulate(saved.model, replace(record, force=saved.force_sign * record.force), position, velocity)
+'''
+
+
+class PythonMsdTarget(Target):
+    """Three lines that load the result itself."""
+
+    name = "python-msd"
+    suffixes = (".py",)
+    what = "Python with msd_ident"
+    library = ""
+    imported = True
+    itself = True
+
+    def says(self, effect: type[Effect]) -> Saying:
+        return Saying("exact", "msd_ident itself")
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        said = "\n".join(header.lines(plan, self.what))
+        beside = out.with_suffix(".json")
+        text = _LINES.format(header=said, file=beside.name, zero=laws.number(plan.zero))
+        return {out: text.encode(), beside: plan.saved.text.encode()}
+
+    def beside(self, out: Path) -> tuple[Path, ...]:
+        return (out.with_suffix(".json"),)
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        module = mujoco_replay.imported(out)
+        raw = replace(start.record, force=plan.saved.force_sign * start.record.force)
+        made = module.motion(raw, start.initial.position, start.initial.velocity)
+        return np.asarray(made.position + plan.zero, dtype=np.float64)

@@ -1,0 +1,54 @@
+"""What a target says of an effect: exactly, approximately, or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from msd_ident.model.effects import LIBRARY, spoken
+
+if TYPE_CHECKING:
+    from msd_ident.export.target import Target
+    from msd_ident.model.effects import Effect
+
+Kind = Literal["exact", "approximated", "cannot"]
+#: Kind → words for tables.
+WORDS: dict[Kind, str] = {"exact": "exact", "approximated": "approximated", "cannot": "cannot be said"}
+
+
+@dataclass(frozen=True)
+class Saying:
+    """How a target carries one effect.
+
+    Attributes:
+        kind: ``exact``: the law itself; ``approximated``: the nearest law of the format is fitted in its place;
+            ``cannot``: nothing in the format does what it does.
+        how: by which element, or what is lost, in a few words.
+    """
+
+    kind: Kind
+    how: str
+
+    @property
+    def text(self) -> str:
+        """Kind and way, for a table."""
+        return f"{WORDS[self.kind]}: {self.how}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect of a model and what a target says of it."""
+
+    effect: str
+    saying: Saying
+
+    @property
+    def sentence(self) -> str:
+        """For a header or the terminal."""
+        return f"{spoken(self.effect)}: {self.saying.text}"
+
+
+def rows(target: Target, effects: Iterable[type[Effect]] = LIBRARY) -> tuple[Row, ...]:
+    """What a target says of each effect, in the order given."""
+    return tuple(Row(effect.name, target.says(effect)) for effect in effects)

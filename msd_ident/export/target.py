@@ -1,0 +1,90 @@
+"""What a target is: a format with its own laws, a writer, and, where a library runs it, a replay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from msd_ident.errors import UsageError
+from msd_ident.export.saying import Saying
+
+if TYPE_CHECKING:
+    from msd_ident.export.plan import Plan
+    from msd_ident.fit import Initial
+    from msd_ident.model import Model
+    from msd_ident.model.effects import Effect
+    from msd_ident.record import FloatArray, Record
+
+
+@dataclass(frozen=True)
+class Start:
+    """From where a record is replayed.
+
+    Attributes:
+        initial: state and zero at its first sample.
+        record: its force, and the instants at which positions are wanted.
+    """
+
+    record: Record
+    initial: Initial
+
+
+class Target:
+    """Base of all targets. One file each; ``TARGETS`` of the package lists them."""
+
+    name: ClassVar[str]
+    #: Endings that its main file may have.
+    suffixes: ClassVar[tuple[str, ...]]
+    #: Whether it runs the saved result itself, so that nothing else can be written in its place.
+    itself: ClassVar[bool] = False
+    #: Whether its main file is imported by its name.
+    imported: ClassVar[bool] = False
+    #: In a few words, for tables and help.
+    what: ClassVar[str]
+    #: What must be installed for the replay; empty for nothing more, ``None`` where nothing here replays it.
+    library: ClassVar[str | None] = None
+    #: Whether it takes forces for newtons, so that a result without a force scale is refused.
+    needs_newtons: ClassVar[bool] = False
+    #: Why nothing here replays it, where that is so.
+    why_not: ClassVar[str] = ""
+    #: Whether it is integrated in fixed steps that the file says.
+    stepped: ClassVar[bool] = False
+    #: Effects that are written though the format does not say them exactly.
+    kept: ClassVar[tuple[str, ...]] = ()
+
+    def says(self, effect: type[Effect]) -> Saying:
+        """How it carries an effect."""
+        raise NotImplementedError
+
+    def saying(self, effect: Effect, model: Model) -> Saying:
+        """How it carries an effect of this very model."""
+        del model
+        return self.says(type(effect))
+
+    def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """What is to be written: path → content, the main file (``out``) first."""
+        raise NotImplementedError
+
+    def check_name(self, out: Path) -> None:
+        """Refuse a file name that the target's reader would not take.
+
+        Raises:
+            UsageError: another ending than ``suffixes``, or no name that Python can import.
+        """
+        if out.suffix not in self.suffixes:
+            raise UsageError(
+                f"--out {out} for {self.name}; expected a name that ends in {' or '.join(self.suffixes)}, "
+                f"e.g. --out {out.stem}{self.suffixes[0]}"
+            )
+        if self.imported and not out.stem.isidentifier():
+            raise UsageError(f"--out {out} for {self.name}; expected a name that Python can import, e.g. rig.py")
+
+    def beside(self, out: Path) -> tuple[Path, ...]:
+        """Files that it may write beside the main one."""
+        del out
+        return ()
+
+    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+        """Run the written file in its target: readings (n,) at the record's samples, in the position unit."""
+        raise NotImplementedError

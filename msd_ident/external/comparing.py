@@ -1,0 +1,175 @@
+"""What a simulation gets wrong about a record: the same laws fitted to what was measured and to what it says.
+
+A black box cannot be refitted, but its answer can be explained: the diagnosis of the record gives a model of the rig,
+the same structure fitted to the simulated positions gives a model of the simulation, with the causes that this needs
+beside. Where the two differ by more than both intervals, the simulation is wrong, and the difference has a name. The
+simulated positions get the noise of the record, so that the simulation is asked no more than a rig would be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msd_ident import pipeline, seeds
+from msd_ident.external.difference import Difference, differences
+from msd_ident.external.simulations import Simulation
+from msd_ident.diagnose import Diagnosis
+from msd_ident.fit import FitResult, fit, see
+from msd_ident.fit.posing import Zero
+from msd_ident.model import Model
+from msd_ident.model.effects import by_name
+from msd_ident.record import FloatArray, Record
+
+SCHEMA = "msd.external/1"
+#: Noise floors that the rig's structure may leave of a simulation; more, and the simulation is diagnosed too.
+_ALIKE = 1.3
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A simulation beside a rig.
+
+    Attributes:
+        simulation: its name.
+        records: what was measured, as used.
+        simulated: readings (n,) of the simulation, for each record.
+        diagnosis: of what was measured.
+        rig, theirs: the same structure, fitted to both.
+        differences: what is wrong with the simulation, what matters most first.
+        corrected_see: standard error of estimate of the rig's model.
+    """
+
+    simulation: str
+    records: tuple[Record, ...]
+    simulated: tuple[FloatArray, ...]
+    diagnosis: Diagnosis
+    rig: FitResult
+    theirs: FitResult
+    differences: tuple[Difference, ...]
+
+    @property
+    def see(self) -> float:
+        """Standard error of estimate of the simulation, in the position unit."""
+        return see([found - record.position for found, record in zip(self.simulated, self.records, strict=True)])
+
+    @property
+    def explained_percent(self) -> float:
+        """Part of the motion's variance that the simulation explains."""
+        left = moved = 0.0
+        for found, record in zip(self.simulated, self.records, strict=True):
+            error = found - record.position
+            left += float(np.sum((error - error.mean()) ** 2))
+            moved += float(np.sum((record.position - record.position.mean()) ** 2))
+        return 100.0 * (1.0 - left / moved)
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words."""
+        unit = self.records[0].position_unit
+        said = f"The simulation leaves {self.see:.3g} {unit} and explains {self.explained_percent:.5g} % of the motion"
+        if not self.differences:
+            return f"{said}. Nothing in it differs from the rig by more than this record can tell."
+        return f"{said}; with what follows mended it would leave {self.rig.see:.3g} {unit}."
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The contract ``msd.external/1`` without ``path``."""
+        return {
+            "schema": SCHEMA,
+            "simulation": self.simulation,
+            "see_m": self.see,
+            "explained_percent": self.explained_percent,
+            "corrected_see_m": self.rig.see,
+            "noise_floor_m": self.diagnosis.noise_floor,
+            "verdict": self.diagnosis.verdict,
+            "differences": [
+                {
+                    "kind": one.kind, "name": one.name, "rig": vars(one.rig), "simulation": vars(one.simulation),
+                    "motion_rms_m": one.does, "probability": one.probability, "sentence": one.sentence,
+                }
+                for one in self.differences
+            ],
+            "warnings": list(self.diagnosis.warnings),
+        }  # fmt: skip
+
+
+def _silent(stage: str, fraction: float) -> None:
+    """Report to nobody."""
+
+
+def compare(
+    simulation: Simulation, records: Sequence[Record], progress: Callable[[str, float], None] = _silent
+) -> Comparison:
+    """Name what a simulation gets wrong about records of one rig.
+
+    Raises:
+        UsageError, DataError: it cannot be run on the records, or the data cannot carry any estimate.
+    """
+    for record in records:
+        simulation.check(record)
+    progress("diagnosing the record", 0.1)
+    found = pipeline.diagnose(records)
+    sign = -1.0 if found.turned else 1.0
+    progress("running the simulation", 0.5)
+    given = [replace(record, force=sign * record.force) for record in found.records]
+    simulated = tuple(
+        simulation.positions(record, initial) for record, initial in zip(given, found.extended.initial, strict=True)
+    )
+    progress("explaining the simulation", 0.6)
+    said = _noisy(found.records, simulated, found.noise_floor)
+    rig, theirs = _explained(found, said)
+    sure = {cause.name: cause.probability for cause in found.causes}
+    unlike = differences(rig, theirs, found.records, found.noise_floor, sure)
+    progress("done", 1.0)
+    return Comparison(simulation.name, found.records, simulated, found, rig, theirs, unlike)
+
+
+def _noisy(records: Sequence[Record], simulated: Sequence[FloatArray], floor: float) -> tuple[Record, ...]:
+    """Simulated positions as if an encoder of this rig had read them."""
+    rng = np.random.default_rng(seeds.ENCODER)
+    return tuple(
+        replace(record, position=positions + floor * rng.standard_normal(positions.size), name="the simulation")
+        for record, positions in zip(records, simulated, strict=True)
+    )
+
+
+def _explained(found: Diagnosis, said: tuple[Record, ...]) -> tuple[FitResult, FitResult]:
+    """The rig's model and the simulation's, of one structure."""
+    rig = found.extended
+    theirs = _fitted(rig.model, rig, said)
+    if theirs.see <= _ALIKE * found.noise_floor:
+        return rig, theirs
+    other = pipeline.diagnose(said).extended.model
+    both = _united(rig.model, other)
+    if both.effect_names == rig.model.effect_names:
+        return rig, _fitted(both, rig, said, other)
+    return _fitted(both, rig, found.records), _fitted(both, rig, said, other)
+
+
+def _united(one: Model, other: Model) -> Model:
+    """A model with the effects of both; of two in a family the first one's."""
+    families = {effect.family for effect in one.effects if effect.family}
+    for effect in other.effects:
+        if not one.has(effect.name) and effect.family not in families:
+            one = one + effect
+    return one
+
+
+def _fitted(model: Model, rig: FitResult, records: Sequence[Record], other: Model | None = None) -> FitResult:
+    """A structure fitted near where the rig's parameters are, near the other model's, and without each effect."""
+    fixed = {name for name, quantity in rig.quantities.items() if quantity.std == 0.0}
+    zero: Zero = "free" if model.stiffness > 0.0 else "known"
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    starts = [model.with_values({**values, **_neutral(effect.name)}) for effect in model.effects]
+    if other is not None:
+        known = {n: v for n, v in zip(other.names, other.values.tolist(), strict=True) if n in values}
+        starts.append(model.with_values({**values, **known}))
+    return fit(model, records, fixed=fixed, zero=zero, search="near", starts=starts)
+
+
+def _neutral(name: str) -> dict[str, float]:
+    """An effect's parameters nearly where it vanishes: from there a fit can still move."""
+    return {parameter: value for parameter, value in by_name(name).neutral if np.isfinite(value)}

@@ -1,0 +1,191 @@
+"""Other people's simulations: a MuJoCo model, a Python function, or positions in a file."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from msd_ident.errors import DataError, UsageError
+from msd_ident.export import mujoco_replay, robot
+from msd_ident.fit import Initial
+from msd_ident.record import FloatArray, Record
+
+
+class Simulation(Protocol):
+    """What turns a record's force into positions."""
+
+    @property
+    def name(self) -> str:
+        """For sentences and tables."""
+
+    def check(self, record: Record) -> None:
+        """Refuse a record that it cannot be run on, before any work."""
+
+    def positions(self, record: Record, initial: Initial) -> FloatArray:
+        """Simulated readings (n,) at the record's samples, from about this start, in the position unit."""
+
+
+@dataclass(frozen=True)
+class MujocoSimulation:
+    """One joint of a MuJoCo model.
+
+    Attributes:
+        path: the model.
+        joint: name of the joint.
+    """
+
+    path: Path
+    joint: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.path.name}, joint {self.joint}"
+
+    def check(self, record: Record) -> None:
+        """Raises UsageError or DataError: no such model or joint, further degrees of freedom, another unit."""
+        robot.joint(robot.parsed(self.path), self.path, self.joint, record.position_unit)
+        mujoco_replay.load(self.path)
+
+    def positions(self, record: Record, initial: Initial) -> FloatArray:
+        mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
+        steps = max(math.ceil(record.period / model.opt.timestep - 1e-6), 1)
+        model.opt.timestep = record.period / steps
+        data = mujoco.MjData(model)
+        joint = model.joint(self.joint)
+        place, dof = joint.qposadr[0], joint.dofadr[0]
+        data.time = float(record.time[0])
+        data.qpos[place], data.qvel[dof] = initial.position + initial.zero, initial.velocity
+        pusher = _pusher(mujoco, model, joint.id)
+        force = mujoco_replay.averages(record, steps)
+        with mujoco_replay.quiet():
+            out = _stepped(mujoco, model, data, (place, dof, pusher), force)
+        return mujoco_replay.at_samples(record, _finite(out, self.name))
+
+
+def _stepped(
+    mujoco: Any, model: Any, data: Any, at: tuple[int, int, int | None], force: FloatArray
+) -> FloatArray:
+    """Joint positions after each row of forces, from the state given on; ``at``: position, freedom and actuator."""
+    place, dof, pusher = at
+    out = np.empty(force.shape[0] + 1)
+    out[0] = data.qpos[place]
+    for i, row in enumerate(force):
+        for value in row:
+            if pusher is None:
+                data.qfrc_applied[dof] = value
+            else:
+                data.ctrl[pusher] = value
+            mujoco.mj_step(model, data)
+        out[i + 1] = data.qpos[place]
+    return out
+
+
+def _pusher(mujoco: Any, model: Any, joint: int) -> int | None:
+    """The actuator that turns a control into a force on the joint; without just one, forces are applied directly."""
+    on_joint = [
+        i
+        for i in range(model.nu)
+        if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT and model.actuator_trnid[i, 0] == joint
+        and model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_NONE
+        and model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
+    ]  # fmt: skip
+    return on_joint[0] if len(on_joint) == 1 else None
+
+
+@dataclass(frozen=True)
+class FunctionSimulation:
+    """A Python function ``simulate(time, force, position, velocity)`` that returns positions.
+
+    ``time`` (n,) [s] and ``force`` (n,), held from one instant to the next, are the record's; ``position`` and
+    ``velocity`` are those at its first sample. It returns (n,) readings.
+
+    Attributes:
+        target: ``module:function``; the module may lie in the present folder.
+    """
+
+    target: str
+
+    @property
+    def name(self) -> str:
+        return self.target
+
+    def check(self, record: Record) -> None:
+        """Raises UsageError: there is no such function."""
+        self._function()
+
+    def _function(self) -> Any:
+        module, _, function = self.target.partition(":")
+        if not module or not function:
+            raise UsageError(f"--callable {self.target}; expected module:function, e.g. --callable my_rig:simulate")
+        here = str(Path.cwd())
+        if here not in sys.path:
+            sys.path.insert(0, here)
+        try:
+            found = getattr(importlib.import_module(module), function, None)
+        except ImportError as error:
+            raise UsageError(f"cannot import {module} ({error}); expected a module here or installed") from None
+        if not callable(found):
+            raise UsageError(f"module {module} has no function {function}; expected module:function that it has")
+        return found
+
+    def positions(self, record: Record, initial: Initial) -> FloatArray:
+        function = self._function()
+        time = record.time.copy()
+        force = np.append(mujoco_replay.averages(record, 1)[:, 0], record.force_at(time[-1:]))
+        try:
+            given = function(time, force, initial.position + initial.zero, initial.velocity)
+            made = np.asarray(given, dtype=np.float64)
+        except Exception as error:
+            raise DataError(
+                f"{self.target} failed on {record.name} with {type(error).__name__} ({error}); expected positions: "
+                "call it with (time, force, position, velocity) by itself"
+            ) from None
+        if made.shape != time.shape:
+            raise DataError(f"{self.target} returned shape {made.shape}; expected {time.shape}, a position a sample")
+        return _finite(made, self.name)
+
+
+@dataclass(frozen=True)
+class TableSimulation:
+    """Positions that were simulated elsewhere.
+
+    Attributes:
+        label: of the file.
+        time: (m,) [s] on the record's clock.
+        position: (m,) in the position unit.
+    """
+
+    label: str
+    time: FloatArray
+    position: FloatArray
+
+    @property
+    def name(self) -> str:
+        return self.label
+
+    def check(self, record: Record) -> None:
+        """Raises DataError: it ends before the record does, or begins after it."""
+        first, last = float(self.time[0]), float(self.time[-1])
+        slack = 1.5 * record.period
+        if first > record.time[0] + slack or last < record.time[-1] - slack:
+            raise DataError(
+                f"{self.label} goes from {first:.4g} to {last:.4g} s, and {record.name} from {record.time[0]:.4g} to "
+                f"{record.time[-1]:.4g} s; expected a simulation of all of it: simulate longer, or cut the record "
+                "with --start and --end"
+            )
+
+    def positions(self, record: Record, initial: Initial) -> FloatArray:
+        del initial
+        return np.asarray(np.interp(record.time, self.time, self.position), dtype=np.float64)
+
+
+def _finite(positions: FloatArray, name: str) -> FloatArray:
+    if not np.all(np.isfinite(positions)) or float(np.max(np.abs(positions))) > 1e12:
+        raise DataError(f"the simulation {name} blows up; expected positions that stay finite: make its step smaller")
+    return positions

@@ -1,0 +1,33 @@
+"""What a simulation gets wrong about a record, on the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from msd_ident.report import numbers
+from msd_ident.report.tables import new_table, say
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.external import Comparison
+
+
+def print_comparison(found: Comparison, console: Console) -> None:
+    """The outcome in words, each difference with what it does, and the warnings of the diagnosis."""
+    names = ", ".join(record.name for record in found.records)
+    console.print(f"{names} against {found.simulation}", style="bold", highlight=False)
+    console.print(found.sentence, highlight=False)
+    for number, difference in enumerate(found.differences, start=1):
+        console.print(f"{number}. {difference.sentence}.", highlight=False)
+    unit = found.records[0].position_unit
+    table = new_table("Your simulation", "", f"in {unit}")
+    table.add_row("leaves (SEE)", numbers.number(found.see))
+    table.add_row("mended it would leave", numbers.number(found.rig.see))
+    table.add_row("noise floor", numbers.number(found.diagnosis.noise_floor))
+    for difference in found.differences:
+        table.add_row(f"{difference.name.replace('_', ' ')} moves it by", numbers.number(difference.does))
+    console.print(table)
+    for warning in found.diagnosis.warnings:
+        say(console, "warning", "yellow", warning)
+    console.print()

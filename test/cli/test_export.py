@@ -1,0 +1,102 @@
+"""``msd export``, ``--export`` and ``msd validate --mujoco`` as a user types them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import effect_examples
+import numpy as np
+import pytest
+from badinputs import run
+from exportrigs import measured, result
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a record and its result."""
+    folder = tmp_path_factory.mktemp("export")
+    model = effect_examples.model("coulomb_friction", "cubic_spring")
+    record = measured(model, effect_examples.record(1000.0, duration=3.0))
+    rows = np.column_stack([record.time, record.force_at(record.time), record.position])
+    header = "time_s,force_n,position_m"
+    np.savetxt(folder / "rig.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")
+    (folder / "result.json").write_text(json.dumps(result(model)))
+    return folder
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_export_proves_itself_on_its_own_record(rig: Path) -> None:
+    whole = ("export", rig / "result.json", "--to", "mujoco", "--out", rig / "rig.xml")
+    found = run(*whole, "--report", rig / "page.html")
+    assert found.code == 0, found.err
+    assert "In mujoco the model leaves" in found.out and "third coefficient of stiffness" in found.out
+    page = (rig / "page.html").read_text(encoding="utf-8")
+    assert "msd export" in page and "third coefficient of stiffness" in page and "m, b, k alone, in mujoco" in page
+    again = run(*whole)
+    assert again.code == 2 and "exists; expected a new name" in again.err
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_export_without_its_record_says_so(rig: Path, tmp_path: Path) -> None:
+    (tmp_path / "alone.json").write_text((rig / "result.json").read_text())
+    found = run("export", tmp_path / "alone.json", "--to", "mujoco", "--out", tmp_path / "rig.xml", "--json", "-")
+    assert found.code == 0 and found.err == ""
+    told = json.loads(found.out)
+    assert told["replay"] is None and told["not_replayed"] == "its own record rig.csv is not here: give --replay PATH"
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_identify_exports_in_one_go(rig: Path, tmp_path: Path) -> None:
+    out = tmp_path / "rig.py"
+    found = run("identify", rig / "rig.csv", "--export", f"python:{out}", "--json", "-")
+    assert found.code == 0, found.err
+    (told,) = json.loads(found.out)["exports"]
+    assert told["target"] == "python" and told["replay"]["see_target_m"] > 0.0 and out.exists()
+
+
+@pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--export", "mujoco"), "expected TARGET:FILE, e.g. --export mujoco:rig.xml"),
+        (("--export", "unity:rig.x"), "no target is called 'unity'"),
+        (("--export", "mujoco:rig.sdf"), "expected a name that ends in .xml"),
+        (("--export", "mujoco:nowhere/rig.xml"), "nowhere does not exist"),
+    ],
+)
+def test_exports_are_refused_before_any_work(options: tuple[str, str], words: str, rig: Path) -> None:
+    found = run("identify", rig / "rig.csv", *options)
+    assert found.code == 2 and words in found.err and found.err.count("\n") == 1
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_simulated_positions_of_a_file(rig: Path, tmp_path: Path) -> None:
+    made = run("export", rig / "result.json", "--to", "mujoco", "--out", tmp_path / "rig.xml", "--no-replay")
+    assert made.code == 0 and "Not replayed: --no-replay." in made.out
+    found = run("validate", rig / "rig.csv", "--mujoco", tmp_path / "rig.xml", "--joint", "x", "--json", "-")
+    assert found.code == 0, found.err
+    told = json.loads(found.out)
+    assert told["schema"] == "msd.external/1" and told["explained_percent"] > 99.9
+    positions = np.loadtxt(rig / "rig.csv", delimiter=",", skiprows=1)[:, [0, 2]] * [1.0, 0.9]
+    header = "time_s,position_m"
+    np.savetxt(tmp_path / "theirs.csv", positions, delimiter=",", header=header, comments="", fmt="%.9g")
+    found = run("validate", rig / "rig.csv", "--simulated", tmp_path / "theirs.csv", "--json", "-")
+    assert found.code == 0, found.err
+    assert json.loads(found.out)["differences"]
+
+
+@pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((), "no record to try the model on; expected msd validate RESULT.json PATH…"),
+        (("--mujoco", "robot.xml"), "--mujoco without --joint; expected the joint"),
+        (("--mujoco", "robot.xml", "--joint", "x"), "cannot read robot.xml"),
+        (("--mujoco", "robot.xml", "--joint", "x", "--callable", "a:b"), "expected one simulation at a time"),
+    ],
+)
+def test_validate_is_refused(options: tuple[str, ...], words: str, rig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(rig)
+    found = run("validate", rig / "rig.csv", *options)
+    assert found.code == 2 and words in found.err

@@ -1,0 +1,121 @@
+"""Every effect in every target: a stated class, and what is called exact moves like the model itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import effect_examples
+import numpy as np
+import pytest
+from exportrigs import ALL, saved
+
+from msd_ident.export import TARGETS, Target
+from msd_ident.export.plan import Plan
+from msd_ident.export.saying import WORDS, rows
+from msd_ident.export.target import Start
+from msd_ident.fit import Initial
+from msd_ident.model import Simulator
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.record import FloatArray, Record
+
+BY_NAME = {target.name: target for target in TARGETS}
+ZERO = 0.003
+#: Part of what an effect does to the motion that its replay may miss; with dry friction at four steps a sample.
+CLOSE = {"mujoco": 5e-3, "mujoco-xml": 5e-3, "python": 1e-4, "python-msd": 1e-9, "fmu": 3e-4}
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+def test_every_effect_has_a_class(target: Target) -> None:
+    said = rows(target)
+    assert [row.effect for row in said] == [effect.name for effect in LIBRARY]
+    assert all(row.saying.kind in WORDS and len(row.saying.how) > 1 for row in said)
+
+
+def test_no_table_names_an_effect_that_there_is_not() -> None:
+    """A renamed effect must not keep its class by chance."""
+    from msd_ident.export import gains, gazebo, laws, mujoco_elements, mujoco_plain
+
+    tables = (gains._SAID, gazebo._SAID, mujoco_elements.NATIVE, mujoco_plain._SAID, laws.STRUCTURES)
+    assert {name for table in tables for name in table} <= set(ALL)
+
+
+def test_an_effect_without_element_and_law_is_no_secret() -> None:
+    class Unknown(by_name("end_stop")):  # type: ignore[misc]
+        name = "unknown"
+
+    assert all(BY_NAME[name].says(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))
+
+
+def _replayed(target: Target, name: str, hold: str, folder: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Readings in the target, here, and here without the effect."""
+    record = effect_examples.record(1000.0, hold, duration=1.5)  # type: ignore[arg-type]
+    model, bare = effect_examples.model(name), effect_examples.plant()
+    plan = Plan(saved(model), model, zero=ZERO, steps=4)
+    out = folder / f"rig{target.suffixes[0]}"
+    for path, content in target.files(plan, out).items():
+        path.write_bytes(content)
+    got = target.replay(out, plan, Start(record, Initial(0.0, 0.0, ZERO)))
+    ours, without = (Simulator(one, record).positions(one.values) + ZERO for one in (model, bare))
+    return got, ours, without
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize("effect", ALL)
+@pytest.mark.parametrize("target", ["mujoco", "mujoco-xml", "python", "python-msd"])
+def test_exact_is_exact(target: str, effect: str, hold: str, tmp_path: Path) -> None:
+    one = BY_NAME[target]
+    if one.saying(effect_examples.example(effect), effect_examples.plant()).kind != "exact":
+        pytest.skip("not called exact")
+    got, ours, without = _replayed(one, effect, hold, tmp_path)
+    does = np.sqrt(np.mean((ours - without) ** 2))
+    assert does > 1e-6
+    assert np.sqrt(np.mean((got - ours) ** 2)) < CLOSE[target] * does
+
+
+@pytest.mark.xdist_group("fmu")
+@pytest.mark.parametrize("effects", [("coulomb_friction", "actuator_lag", "end_stop"), ("hysteresis", "time_offset")])
+def test_fmu_moves_alike(effects: tuple[str, ...], tmp_path: Path) -> None:
+    record = effect_examples.record(1000.0, "zero", duration=1.0)
+    model, target = effect_examples.model(*effects), BY_NAME["fmu"]
+    plan = Plan(saved(model), model, zero=ZERO)
+    out = tmp_path / "rig.fmu"
+    for path, content in target.files(plan, out).items():
+        path.write_bytes(content)
+    got = target.replay(out, plan, Start(record, Initial(0.0, 0.0, ZERO)))
+    ours = Simulator(model, record).positions(model.values) + ZERO
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-3 * np.std(ours)
+
+
+@pytest.mark.parametrize("start", [(0.02, 0.0), (-0.01, 0.2)])
+@pytest.mark.parametrize("target", ["mujoco", "python", "fmu"])
+def test_what_is_remembered_begins_where_the_motion_does(
+    target: str, start: tuple[float, float], tmp_path: Path
+) -> None:
+    record, model = effect_examples.silent(1000.0, 1.0), effect_examples.model("hysteresis")
+    one, plan = BY_NAME[target], Plan(saved(model), model, steps=2)
+    out = tmp_path / f"rig{one.suffixes[0]}"
+    for path, content in one.files(plan, out).items():
+        path.write_bytes(content)
+    got = one.replay(out, plan, Start(record, Initial(*start, 0.0)))
+    ours = Simulator(model, record).positions(model.values, *start)
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-4 * np.std(ours)
+
+
+@pytest.mark.parametrize("target", ["mujoco", "python"])
+def test_all_together(target: str, tmp_path: Path) -> None:
+    """Eleven effects at once, a force that was turned, and a start in motion."""
+    names = (
+        "hysteresis", "actuator_lag", "time_offset", "force_gain_nonlinearity", "stribeck_friction", "sensor_drift",
+        "end_stop", "stiffness_drift", "backlash", "second_mode", "force_offset",
+    )  # fmt: skip
+    model = effect_examples.model(*names)
+    record: Record = effect_examples.record(1000.0, "zero", duration=1.5)
+    plan = Plan(replace(saved(model), force_sign=-1), model, zero=ZERO, steps=4)
+    one = BY_NAME[target]
+    out = tmp_path / f"rig{one.suffixes[0]}"
+    for path, content in one.files(plan, out).items():
+        path.write_bytes(content)
+    got = one.replay(out, plan, Start(record, Initial(0.004, 0.1, ZERO)))
+    ours = Simulator(model, record).positions(model.values, 0.004, 0.1) + ZERO
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 5e-3 * np.std(ours)

@@ -1,0 +1,150 @@
+"""Somebody else's simulation against a record: its one mistake is named, what cannot be run is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import effect_examples
+import numpy as np
+import pytest
+from exportrigs import measured, saved
+
+from msd_ident.external import Comparison, FunctionSimulation, MujocoSimulation, TableSimulation, compare
+from msd_ident.errors import DataError, UsageError
+from msd_ident.export import target
+from msd_ident.export.plan import Plan
+from msd_ident.model import Model, Simulator
+from msd_ident.record import Record
+
+FUNCTION = """
+import numpy as np
+
+def simulate(time, force, position, velocity):
+    x, v, found = position, velocity, []
+    h = (time[1] - time[0]) / 10
+    for u in force:
+        found.append(x)
+        for _ in range(10):
+            v += h * (u - 3.927 * v - 800.0 * x) / 0.9407
+            x += h * v
+    return np.array(found)
+
+def short(time, force, position, velocity):
+    return np.zeros(3)
+
+def broken(time, force, position, velocity):
+    raise ValueError("no such rig")
+
+def wild(time, force, position, velocity):
+    return np.full(time.size, np.nan)
+"""
+
+
+@pytest.fixture(scope="module")
+def rig() -> tuple[Model, Record]:
+    """A rig with dry friction, and its record."""
+    model = effect_examples.model("coulomb_friction")
+    return model, measured(model, effect_examples.record(1000.0, duration=6.0))
+
+
+def against(wrong: Model, record: Record, folder: Path) -> Comparison:
+    """A MuJoCo model with these values compared with a record."""
+    plan = Plan(saved(wrong), wrong, joint="cart", steps=4)
+    for path, content in target("mujoco").files(plan, folder / "theirs.xml").items():
+        path.write_bytes(content)
+    return compare(MujocoSimulation(folder / "theirs.xml", "cart"), (record,))
+
+
+@pytest.mark.xdist_group("comparison")
+def test_nothing_is_wrong_with_the_right_one(rig: tuple[Model, Record], tmp_path: Path) -> None:
+    found = against(*rig, tmp_path)
+    assert found.differences == ()
+    assert "Nothing in it differs from the rig" in found.sentence and found.explained_percent > 99.99
+
+
+@pytest.mark.xdist_group("comparison")
+def test_friction_that_is_not_there(rig: tuple[Model, Record], tmp_path: Path) -> None:
+    model, record = rig
+    found = against(model.without("coulomb_friction"), record, tmp_path)
+    (one,) = found.differences
+    assert (one.kind, one.name) == ("lacks", "coulomb_friction") and one.probability > 0.9
+    assert one.rig.value == pytest.approx(0.3, rel=0.02) and one.simulation.value == pytest.approx(0.0, abs=0.01)
+    assert one.sentence.startswith("It lacks Coulomb friction (probability")
+    assert one.does == pytest.approx(found.see, rel=0.1)
+
+
+@pytest.mark.xdist_group("comparison")
+def test_a_stiffness_that_is_off(
+    rig: tuple[Model, Record], tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, record = rig
+    found = against(model.with_values({"stiffness": 1.1 * model.stiffness}), record, tmp_path)
+    (one,) = found.differences
+    assert (one.kind, one.name) == ("value", "stiffness")
+    assert abs(one.percent.value - 10.0) < 3.0 * one.percent.std < 0.5
+    assert one.sentence.startswith("Its stiffness is ") and "% too large: 763.5" in one.sentence
+    told = found.to_json_dict()
+    assert told["differences"][0]["simulation"]["value"] == pytest.approx(763.5, rel=1e-3)
+    monkeypatch.syspath_prepend(str(repository / "docs" / "generate"))
+    import json_contract
+
+    page = (repository / "docs" / "json.md").read_text(encoding="utf-8")
+    known = json_contract.documented(page, "msd.external/1")
+    assert known - {"path"} == {"warnings[]" if path == "warnings" else path for path in json_contract.paths(told)}
+
+
+@pytest.mark.xdist_group("comparison")
+def test_friction_that_only_the_simulation_has(tmp_path: Path) -> None:
+    model = effect_examples.model("actuator_lag")
+    record = measured(model, effect_examples.record(1000.0, duration=6.0))
+    found = against(model + effect_examples.example("coulomb_friction"), record, tmp_path)
+    assert [(one.kind, one.name) for one in found.differences] == [("has", "coulomb_friction")]
+
+
+@pytest.mark.xdist_group("comparison")
+def test_a_python_function(rig: tuple[Model, Record], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "their_rig.py").write_text(FUNCTION)
+    monkeypatch.chdir(tmp_path)
+    found = compare(FunctionSimulation("their_rig:simulate"), (rig[1],))
+    kinds = {one.name: one for one in found.differences}
+    assert kinds["coulomb_friction"].kind == "lacks"
+    assert kinds["stiffness"].simulation.value == pytest.approx(800.0, rel=2e-3)
+    for name, words in (
+        ("short", r"returned shape \(3,\); expected \(6001,\)"),
+        ("broken", r"failed on rig with ValueError \(no such rig\)"),
+        ("wild", "blows up; expected positions that stay finite"),
+    ):
+        with pytest.raises(DataError, match=words):
+            FunctionSimulation(f"their_rig:{name}").positions(rig[1], found.diagnosis.extended.initial[0])
+    for text, words in (
+        ("their_rig", "expected module:function"),
+        ("their_rig:none", "has no function none"),
+        ("no_such_rig:f", "cannot import no_such_rig"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            FunctionSimulation(text).check(rig[1])
+
+
+def test_positions_of_a_file_must_cover_the_record(rig: tuple[Model, Record]) -> None:
+    model, record = rig
+    positions = Simulator(model, record).positions(model.values)
+    whole = TableSimulation("their.csv", record.time, positions)
+    whole.check(record)
+    half = TableSimulation("their.csv", record.time[:3000], positions[:3000])
+    with pytest.raises(DataError, match=r"goes from 0 to 2\.999 s, and rig from 0 to 6 s; expected a simulation"):
+        half.check(record)
+    assert np.array_equal(whole.positions(record, None), positions)  # type: ignore[arg-type]
+
+
+def test_a_joint_of_another_kind(rig: tuple[Model, Record], tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(
+        '<mujoco><worldbody><body><joint name="arm"/><geom size=".1"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(UsageError, match="is a hinge, which moves in rad, and positions are in m"):
+        MujocoSimulation(tmp_path / "arm.xml", "arm").check(rig[1])
+    MujocoSimulation(tmp_path / "arm.xml", "arm").check(replace(rig[1], position_unit="rad"))
+    with pytest.raises(DataError, match="cannot read .*; expected a MuJoCo model"):
+        MujocoSimulation(tmp_path / "none.xml", "arm").check(rig[1])
+    assert math.isfinite(rig[0].mass)
