@@ -221,9 +221,7 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     )
 
 
-def as_saved(
-    saved: SavedModel, records: Sequence[Record]
-) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
+def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
     """Records as the model is simulated on them: cleaned, held and turned like its own; with what was found.
 
     Raises:

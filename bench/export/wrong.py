@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.export.results import drawn, fitted
-from msd_ident.external import MujocoSimulation, compare
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
+from msd_ident.external import MujocoSimulation, compare
 from msd_ident.model import Model
 from msd_ident.record import Record
 

@@ -57,8 +57,8 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     from dataclasses import replace
 
     from msd_ident.bag import SourceOptions, read
-    from msd_ident.external import TableSimulation
     from msd_ident.errors import DataError
+    from msd_ident.external import TableSimulation
 
     plain = SourceOptions(force="none", position_unit=source.position_unit)
     try:
@@ -68,9 +68,7 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     return TableSimulation(str(path), found.time, found.position)
 
 
-def compare(
-    paths: Sequence[Path], source: SourceOptions, together: bool, output: run.Output, chosen: Chosen
-) -> int:
+def compare(paths: Sequence[Path], source: SourceOptions, together: bool, output: run.Output, chosen: Chosen) -> int:
     """Compare every path, or all together, with the simulation; the exit code."""
     from msd_ident import external
     from msd_ident.report.external import print_comparison

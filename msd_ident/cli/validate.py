@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 @sources.reading
 def validate(
-    result: Annotated[
-        Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")
-    ],
+    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
     source: sources.Source,
     paths: Annotated[
         Optional[list[Path]],  # noqa: UP045

@@ -50,7 +50,11 @@ class Options:
 
 
 def export(
-    saved: SavedModel, target: Target, out: Path, options: Options = Options(), records: Sequence[Record] = ()  # noqa: B008
+    saved: SavedModel,
+    target: Target,
+    out: Path,
+    options: Options = Options(),
+    records: Sequence[Record] = (),  # noqa: B008
 ) -> Export:
     """Write a result for a target, and run it there on the records.
 

@@ -50,4 +50,3 @@ class MujocoXmlTarget(Target):
 
     def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
         return mujoco_replay.run(out, None, plan, start)
-

@@ -237,7 +237,7 @@ def structure(plan: Plan) -> dict[str, str]:
         "UNPACK": (", f" if lag else "") + (", x2, v2" if second else ""),
         "APPLIED": "f" if lag else "push",
         "STOP": " - stop_stiffness * (x - min(max(x, -stop_position), stop_position))" if model.has("end_stop") else "",
-        "COUPLING": f" - {coupling}" .replace(" + ", " - ") if second else "",
+        "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
         "RATES": (", (push - f) / lag_time" if lag else "") + (f", v2, ({coupling}) / second_mass" if second else ""),
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + (", position, velocity" if second else ""),
         "DELAY": "time_offset" if model.has("time_offset") else "0.0",

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from msd_ident import pipeline, seeds
+from msd_ident.diagnose import Diagnosis
 from msd_ident.external.difference import Difference, differences
 from msd_ident.external.simulations import Simulation
-from msd_ident.diagnose import Diagnosis
 from msd_ident.fit import FitResult, fit, see
 from msd_ident.fit.posing import Zero
 from msd_ident.model import Model

@@ -68,9 +68,7 @@ class MujocoSimulation:
         return mujoco_replay.at_samples(record, _finite(out, self.name))
 
 
-def _stepped(
-    mujoco: Any, model: Any, data: Any, at: tuple[int, int, int | None], force: FloatArray
-) -> FloatArray:
+def _stepped(mujoco: Any, model: Any, data: Any, at: tuple[int, int, int | None], force: FloatArray) -> FloatArray:
     """Joint positions after each row of forces, from the state given on; ``at``: position, freedom and actuator."""
     place, dof, pusher = at
     out = np.empty(force.shape[0] + 1)
