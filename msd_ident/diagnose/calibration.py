@@ -154,8 +154,7 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, F
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
     for cause in sorted(lead.causes):
-        without = [row for row in rows if cause not in row.causes]
-        copies = sum(row.copies for row in without)
+        copies = sum(row.copies for row in rows if cause not in row.causes)
         if copies:
             ranking = _capped(ranking, cause, (copies + 1.0) / (copies + 2.0))
     return ranking
