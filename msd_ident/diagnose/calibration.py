@@ -6,12 +6,13 @@ evidence cannot: that the search ends elsewhere, that Laplace's approximation fa
 most strengths looks like another one here.
 
 **The correction.** That a cause c was named is one outcome; r(T) is the share of copies of T in which it is named too.
-With the leading set S that holds c, and R rivals T that do not, Bayes' rule gives the odds
+With the leading set S that holds c, and R rivals T that have another law in its place, Bayes' rule gives the odds
 
     P(T | c was named) / P(S | c was named) = r(T) / (R r(S)),
 
 the leading set being as likely before as all its rivals together, and these alike: their prior odds have done their
-work when they were chosen, and how often one law of a family acts on rigs, and how often another, nobody knows.
+work when they were chosen, and how often one law of a family acts on rigs, and how often another, nobody knows. For
+the leading set with nothing in the place of c, R is 1.
 Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T led to c, the replicates say nothing against
 it and the stated odds stand. A rival's odds are never lowered: the copies are drawn from the fitted explanations, so
 they cannot make any of them surer than the record itself does. r(T) counts as larger than r(S) only where it is so by
@@ -147,10 +148,12 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, F
         standins: for rows of any strength, a fitted set that stands for it where the ranking has none.
     """
     lead = rows[0]
-    lacking = {cause: sum(cause not in row.causes for row in rows) for cause in lead.causes}
+    others = {cause: sum(row.any_strength and cause not in row.causes for row in rows) for cause in lead.causes}
     for rival in rows[1:]:
         without = lead.causes - rival.causes
-        most = max((odds(lead, rival, cause) / lacking[cause] for cause in without), default=0.0)
+        most = max(
+            (odds(lead, rival, cause) / (others[cause] if rival.any_strength else 1) for cause in without), default=0.0
+        )
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
     for cause in sorted(lead.causes):
