@@ -198,7 +198,7 @@ def _all(
         try:
             for number, (task, job) in enumerate(zip(tasks, jobs, strict=True)):
                 imagined, said = job.result()
-                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), " + ".join(sorted(imagined.causes)))
+                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), "")
                 answers.append(said)
                 left = _chi(study.experiment, imagined)
                 if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
