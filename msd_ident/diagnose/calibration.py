@@ -6,16 +6,18 @@ evidence cannot: that the search ends elsewhere, that Laplace's approximation fa
 most strengths looks like another one here.
 
 **The correction.** That a cause c was named is one outcome; r(T) is the share of copies of T in which it is named too.
-With the leading set S that holds c, and a rival T that does not, Bayes' rule gives the odds
+With the leading set S that holds c, and R rivals T that have another law in its place, Bayes' rule gives the odds
 
-    P(T | c was named) / P(S | c was named) = r(T) / r(S),
+    P(T | c was named) / P(S | c was named) = r(T) / (R r(S)),
 
-the leading explanations being alike before: their prior odds have done their work when they were chosen, and how often
-laws of one family act on rigs nobody knows. Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T
-led to c, the replicates say nothing against it and the stated odds stand. A rival's odds are never lowered: the copies
-are drawn from the fitted explanations, so they cannot make any of them surer than the record itself does. They are
-above 1 only where r(T) is larger than r(S) by more than chance. Last, N copies without c, none called c, allow no
-more certainty than (N + 1) / (N + 2) (Laplace's rule of succession).
+the leading set being as likely before as all its rivals together, and these alike: their prior odds have done their
+work when they were chosen, and how often one law of a family acts on rigs, and how often another, nobody knows. For
+the leading set with nothing in the place of c, R is 1.
+Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T led to c, the replicates say nothing against
+it and the stated odds stand. A rival's odds are never lowered: the copies are drawn from the fitted explanations, so
+they cannot make any of them surer than the record itself does. r(T) counts as larger than r(S) only where it is so by
+more than chance. Last, N copies without c, none called c, allow no more certainty than (N + 1) / (N + 2) (Laplace's
+rule of succession).
 
 Sources: parametric bootstrap of model selection, E.-J. Wagenmakers et al. 2004, J. Math. Psychol. 48; a summary
 as data, as in approximate Bayesian computation, K. Csilléry et al. 2010, Trends Ecol. Evol. 25.
@@ -148,13 +150,17 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, F
         standins: for rows of any strength, a fitted set that stands for it where the ranking has none.
     """
     lead = rows[0]
+    others = {cause: sum(row.any_strength and cause not in row.causes for row in rows) for cause in lead.causes}
     for rival in rows[1:]:
-        most = max((odds(lead, rival, cause) for cause in lead.causes - rival.causes), default=0.0)
+        without = lead.causes - rival.causes
+        most = max(
+            (odds(lead, rival, cause) / (others[cause] if rival.any_strength else 1) for cause in without), default=0.0
+        )
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
     for cause in sorted(lead.causes):
-        without = [row for row in rows if by_name(cause).cause() not in kinds(row.causes)]
-        copies = sum(row.copies for row in without)
+        kind = by_name(cause).cause()
+        copies = sum(row.copies for row in rows if kind not in kinds(row.causes))
         if copies:
             ranking = _capped(ranking, cause, (copies + 1.0) / (copies + 2.0))
     return ranking

@@ -27,8 +27,9 @@ NEAR, _RIVALS = 12.0, 3
 #: Copies of a row; of one whose strengths are drawn by lot, so that one accident of many leaves a name certain; and
 #: copies without a cause that a certain name needs at least.
 COPIES, _LOTS, _ENOUGH = 8, 16, 20
-#: Cost up to which copies are made unasked: some ten seconds of processor time.
-_CHEAP = 6e6
+#: Cost up to which copies are made unasked: measured at 3 to 40 s of processor time; and samples whose simulation costs
+#: as much as what is done around it.
+_CHEAP, _OVERHEAD = 6e6, 2000
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
     A search tries each cause alone and beside the leaders: about the square of how many are asked for.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
-    samples = sum(part.record.samples for part in experiment.readings)
+    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
     return float(samples * sum(counts) * max(asked, 1) ** 2)
 
 
@@ -198,7 +199,7 @@ def _all(
         try:
             for number, (task, job) in enumerate(zip(tasks, jobs, strict=True)):
                 imagined, said = job.result()
-                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), " + ".join(sorted(imagined.causes)))
+                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), "")
                 answers.append(said)
                 left = _chi(study.experiment, imagined)
                 if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
