@@ -4,8 +4,8 @@ The unknown force d joins the state (x, v, d) of
 
     m x'' + b x' + k x + d = F,      d a random walk,
 
-and a Kalman filter with a Rauch–Tung–Striebel smoother estimates it from the readings; how fast d may walk is what
-makes the readings likeliest. Nothing is differentiated. (Kalman 1960; Rauch, Tung, Striebel 1965.)
+and a Kalman filter with a Bryson–Frazier smoother estimates it from the readings; how fast d may walk is what
+makes the readings likeliest. Nothing is differentiated. (Kalman 1960; Bryson and Frazier 1963; Bierman 1977.)
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def missing_force(record: Record, plant: tuple[float, float, float], noise: floa
     mass, damping, stiffness = plant
     natural = _natural_walk(record, mass, position)
     variance = max(noise, 1e-9 * float(np.ptp(position)), 1e-300) ** 2
-    work = np.empty((record.samples, 9))
+    work = np.empty((record.samples, 11))
     states = np.empty((record.samples, 3))
 
     def unlikely(decade: float) -> float:
@@ -76,7 +76,7 @@ def missing_force(record: Record, plant: tuple[float, float, float], noise: floa
     walk = natural * 10.0 ** float(found.x)
     unlikely(float(found.x))
     spread = np.empty(record.samples)
-    _smooth(steps, applied, mass, damping, stiffness, walk, states, work, spread)
+    _smooth(steps, mass, damping, stiffness, variance, states, work, spread)
     return MissingForce(
         time=record.time,
         position=states[:, 0].copy(),
@@ -152,7 +152,9 @@ def _predicted(a, c, h, m, walk, out):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
 def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore[no-untyped-def]
-    """Log likelihood; fills the filtered states (n, 3) and covariances (n, 9)."""
+    """Log likelihood; fills the filtered states (n, 3), and (n, 11) their covariances, and variance and value of what
+    each reading surprises by.
+    """
     n = y.size
     a, g = np.empty((3, 3)), np.empty(2)
     c, ahead = np.zeros((3, 3)), np.zeros((3, 3))
@@ -163,7 +165,7 @@ def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore
     c[2, 2] = max(np.max(np.abs(u)), k * reach, m * reach) ** 2 + walk
     x, v, d = y[0], 0.0, 0.0
     states[0] = x, v, d
-    work[0] = c.ravel()
+    work[0, :9] = c.ravel()
     total, last, settled = 0.0, -1.0, False
     spread, g0, g1, g2 = 0.0, 0.0, 0.0, 0.0
     for i in range(1, n):
@@ -186,6 +188,7 @@ def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore
         x, v, d = nx + g0 * e, nv + g1 * e, d + g2 * e
         total -= 0.5 * (e * e / spread + np.log(spread))
         states[i, 0], states[i, 1], states[i, 2] = x, v, d
+        work[i, 9], work[i, 10] = spread, e
         for p in range(3):
             for q in range(3):
                 work[i, 3 * p + q] = c[p, q]
@@ -193,60 +196,59 @@ def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _smooth(steps, u, m, b, k, walk, states, work, spread):  # type: ignore[no-untyped-def]
-    """Rauch–Tung–Striebel: states become the smoothed ones, spread (n,) the variance of d."""
+def _smooth(steps, m, b, k, variance, states, work, spread):  # type: ignore[no-untyped-def]
+    """Modified Bryson–Frazier smoother: states become the smoothed ones, spread (n,) the variance of d.
+
+    It inverts no covariance. A force that hardly walks makes them all but singular, and the smoother of Rauch, Tung
+    and Striebel, which inverts them, diverges there. (Bierman 1977, Factorization Methods, ch. X.)
+    """
     n = states.shape[0]
-    a, g = np.empty((3, 3)), np.empty(2)
-    ahead, gain, c = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    later = work[n - 1].copy().reshape(3, 3)
-    spread[n - 1] = later[2, 2]
+    a, g, gain = np.empty((3, 3)), np.empty(2), np.empty(3)
+    # What the later readings say: minus the gradient of their log likelihood in the state, and its information.
+    pull, known = np.zeros(3), np.zeros((3, 3))
+    moved, seen = np.empty(3), np.empty((3, 3))
     last = -1.0
-    for i in range(n - 2, -1, -1):
-        h = steps[i]
+    for i in range(n - 1, -1, -1):
+        c = work[i, :9].copy().reshape(3, 3)
+        explained = 0.0
+        for p in range(3):
+            for q in range(3):
+                states[i, p] -= c[p, q] * pull[q]
+                explained += c[2, p] * known[p, q] * c[q, 2]
+        spread[i] = max(c[2, 2] - explained, 0.0)
+        if i == 0:
+            break
+        total, error = work[i, 9], work[i, 10]
+        for p in range(3):
+            gain[p] = c[p, 0] / variance
+        # Back over the reading: C' l - h e / s, C' L C + h h' / s with C = 1 - gain h' ...
+        moved[:] = pull
+        moved[0] -= gain[0] * pull[0] + gain[1] * pull[1] + gain[2] * pull[2] + error / total
+        _seen_through(known, gain, seen)
+        seen[0, 0] += 1.0 / total
+        # ... and over the step before it.
+        h = steps[i - 1]
         if h < 0.999999 * last or h > 1.000001 * last:
             _transition(h, m, b, k, a, g)
             last = h
         for p in range(3):
+            pull[p] = a[0, p] * moved[0] + a[1, p] * moved[1] + a[2, p] * moved[2]
             for q in range(3):
-                c[p, q] = work[i, 3 * p + q]
-        _predicted(a, c, h, m, walk, ahead)
-        _gain(a, c, ahead, gain)
-        x, v, d = states[i, 0], states[i, 1], states[i, 2]
-        e0 = states[i + 1, 0] - (a[0, 0] * x + a[0, 1] * v + a[0, 2] * d + g[0] * u[i])
-        e1 = states[i + 1, 1] - (a[1, 0] * x + a[1, 1] * v + a[1, 2] * d + g[1] * u[i])
-        e2 = states[i + 1, 2] - d
-        for p in range(3):
-            states[i, p] += gain[p, 0] * e0 + gain[p, 1] * e1 + gain[p, 2] * e2
-        ahead[:] = later - ahead
-        for p in range(3):
-            for q in range(3):
-                total = c[p, q]
-                for w in range(3):
-                    for z in range(3):
-                        total += gain[p, w] * ahead[w, z] * gain[q, z]
-                later[p, q] = total
-        spread[i] = max(later[2, 2], 0.0)
+                value = 0.0
+                for u in range(3):
+                    for w in range(3):
+                        value += a[u, p] * seen[u, w] * a[w, q]
+                known[p, q] = value
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _gain(a, c, ahead, gain):  # type: ignore[no-untyped-def]
-    """gain = c aᵀ ahead⁻¹, by the inverse of a scaled symmetric 3 × 3 matrix."""
-    s0, s1, s2 = np.sqrt(ahead[0, 0]), np.sqrt(ahead[1, 1]), np.sqrt(ahead[2, 2])
-    r01 = ahead[0, 1] / (s0 * s1)
-    r02 = ahead[0, 2] / (s0 * s2)
-    r12 = ahead[1, 2] / (s1 * s2)
-    determinant = 1.0 + 2.0 * r01 * r02 * r12 - r01**2 - r02**2 - r12**2
-    determinant = max(determinant, 1e-14)
-    inverse = np.empty((3, 3))
-    inverse[0, 0] = (1.0 - r12**2) / (determinant * s0 * s0)
-    inverse[1, 1] = (1.0 - r02**2) / (determinant * s1 * s1)
-    inverse[2, 2] = (1.0 - r01**2) / (determinant * s2 * s2)
-    inverse[0, 1] = inverse[1, 0] = (r02 * r12 - r01) / (determinant * s0 * s1)
-    inverse[0, 2] = inverse[2, 0] = (r01 * r12 - r02) / (determinant * s0 * s2)
-    inverse[1, 2] = inverse[2, 1] = (r01 * r02 - r12) / (determinant * s1 * s2)
+def _seen_through(known, gain, out):  # type: ignore[no-untyped-def]
+    """out = C' known C with C = 1 - gain h', h = (1, 0, 0)."""
+    row0 = np.empty(3)
+    for q in range(3):
+        row0[q] = known[0, q] - gain[0] * known[0, q] - gain[1] * known[1, q] - gain[2] * known[2, q]
     for p in range(3):
-        row0 = c[p, 0] * a[0, 0] + c[p, 1] * a[0, 1] + c[p, 2] * a[0, 2]
-        row1 = c[p, 0] * a[1, 0] + c[p, 1] * a[1, 1] + c[p, 2] * a[1, 2]
-        row2 = c[p, 2]
         for q in range(3):
-            gain[p, q] = row0 * inverse[0, q] + row1 * inverse[1, q] + row2 * inverse[2, q]
+            out[p, q] = row0[q] if p == 0 else known[p, q]
+    for p in range(3):
+        out[p, 0] -= out[p, 0] * gain[0] + out[p, 1] * gain[1] + out[p, 2] * gain[2]
