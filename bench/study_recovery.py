@@ -25,11 +25,17 @@ import numpy as np
 
 from msd_ident.fit import FitResult, fit
 from msd_ident.model import Model, Plant
-from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.model.effects import by_name
 from msd_ident.record import Record
 from msd_sim.api import simulate
 
 RATE = 250.0
+#: Effects that are drawn: those of which the rig has the very same law. Other forms of a cause are not.
+EFFECTS = (
+    *("actuator_lag", "asymmetric_spring", "backlash", "cogging", "coulomb_friction", "cubic_spring", "end_stop"),
+    *("force_gain_nonlinearity", "force_offset", "hysteresis", "periodic_disturbance", "position_dependent_friction"),
+    *("quadratic_drag", "second_mode", "sensor_drift", "stiffness_drift", "stribeck_friction", "time_offset"),
+)
 
 
 @dataclass(frozen=True)
@@ -144,7 +150,7 @@ def deviation(name: str, result: FitResult, truth: float) -> float:
 
 def trial(effect: str, seed: int) -> Trial:
     """Make a rig, measure it, fit it."""
-    rng = np.random.default_rng([seed, sorted(e.name for e in LIBRARY).index(effect)])
+    rng = np.random.default_rng([seed, EFFECTS.index(effect)])
     plant, values, force = draw(effect, rng)
     records = measure(plant, effect, values, force, rng)
     full = {**values, "force_limit": math.inf}
@@ -178,7 +184,7 @@ def _tell(effect: str, trials: Sequence[Trial], verbose: bool) -> bool:
 def main() -> int:
     """Run the study and print the table; exit code 1 when an effect misses the target."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("effects", nargs="*", default=[effect.name for effect in LIBRARY])
+    parser.add_argument("effects", nargs="*", default=list(EFFECTS))
     parser.add_argument("--trials", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0, help="first seed")
     parser.add_argument("--jobs", type=int, default=2, help="fits at once")

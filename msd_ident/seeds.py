@@ -19,7 +19,7 @@ DRAWS = 20144
 #: Noise of the encoder on positions that somebody else's simulation gives.
 ENCODER = 20145
 
-#: Lots between equal probabilities of a robot that is watched over days; of no diagnosis, so not in ``ALL``.
+#: Lots between equal probabilities of a robot that is watched over days.
 MONITORING = 20146
 
 #: By what they are drawn for.
@@ -30,4 +30,5 @@ ALL = {
     "simulated copies of the record": CALIBRATION,
     "draws of an exported posterior": DRAWS,
     "noise on a simulation that is compared": ENCODER,
+    "lots between equal ranks of a watched robot": MONITORING,
 }

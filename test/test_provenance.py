@@ -59,4 +59,4 @@ def test_whatever_draws_takes_its_seed_from_there_or_from_the_profile(repository
             if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("default_rng", "random.seed")):
                 taken.add(", ".join(map(ast.unparse, node.args)))
     names = ("PREDICTION", "RANDOM_STEPS", "REMAINDER", "DRAWS", "ENCODER")
-    assert taken == {*(f"seeds.{name}" for name in names), "[seeds.CALIBRATION, *number]", "self.seed"}
+    assert taken == {*(f"seeds.{name}" for name in names), "[seeds.CALIBRATION, *number]", "self.seed", "seed"}

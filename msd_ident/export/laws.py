@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
 
 #: Effects that have no law of force: they change how the plant is built.
 STRUCTURES = ("actuator_lag", "backlash", "end_stop", "second_mode", "time_offset")
@@ -52,6 +53,23 @@ def needs_plant(effects: Iterable[Effect]) -> tuple[str, ...]:
     return tuple(sorted(found))
 
 
+def knees(effects: Iterable[Effect]) -> list[str]:
+    """Expressions of the forces [N] with which stops and bends add to the spring, see ``Effect.knee``."""
+    found = []
+    for effect in effects:
+        if effect.knee is None or effect.knee == AT_ZERO:
+            continue
+        place, stiffness, side = effect.knee
+        outside = "max" if getattr(effect, place) > 0.0 else "min"
+        found.append({
+            BOTH: f"{stiffness} * (x - min(max(x, -{place}), {place}))",
+            ABOVE: f"{stiffness} * max(x - {place}, 0.0)",
+            HALVES: f"0.5 * {stiffness} * abs(x - {place})",
+            OUTSIDE: f"{stiffness} * {outside}(x - {place}, 0.0)",
+        }[side])  # fmt: skip
+    return found
+
+
 def constants(effects: Iterable[Effect]) -> list[str]:
     """Lines that set every parameter, with its unit and meaning."""
     lines = {}
@@ -86,7 +104,8 @@ def fastest(model: Model) -> float:
     a damping.
     """
     value = dict(zip(model.names, model.values.tolist(), strict=True))
-    stiffness = model.stiffness + value.get("stop_stiffness", 0.0) + value.get("second_stiffness", 0.0)
+    stiffness = model.stiffness + value.get("second_stiffness", 0.0)
+    stiffness += sum(abs(value[one.knee[1]]) for one in model.effects if one.knee and one.knee != AT_ZERO)
     damping = model.damping + value.get("second_damping", 0.0)
     for effect in model.effects:
         force, length, speed = (_of_unit(effect, unit) for unit in ("N", "m", "m/s"))

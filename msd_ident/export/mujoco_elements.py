@@ -12,6 +12,7 @@ made physical here by ``solref`` in its direct form (-k, -b) and a constant impe
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -153,6 +154,8 @@ def says(effect: type[Effect]) -> Saying:
     """Natively, by the callback file, or not at all."""
     if effect.name in NATIVE:
         return Saying("exact", NATIVE[effect.name][1])
+    if effect.knee or any("driven" in inspect.signature(law).parameters for law in effect.laws().values()):
+        return Saying("cannot", "no element for its spring or damper, and the callback file has no events")
     if any(kind in effect.laws() for kind in CALLED):
         return Saying("exact", "the callback file beside it")
     return Saying("cannot", "neither an element nor a law that a callback could call")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from msd_ident.export import laws
 from msd_ident.export.plan import Plan
+from msd_ident.model import Effect
 
 _FILE = '''"""@HEADER@
 
@@ -39,12 +42,12 @@ def command(u):
     return @COMMAND@
 
 
-def friction(x, speed):
+def friction(x, speed, spring_force):
     """Dry friction [N] while sliding."""
     return @FRICTION@
 
 
-def breakaway(x):
+def breakaway(x, spring_force):
     """Dry friction [N] at rest, at most."""
     return @BREAKAWAY@
 
@@ -59,14 +62,14 @@ def net(t, y, push, direction, kept):
     x, v@UNPACK@ = y
 @KEPT_NAMES@    speed = abs(v)
     spring_force = spring(x)
-    total = @APPLIED@ - damping * v - spring_force@STOP@@COUPLING@
+@DRIVEN@    total = @APPLIED@ - damping * v - spring_force@STOP@@COUPLING@
 @FORCES@    return total
 
 
 def flow(t, y, push, mode, kept):
     """dy/dt; mode is the direction of the motion, or 0 where dry friction holds the mass."""
     x, v@UNPACK@ = y
-    a = 0.0 if mode == 0 else (net(t, y, push, mode, kept) - mode * friction(x, abs(v))) / mass
+    a = 0.0 if mode == 0 else (net(t, y, push, mode, kept) - mode * friction(x, abs(v), spring(x))) / mass
     return np.array([0.0 if mode == 0 else v, a@RATES@])
 
 
@@ -79,7 +82,7 @@ def reversal(x, direction, kept):
 def begin(t, y, push, kept):
     """Mode of a mass at rest: the side to which it breaks away, or 0 where friction holds it."""
     force = net(t, y, push, 0.0, kept)
-    return 0 if abs(force) <= breakaway(y[0]) else int(math.copysign(1, force))
+    return 0 if abs(force) <= breakaway(y[0], spring(y[0])) else int(math.copysign(1, force))
 
 
 def step(t, y, h, push, mode, kept):
@@ -96,7 +99,7 @@ def located(t, y, end, push, mode, kept):
 
     def turns(t, y):
         if mode == 0:
-            return breakaway(y[0]) - abs(net(t, y, push(t), 0.0, kept))
+            return breakaway(y[0], spring(y[0])) - abs(net(t, y, push(t), 0.0, kept))
         return mode * y[1]
 
     turns.terminal, turns.direction = True, -1
@@ -114,7 +117,7 @@ def advance(t, end, y, push, mode, kept):
         h = min(h, end - t)
         new = step(t, y, h, push, mode, kept)
         if mode == 0:
-            turned = abs(net(t + h, new, push(t + h), 0.0, kept)) > breakaway(new[0])
+            turned = abs(net(t + h, new, push(t + h), 0.0, kept)) > breakaway(new[0], spring(new[0]))
         else:
             turned = mode * new[1] < 0.0
         if not turned:
@@ -141,7 +144,7 @@ def simulate(time, force_time, force, position=0.0, velocity=0.0, hold=HOLD):
     position (from the relaxed spring) and velocity are those at time[0]; there is no force before the first stamp.
     """
     time, stamps = np.asarray(time, dtype=float), np.asarray(force_time, dtype=float) + @DELAY@
-    levels = FORCE_SIGN * np.asarray(force, dtype=float)
+    levels = np.array([command(FORCE_SIGN * value) for value in force], dtype=float)
     slopes = np.zeros(levels.size)
     if hold == "linear":
         slopes[:-1] = np.diff(levels) / np.diff(stamps)
@@ -165,14 +168,13 @@ def simulate(time, force_time, force, position=0.0, velocity=0.0, hold=HOLD):
 
 
 def pushing(stamps, levels, slopes, i):
-    """The command [N] as a function of time after stamp i; 0 before the first."""
+    """The force [N] as a function of time after stamp i; 0 before the first."""
     if i < 0:
         return lambda t: 0.0
     level, slope, since = levels[i], slopes[i], stamps[i]
     if slope == 0.0:
-        constant = command(level)
-        return lambda t: constant
-    return lambda t: command(level + slope * (t - since))
+        return lambda t: level
+    return lambda t: level + slope * (t - since)
 '''
 
 _LAGGED = '''
@@ -181,10 +183,10 @@ def lagged(begin, stamps, levels):
     """The force behind the actuator's lag at an instant [s], from the stamps before it."""
     if stamps[0] >= begin:
         return 0.0
-    force = command(levels[0])
+    force = levels[0]
     for i in np.flatnonzero(stamps < begin):
         end = min(begin, stamps[i + 1]) if i + 1 < stamps.size else begin
-        force = command(levels[i]) + (force - command(levels[i])) * math.exp(-(end - stamps[i]) / lag_time)
+        force = levels[i] + (force - levels[i]) * math.exp(-(end - stamps[i]) / lag_time)
     return force
 '''
 
@@ -219,8 +221,14 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "FRICTION": laws.one(effects, "friction", "0.0"),
         "BREAKAWAY": laws.one(effects, "breakaway", "0.0"),
         "READING": laws.one(effects, "reading", "x"),
+        "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if _driven(effects) else "",
         "FORCES": "".join(f"    total -= {one}\n" for one in calls),
     }
+
+
+def _driven(effects: Iterable[Effect]) -> bool:
+    """Whether a law asks if any force is commanded."""
+    return any("driven" in laws.arguments(law) for effect in effects for law in effect.laws().values())
 
 
 def structure(plan: Plan) -> dict[str, str]:
@@ -236,7 +244,7 @@ def structure(plan: Plan) -> dict[str, str]:
         "STATE": (", lagged force" if lag else "") + (", the second mass's" if second else ""),
         "UNPACK": (", f" if lag else "") + (", x2, v2" if second else ""),
         "APPLIED": "f" if lag else "push",
-        "STOP": " - stop_stiffness * (x - min(max(x, -stop_position), stop_position))" if model.has("end_stop") else "",
+        "STOP": "".join(f" - {force}" for force in laws.knees(model.effects)),
         "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
         "RATES": (", (push - f) / lag_time" if lag else "") + (f", v2, ({coupling}) / second_mass" if second else ""),
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + (", position, velocity" if second else ""),

@@ -25,7 +25,7 @@ class PythonTarget(Target):
     imported = True
 
     def says(self, effect: type[Effect]) -> Saying:
-        if effect.laws() or effect.name in laws.STRUCTURES:
+        if effect.laws() or effect.knee or effect.name in laws.STRUCTURES:
             return Saying("exact", "its law, in the file")
         return Saying("cannot", "no law that the file could hold")
 

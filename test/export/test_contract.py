@@ -41,7 +41,7 @@ def test_no_table_names_an_effect_that_there_is_not() -> None:
 
 
 def test_an_effect_without_element_and_law_is_no_secret() -> None:
-    class Unknown(by_name("end_stop")):  # type: ignore[misc]
+    class Unknown(by_name("backlash")):  # type: ignore[misc]
         name = "unknown"
 
     assert all(BY_NAME[name].says(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))

@@ -15,6 +15,12 @@ from msd_ident.fit import fit
 from msd_ident.model import Plant
 from msd_ident.model.effects import LIBRARY, by_name
 
+#: Causes whose law the rig has in another form, so that the study does not draw them; the variants do.
+NOT_DRAWN = (
+    "bilinear_spring", "direction_dependent_damping", "drive_damping", "gravity", "load_dependent_friction",
+    "sensor_eccentricity",
+)  # fmt: skip
+
 
 def _study(repository: Path, name: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, repository / "bench" / f"{name}.py")
@@ -25,7 +31,9 @@ def _study(repository: Path, name: str) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("effect", [effect.name for effect in LIBRARY])
+@pytest.mark.parametrize(
+    "effect", [effect.name for effect in LIBRARY if not effect.form_of and effect.name not in NOT_DRAWN]
+)
 def test_every_effect_is_found_again(effect: str, repository: Path) -> None:
     one = _study(repository, "study_recovery").trial(effect, seed=1)
     assert one.recovered, (dict(one.deviations), one.message)

@@ -50,4 +50,4 @@ class SensorEccentricity(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[SensorEccentricity, ...]:
         """A hundredth of the amplitude, at several pitches and phases."""
         size, span = 0.01 * typical.amplitude(record), 2.0 * typical.amplitude(record)
-        return tuple(cls(size, share * span, phase) for share in (0.7, 0.35, 0.17) for phase in (0.0, math.pi / 2.0))
+        return tuple(cls.within_bounds(size, share * span, phase) for share in (0.7, 0.35, 0.17) for phase in (0.0, math.pi / 2.0))
