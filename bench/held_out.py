@@ -29,7 +29,7 @@ from msd_sim.api import simulate
 
 #: Effects that each rig without any is extended by, one after the other.
 USELESS = 2
-_NAMES = tuple(effect.name for effect in LIBRARY)
+_NAMES = tuple(effect.name for effect in LIBRARY if effect.name in lottery.NAMES)
 #: Fall of chi² that a true effect must be worth to be counted: less is not named by any evidence.
 _VISIBLE = 50.0
 

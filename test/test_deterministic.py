@@ -24,8 +24,8 @@ def told(found: Diagnosis) -> str:
 
 
 def poor_record() -> Record:
-    """One step of a rig that rubs, with a reading that drifts: several explanations are tied."""
-    made = simulate(dict(lottery.draw(22033, "sensor_drift", True, "step").spec))
+    """One step of a rig that rubs, with a play: several laws of friction are tied."""
+    made = simulate(dict(lottery.draw(22037, "backlash", True, "step").spec))
     return Record(made.time, made.position, made.force_time, made.force, hold=made.hold)
 
 

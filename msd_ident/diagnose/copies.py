@@ -86,14 +86,15 @@ def of_any_strength(experiment: Experiment, leader: Fitted, causes: Causes, rng:
     return min(found, key=lambda one: one[0])[1]
 
 
-def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, float]:
+def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, ...]:
     """Parts of the leading law's force at which others of its family begin.
 
     A quick motion shows the least force of a law, a slow one the largest.
     """
     pairs = [(p.name, getattr(effect, p.name)) for effect in new for p in effect.parameters if p.unit == "N"]
-    least = max(value for name, value in pairs if name in values)
-    return 1.0, least / max(value for _, value in pairs)
+    least = max((value for name, value in pairs if name in values), default=0.0)
+    largest = max((value for _, value in pairs), default=0.0)
+    return (1.0, least / largest) if least > 0.0 else (1.0,)
 
 
 def _weaker(effect: Effect, share: float) -> Effect:

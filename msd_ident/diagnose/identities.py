@@ -18,6 +18,11 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
             f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
+    if model.has("direction_dependent_damping"):
+        said.append(
+            "At speeds of one size, damping that differs between directions is the same thing as a force offset or as "
+            "asymmetric friction: move at several speeds to tell them apart."
+        )
     if model.has("force_offset") and model.stiffness > 0.0 and not any(model.has(name) for name in _BENT):
         said.append(
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "

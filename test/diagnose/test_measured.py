@@ -45,7 +45,10 @@ def test_the_drive_rubs_and_has_an_offset(shared_data: Path) -> None:
     """EMPS: dry friction and an offset, which is the same as friction that differs between directions."""
     found = pipeline.diagnose([read(shared_data / "emps" / "emps_train.csv", SourceOptions())])
     assert found.verdict != "adequate"
-    assert {"coulomb_friction", "force_offset"} <= {cause.name for cause in found.causes}
+    # At speeds of one size an offset and a damping that differs between directions are the same.
+    said = {cause.name for cause in found.causes} | {one for cause in found.causes for one in cause.tied_with}
+    assert {"coulomb_friction", "force_offset"} <= said
+    assert not any(cause.probability > 0.9 for cause in found.causes if cause.name != "coulomb_friction")
     assert any("asymmetric friction" in sentence for sentence in found.warnings)
     assert found.heldout.interval_percent[0] > 50.0
     assert found.extended.see < 2.6e-3

@@ -35,6 +35,8 @@ def test_a_breakaway_that_rest_leaves_open_stays_above_the_sliding_friction() ->
     at, force = np.array([0.0, 0.3]), np.array([0.0, float(spec["experiment"]["force"])])
     made = api.simulate(rest | {"force_time": at, "force": force, "duration": 3.0, "seed": int(spec["seed"]) + 1})
     found = pipeline.diagnose([Record(time=made.time, position=made.position, force_time=at, force=force)])
-    (rival,) = (one for one in found.contenders if one.causes == ("stribeck_friction",))
-    assert rival.model["static_force"] >= rival.model["coulomb_force"]
-    assert np.linalg.matrix_rank(rival.information) == len(rival.free)
+    assert found.contenders[0].causes == ("coulomb_friction",)
+    for rival in found.contenders:
+        if rival.model.has("stribeck_friction"):
+            assert rival.model["static_force"] > rival.model["coulomb_force"]
+            assert np.linalg.matrix_rank(rival.information) == len(rival.free)

@@ -30,6 +30,7 @@ class BilinearSpring(Effect):
         Parameter("bend_position", "xb", "m", -math.inf, math.inf, "position from which on the stiffness is another"),
         Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "stiffness above it less that below it"),
     )
+    prior_odds = 1.0 / 40.0
     acts_on = "force"
     law = "kb/2·(abs(x - xb) - abs(xb))"
     source = "Shaw & Holmes 1983 (J. Sound Vib. 90): the piecewise linear oscillator"

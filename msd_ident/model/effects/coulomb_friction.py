@@ -31,7 +31,7 @@ class CoulombFriction(Effect):
     family = "dry friction"
     dissipative = True
     piecewise_linear = True
-    prior_odds = 1.0 / 2.0  # hardly a rig slides or turns without any
+    prior_odds = 1.0
 
     @staticmethod
     def friction(coulomb_force: float) -> float:

@@ -22,6 +22,7 @@ class Gravity(Effect):
 
     name = "gravity"
     parameters = (Parameter("gravity_moment", "G", "N·m", 0.0, math.inf, "m·g·l: weight times lever"),)
+    prior_odds = 1.0 / 2.0
     acts_on = "force"
     law = "G·sin(x), x [rad] from where it hangs"
     source = "Newton's pendulum; for small angles a spring of stiffness G"

@@ -26,6 +26,7 @@ class LoadDependentFriction(Effect):
         COULOMB_FORCE,
         Parameter("load_ratio", "mu", "1", 0.0, 0.9, "friction per force of the spring"),
     )
+    prior_odds = 1.0 / 40.0
     acts_on = "force"
     law = "(Fc + mu·abs(k·x))·sign(v), k·x the force of the linear spring"
     source = "Coulomb 1785 with the spring's force as a part of the load"

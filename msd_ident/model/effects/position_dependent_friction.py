@@ -27,6 +27,7 @@ class PositionDependentFriction(Effect):
         COULOMB_FORCE,
         Parameter("position_friction_slope", "a", "1/m", -math.inf, math.inf, "relative change of friction along x"),
     )
+    prior_odds = 1.0 / 40.0
     acts_on = "force"
     law = "Fc·(1 + a·x)·sign(v), nowhere below 0"
     source = "Coulomb friction with the normal force linear in x"

@@ -29,6 +29,7 @@ class SensorEccentricity(Effect):
         Parameter("eccentricity_phase", "phi", "rad", -math.inf, math.inf, "phase of the error at x = 0"),
     )
     exact = ("eccentricity_pitch", "eccentricity_phase")
+    prior_odds = 1.0 / 40.0
     acts_on = "sensor"
     law = "reading = x + e·sin(2·pi·x/p + phi)"
     source = "once-per-turn error of an encoder that is mounted out of centre"
