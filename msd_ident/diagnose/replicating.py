@@ -29,7 +29,7 @@ NEAR, _RIVALS = 12.0, 3
 COPIES, _LOTS, _ENOUGH = 8, 16, 20
 #: Cost up to which copies are made unasked: measured at 3 to 40 s of processor time; and samples whose simulation costs
 #: as much as what is done around it.
-_CHEAP, _OVERHEAD = 6e6, 2000
+_CHEAP, _OVERHEAD = 1e7, 2000
 
 
 @dataclass(frozen=True)

@@ -232,14 +232,16 @@ def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
     position = Simulator(base, record).positions(base.values)
     pretended = from_samples(record.time, record.force, position, name=record.name)
     found = [
-        _with_effect(effect, base, pretended, table) for effect in LIBRARY if _shows(effect) and _decidable(effect)
+        _with_effect(effect, base, pretended, table)
+        for effect in LIBRARY
+        if _shows(effect) and not effect.angular and _decidable(effect)
     ]
     return tuple(sorted((one for one in found if one is not None), key=lambda one: (not one.reproduces, one.distance)))
 
 
 def undecidable() -> tuple[str, ...]:
     """Effects that bring more parameters than the table has numbers: it cannot speak about them."""
-    return tuple(effect.name for effect in LIBRARY if _shows(effect) and not _decidable(effect))
+    return tuple(effect.name for effect in LIBRARY if _shows(effect) and not effect.angular and not _decidable(effect))
 
 
 def _shows(effect: type[Effect]) -> bool:

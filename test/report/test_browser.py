@@ -63,7 +63,8 @@ def desk(browser: Browser, saved: Path) -> Iterator[Visit]:
 def test_desktop(desk: Visit) -> None:
     assert desk.shoot("report/desktop").stat().st_size > 100_000
     sections = desk.page.locator("section").evaluate_all("all => all.map(one => one.className)")
-    assert sections == ["verdict", "fit", "missing_force", "causes", "parameters", "data", "next_experiment"]
+    beside = ["causes", "calibration", "parameters", "data", "next_experiment"]
+    assert sections == ["verdict", "fit", "missing_force", *beside]
     assert desk.page.locator("section").evaluate_all("all => all.every(one => one.clientHeight > 50)")
     assert desk.errors == [] and {url.partition(":")[0] for url in desk.asked} <= {"file", "data", "blob"}
     assert desk.overflow() == 0

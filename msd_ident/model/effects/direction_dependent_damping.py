@@ -24,7 +24,7 @@ class DirectionDependentDamping(Effect):
     parameters = (
         Parameter("damping_difference", "bd", "N·s/m", -math.inf, math.inf, "damping upwards less the mean of both"),
     )
-    prior_odds = 1.0 / 60.0
+    prior_odds = 1.0 / 100.0
     acts_on = "force"
     law = "bd·abs(v): the damping is b + bd upwards and b - bd downwards"
     source = "asymmetric damper, e.g. of a vehicle: Dixon, The Shock Absorber Handbook, 2007"

@@ -22,7 +22,7 @@ class ForceOffset(Effect):
 
     name = "force_offset"
     parameters = (Parameter("offset_force", "F0", "N", -math.inf, math.inf, "constant force against +x"),)
-    prior_odds = 1.0 / 5.0
+    prior_odds = 1.0 / 10.0
     acts_on = "force"
     law = "F0"
     source = "Janot, Gautier, Brunot 2019 (EMPS benchmark): the drive's offset"

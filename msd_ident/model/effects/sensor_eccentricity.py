@@ -51,4 +51,6 @@ class SensorEccentricity(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[SensorEccentricity, ...]:
         """A hundredth of the amplitude, at several pitches and phases."""
         size, span = 0.01 * typical.amplitude(record), 2.0 * typical.amplitude(record)
-        return tuple(cls.within_bounds(size, share * span, phase) for share in (0.7, 0.35, 0.17) for phase in (0.0, math.pi / 2.0))
+        phases = (0.0, math.pi / 2.0)
+        pitches = [share * span for share in (0.7, 0.35, 0.17)]
+        return tuple(cls.within_bounds(size, pitch, phase) for pitch in pitches for phase in phases)
