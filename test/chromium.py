@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Where screenshots for the eye go, a folder for each page.
 SHOTS = Path(__file__).resolve().parents[1] / "out"
 #: Longest wait for anything on a busy machine [s].
-PATIENCE = 60.0
+PATIENCE = 150.0
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
