@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from msd_ident.model import Model
 
-_DRY = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
-#: Effects that make the spring's force anything but linear: with them a position's zero is seen.
-_BENT = ("cubic_spring", "asymmetric_spring", "backlash", "end_stop", "cogging", "position_dependent_friction")
+#: Effects on the spring through which a position's zero is seen, beside those whose force depends on the place.
+_ON_SPRING = ("backlash", "load_dependent_friction")
 
 
 def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
     """The identities that concern a model's causes."""
     said = []
-    dry = [name for name in _DRY if model.has(name)]
+    dry = [effect.name for effect in model.effects if effect.family == "dry friction"]
+    bent = any(effect.placed() or effect.name in _ON_SPRING for effect in model.effects)
     if model.has("force_offset") and dry:
         said.append(
             f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
@@ -23,7 +23,7 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
             "At speeds of one size, damping that differs between directions is the same thing as a force offset or as "
             "asymmetric friction: move at several speeds to tell them apart."
         )
-    if model.has("force_offset") and model.stiffness > 0.0 and not any(model.has(name) for name in _BENT):
+    if model.has("force_offset") and model.stiffness > 0.0 and not bent:
         said.append(
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
             "the spring relaxed to tell them apart."

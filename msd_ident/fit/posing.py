@@ -25,14 +25,6 @@ _WIDEST_NOISE = 7.0
 
 #: Parameters that hold the cart away from the balance of forces.
 _HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
-#: Parameters whose force depends on where the cart is; without any of them a zero is just another start position.
-_PLACED = (
-    "cubic_stiffness",
-    "quadratic_stiffness",
-    "stop_position",
-    "cogging_amplitude",
-    "position_friction_slope",
-)
 
 
 def pose(
@@ -48,7 +40,8 @@ def pose(
     kept = frozenset(fixed) | held | frozenset(unbounded)  # an infinite limit is no limit: nothing to fit
     if zero not in ("free", "known"):
         raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
-    springless = "stiffness" in kept and model["stiffness"] == 0.0 and not set(_PLACED) & set(model.names)
+    # Without a force that depends on where the cart is, a zero is just another start position.
+    springless = "stiffness" in kept and model["stiffness"] == 0.0 and not any(e.placed() for e in model.effects)
     nuisances = []
     at_rest = [starts_at_rest(record) for record in records]
     for i, rests in enumerate(at_rest):

@@ -202,3 +202,16 @@ def test_values_outside_their_bounds_are_refused_in_words(name: str) -> None:
         if not math.isinf(parameter.lower):
             with pytest.raises(UsageError, match=f"{name}: {parameter.name} is "):
                 effect(**{**EXAMPLES[name], parameter.name: parameter.lower - 1.0})
+
+
+def test_what_depends_on_the_place_says_so() -> None:
+    """Moved along a plant without a spring, with its start, the motion moves with it unless a force knows the place."""
+    measured = record(duration=0.5)
+    for name in NAMES:
+        effect = by_name(name)
+        if effect.needs_spring or effect.acts_on != "force":
+            continue
+        loose = model(name).with_values({"stiffness": 0.0})
+        paths = np.stack([simulate(loose, measured, start, 0.0).position - start for start in (0.001, 0.0025)])
+        here, there = paths[:, np.all(np.isfinite(paths), axis=0)]
+        assert (np.max(np.abs(here - there)) > 1e-6 * spread(here)) == (effect.placed() or name == "backlash"), name

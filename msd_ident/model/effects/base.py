@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -176,6 +177,14 @@ class Effect:
     def cause(cls) -> str:
         """Name of the cause that acts where this law does."""
         return cls.form_of or cls.name
+
+    @classmethod
+    def placed(cls) -> bool:
+        """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
+        laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
+        return cls.knee not in (None, AT_ZERO) or (
+            not cls.memory and any("x" in inspect.signature(law).parameters for law in laws)
+        )
 
     @classmethod
     def fits(cls, record: Record) -> bool:
