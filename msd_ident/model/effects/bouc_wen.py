@@ -51,7 +51,9 @@ class BoucWen(Effect):
         wen_x: float,
         wen_z: float,
     ) -> float:
-        """Force [N] against +x."""
+        """Force [N] against +x; at rest (direction 0) what the last motion left."""
+        if direction == 0.0:
+            return wen_z
         way = max(direction * (x - wen_x), 0.0)
         along = direction * wen_z
         if along < 0.0:  # the force is with the motion: it is let go until it is 0
