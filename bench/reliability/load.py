@@ -32,7 +32,7 @@ from msd_ident.ros.processes import Processes
 from msd_ident.ros.run import Spinner
 
 #: The rig's latency [s], and that a force stays until the next one.
-HELD = {"latency": 0.1, "hold_last_command": True}
+OF_RIG = {"latency": 0.1, "hold_last_command": True}
 #: Time between two fits, of the live buffer's length, and between two changes of the force [s].
 FIT_PERIOD, BUFFER, HELD = 5.0, 10.0, 1.5
 #: Processes that do nothing but burn a core.
@@ -195,7 +195,7 @@ def load(rate: float, seconds: float, folder: Path, tell: Callable[[str], None])
     """The three nodes under load, and what is in their bag afterwards."""
     found = Load(rate, seconds)
     with private_domain() as domain, Processes(folder, private_environment(domain)) as processes, burning():
-        processes.start("rig", "msd_sim.node", arguments({**RIG, "rate": rate, **HELD}))
+        processes.start("rig", "msd_sim.node", arguments({**RIG, "rate": rate, **OF_RIG}))
         recorder = {"bag_folder": str(folder), "folder": "bag", "autostart": True}
         processes.start("recorder", "msd_ident.ros.recorder", arguments(recorder))
         buffer = {"buffer_samples": round(rate * BUFFER), "auto_fit": False}
