@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from msd_ident.model.model import Model
     from msd_ident.record import Record
 
-#: Pitches that can be told, in parts of the travel.
-PITCHES = (0.02, 1.5)
+#: Pitches that can be told, in parts of the travel: of one that is seen less than two and a half times a bent spring does
+#: the same.
+PITCHES = (0.02, 0.4)
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Cogging(Effect):
 
     @classmethod
     def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
-        """Of a pitch longer than the travel the cart sees a bent spring."""
+        """Of a pitch that is hardly seen once the cart sees a bent spring."""
         return {"cogging_pitch": (PITCHES[0] * seen.span, PITCHES[1] * seen.span)}
 
     @classmethod
