@@ -1,22 +1,27 @@
-"""The search goes ahead on part of the data: every few samples of a long record, and where the noise is far out of
+"""The search goes ahead on part of the data: every few samples of a long record or a stretch of it, and where the noise is far out of
 reach one force between any two of them; what leads there is refined and judged on all of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from msd_ident.diagnose.adequacy import judge
-from msd_ident.diagnose.candidates import Experiment, Fitted, refine
-from msd_ident.diagnose.evidence import NOISE_ERROR, Ranking
+from msd_ident.diagnose.candidates import NOISE_ERROR, Experiment, Fitted, refine
+from msd_ident.diagnose.evidence import Ranking
 from msd_ident.diagnose.search import Progress, Remembered, Search
 from msd_ident.diagnose.tried import noted
+from msd_ident.fit.problem import Initial
+from msd_ident.fit.start import starting_state
 
 #: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
 MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
 #: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
 #: change the motion by this part of what is left of it; and the part at which it hides what a set leaves.
 _FAR, _COARSE, _BLURRED = 300.0**2, 0.03, 0.3
+#: Samples that tell where a stretch begins.
+_FIRST = 5
 #: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
 _COMPARABLE = 10.0
 
@@ -39,17 +44,38 @@ def search(
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
         return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
     part, blurred = _coarser(thin, known[1], known[1].chi / experiment.evidence)
-    start = tuple(refine(part, one.causes, one.model, one.initial) for one in known)
-    ahead = _searching(part, progress, blurred).run(start[0], start[1:], remembered)
+    start = tuple(refine(part, one.causes, one.model, _begun(one.initial, experiment, part)) for one in known)
+    again = [(causes, model, _begun(initial, experiment, part)) for causes, model, initial in remembered]
+    ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
     for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
-        sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, fitted.initial)
+        initial = _begun(fitted.initial, part, experiment, known[0].initial)
+        sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
     whole = _searching(experiment, progress)
     ranking = whole.compared(list(sets.values()))
     if whole.at_floor(ranking.best) or not (clear or blurred(ahead.best)):
         return noted(ranking, experiment, (ahead, part))
     return noted(whole.resume(list(whole.sets.values())), experiment, (ahead, part))
+
+
+def _begun(
+    initial: Sequence[Initial], known: Experiment, wanted: Experiment, there: Sequence[Initial] | None = None
+) -> tuple[Initial, ...]:
+    """How records begin that other parts of them are ``known`` to begin as ``initial`` says.
+
+    The same where they begin at the same instant; else as a fit found it ``there``, or as the readings say.
+    """
+    found = []
+    for r, (start, one, other) in enumerate(zip(initial, known.records, wanted.records, strict=True)):
+        if one.time[0] == other.time[0]:
+            found.append(start)
+        elif there is not None:
+            found.append(replace(there[r], zero=start.zero))
+        else:
+            position, velocity = starting_state(other, _FIRST)
+            found.append(Initial(position - start.zero, velocity, start.zero))
+    return tuple(found)
 
 
 def _simpler(ahead: Ranking) -> list[Fitted]:

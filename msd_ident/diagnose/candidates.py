@@ -33,15 +33,23 @@ HOLDING_COULOMB = {
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 #: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
 _A_SWING = 20.0
+#: Times the samples asked for that are too many.
+_MANY = 2
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
 #: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
 _ASIDE = 6.0
 #: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
 FAR = 25.0
-#: A set that leaves this many times the error of the best one, and has stopped falling, is not refined further; so
-#: much sooner where the best one itself is far from the noise.
+#: A set whose error has this many times the variance of the best one's, and has stopped falling, is not refined
+#: further; so much sooner where the best one itself is far from the noise.
 _HOPELESS, _HOPELESS_FAR = 4.0, 1.5
+#: Shapes of a model's error that are counted while a search goes on.
+SOUGHT = 40.0
+#: Part of a smaller set's chi² below which a first step's promise is no more than a hint.
+_MUCH = 0.5
+#: Relative error that the estimate of the noise's variance may have.
+NOISE_ERROR = 0.1
 #: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
 _SLACK, _SLACK_FAR = 1e-3, 5e-3
 
@@ -66,14 +74,26 @@ class Experiment:
         """Pieces of evidence in all records."""
         return sum(part.evidence for part in self.readings)
 
+    def worse(self, chi: float, times: float) -> float:
+        """The chi² whose error along ``SOUGHT`` shapes has so many times the variance of that which leaves ``chi``.
+
+        What is left above the noise by less than the noise's own error is noise.
+        """
+        above = max(chi - (1.0 + NOISE_ERROR) * self.evidence, 0.0)
+        return chi + (times - 1.0) * (SOUGHT + above)
+
     def thinned(self, keep: int) -> Experiment:
-        """The same with about ``keep`` samples in all, but ``_A_SWING`` of them or more in each swing."""
+        """The same with about ``keep`` samples in all: every few, but ``_A_SWING`` of them or more in each swing, and
+        where that are too many still, a stretch of a record that goes on in the same way.
+        """
         total = sum(part.record.samples for part in self.readings)
         swing = 2.0 * math.pi * self.typical.time
         parts = []
         for part in self.readings:
             fewest = int(_A_SWING * part.record.duration / swing)
-            parts.append(part.thinned(max(keep * part.record.samples // total, fewest, 200)))
+            own = max(keep * part.record.samples // total, 200)
+            few = part.thinned(max(own, fewest))
+            parts.append(few.stretch(own) if few.record.samples > _MANY * own else few)
         return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
@@ -223,18 +243,28 @@ class Start:
     """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
 
     A start is judged by its promise, not by where it stands: a guess of the wrong size but the right shape is a good
-    one.
+    one. ``beside`` is the chi² of the smaller set next to which it stands.
     """
 
     promise: float
     fitted: Fitted
+    beside: float
+
+    @property
+    def turn(self) -> float:
+        """When its set's turn comes, the least first: what promises to take most away is the likeliest to do more."""
+        return self.promise * math.sqrt(self.promise / self.beside)
+
+    def worth(self, reach: float) -> bool:
+        """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""
+        return self.promise < max(reach, _MUCH * self.beside)
 
 
 def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:
     """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
     best first.
     """
-    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.promise < reach]
+    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
     ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
@@ -315,7 +345,9 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
     Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
     """
-    return least * (_HOPELESS_FAR if least > FAR * experiment.evidence else _HOPELESS)
+    if least > FAR * experiment.evidence:
+        return least * _HOPELESS_FAR
+    return experiment.worse(least, _HOPELESS)
 
 
 def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:

@@ -27,7 +27,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from msd_ident.diagnose.candidates import COULOMB, HOLDING_COULOMB, Causes, Fitted
+from msd_ident.diagnose.candidates import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Fitted
 from msd_ident.diagnose.readings import Readings
 from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
@@ -40,8 +40,6 @@ LEAST_SPREAD = 0.03
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
 CALLED = 1.0
-#: Relative error that the estimate of the noise's variance may have.
-NOISE_ERROR = 0.1
 #: Part of the estimated noise's chi² below which a set shows that the estimate is none: few samples a swing look noisy.
 _OVERRATED = 0.5
 #: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.

@@ -24,6 +24,9 @@ from msd_ident.record import FloatArray, Record
 _EXACT = 2e-6
 #: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
 _ALL_ROUNDING = 0.35
+#: A stretch shows the whole record where range and spread of motion and force are the same but for this part, and the
+#: force crosses its mean at least so often.
+_ALIKE, _TURNS = 0.8, 100
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,22 @@ class Readings:
             force=self.record.force,
         )
         return of_record(record, self.noise, self.step)
+
+    def stretch(self, keep: int) -> Readings:
+        """The liveliest of stretches of about ``keep`` samples, where it moves and is driven like all of the record.
+
+        Itself where one is not enough: in a decay, after a few steps, in a slow sweep.
+        """
+        record = self.record
+        begins = range(0, record.samples - keep + 1, max(keep // 4, 1))
+        parts = [record.window(record.time[first], record.time[first + keep - 1]) for first in begins]
+        best = max(parts, key=lambda part: float(np.std(part.position)), default=record)
+        alike = all(
+            np.ptp(some) >= _ALIKE * np.ptp(whole) and np.std(some) < np.std(whole) / _ALIKE
+            for some, whole in ((best.position, record.position), (best.force, record.force))
+        )
+        swings = np.count_nonzero(np.diff(np.sign(best.force - best.force.mean())))
+        return of_record(best, self.noise, self.step) if alike and swings >= _TURNS else self
 
     def with_mean_force(self) -> Readings:
         """The same with one force between any two samples: its mean there, which gives the same impulse.

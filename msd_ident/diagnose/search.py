@@ -22,6 +22,7 @@ from msd_ident.diagnose.candidates import (
     COULOMB,
     FAR,
     HOLDING_COULOMB,
+    SOUGHT,
     Causes,
     Experiment,
     Fitted,
@@ -56,10 +57,9 @@ _TURN = 5e-5
 #: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
 #: repair, the library does not repair.
 _ROUNDS, _ROUNDS_FAR = 5, 2
-#: Sets of a round that are fitted before the others, and how far above their chi² a start's promise is worth a look.
-_AHEAD, _REACH = 4, 30.0
-#: Shapes of a model's error that are counted while a search goes on.
-_SOUGHT = 40.0
+#: Sets of a round that are fitted before the others, and those that follow them; and how many times the error's
+#: variance a start may promise, once nothing but noise is left, to be worth a look.
+_AHEAD, _REACH = (4, 12), 10.0
 #: A rival that leaves this many times the leader's chi² is not begun again.
 _REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -192,7 +192,7 @@ class Search:
 
     def _leader(self) -> Fitted:
         """The set whose neighbours are looked at: what helps at all is found before it is asked how surely."""
-        return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, _SOUGHT)).best
+        return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
 
     def _swapped(self, causes: Causes) -> list[Causes]:
         """Sets with one cause dropped, or replaced by another."""
@@ -228,19 +228,26 @@ class Search:
             return False
         near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
-        found.sort(key=lambda starts: starts[0].promise)
+        found.sort(key=lambda starts: starts[0].turn)
         # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
-        for group, share in ((found[:_AHEAD], (near, middle)), (found[_AHEAD:], (middle, end))):
-            least = min(fitted.chi for fitted in self.sets.values())
-            done = self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi))
-            begun = self._each(partial(self._begin, _REACH * least if done else math.inf), group, share)
-            begun.sort(key=lambda tries: tries[0].chi)
-            # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
-            for tries in (begun[:1], begun[1:]):
-                for fitted in self._each(partial(self._finish, least), tries, share):
-                    self._keep(fitted)
-                    least = min(least, fitted.chi)
+        few, some = _AHEAD
+        shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
+        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
+            self._fit_group(group, share)
         return True
+
+    def _fit_group(self, group: list[list[Start]], share: tuple[float, float]) -> None:
+        least = min(fitted.chi for fitted in self.sets.values())
+        reach = self.experiment.worse(least, _REACH)
+        if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
+            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
+        begun = self._each(partial(self._begin, reach), group, share)
+        begun.sort(key=lambda tries: tries[0].chi)
+        # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
+        for tries in (begun[:1], begun[1:]):
+            for fitted in self._each(partial(self._finish, least), tries, share):
+                self._keep(fitted)
+                least = min(least, fitted.chi)
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
         """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""

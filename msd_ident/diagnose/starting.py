@@ -19,6 +19,12 @@ from msd_ident.model.effects import by_name
 from msd_ident.record import FloatArray
 
 _KEPT = 3
+#: Relative difference of two promises that are one.
+_SAME = 1e-3
+#: Part of a guess's strength that is tried where the whole of it makes the fit worse.
+_WEAK = 0.05
+#: Part of what the whole guess promises, below which it is taken in that strength.
+_CLEARLY = 0.5
 _DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
 #: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
 #: tried then at several places, in parts of the reach.
@@ -62,23 +68,51 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
     near = [starts(experiment, causes, parent) for parent in parents]
     for parent, models in zip(parents, near, strict=True):
         for model in models:
-            problem, weighting, point = posed(experiment, model, parent.initial)
-            state = extended(weighting, parent.problem, parent.state, point)
-            promised = step(problem, state, _DAMPED)[1]
-            found.append(Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests)))
-    found = sorted(found, key=lambda start: start.promise)[:_KEPT]
+            start = _beside(experiment, causes, parent, model)
+            if start.fitted.chi > parent.chi and parent.causes < causes:
+                weak = _beside(experiment, causes, parent, _weakened(model, causes - parent.causes))
+                start = weak if weak.promise < _CLEARLY * start.promise else start
+            found.append(start)
+    found = _distinct(sorted(found, key=lambda start: start.promise))[:_KEPT]
     return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
+
+
+def _distinct(found: Sequence[Start]) -> list[Start]:
+    """Starts, sorted by what they promise, that do not lead to the same place."""
+    pairs = zip(found, found[1:], strict=False)
+    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + _SAME) * before.promise]
+
+
+def _beside(experiment: Experiment, causes: Causes, parent: Fitted, model: Model) -> Start:
+    """A start next to a fitted parent, whose Jacobian it takes over."""
+    problem, weighting, point = posed(experiment, model, parent.initial)
+    state = extended(weighting, parent.problem, parent.state, point)
+    promised = step(problem, state, _DAMPED)[1]
+    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), parent.chi)
+
+
+def _weakened(model: Model, names: Causes) -> Model:
+    """The model with these effects close to doing nothing: a guess that is too strong hides which way leads down."""
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    weak = {
+        name: neutral + _WEAK * (values[name] - neutral)
+        for effect in names
+        for name, neutral in by_name(effect).neutral
+        if math.isfinite(neutral) and math.isfinite(values[name])
+    }
+    return model.with_values(weak)
 
 
 def regressions(
     experiment: Experiment, causes: Causes, parents: Sequence[Fitted], models: Sequence[Model]
 ) -> list[Start]:
-    """Starts by linear regression on the equation of motion, where the smaller models are so far off that no start next
-    to them leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
+    """Starts by linear regression on the equation of motion, where the base model is so far off that no start next to
+    it leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
     What does not come linear is tried as ``models`` next to the first parent have it.
     """
-    left = math.sqrt(min(parent.chi for parent in parents) / experiment.evidence)
-    if left < _ASTRAY:
+    beside = min(parent.chi for parent in parents)
+    left = math.sqrt(beside / experiment.evidence)
+    if left < _ASTRAY or parents[0].causes:
         return []
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
@@ -94,7 +128,7 @@ def regressions(
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])
-    return [_exact_start(experiment, causes, _placed(experiment, *one[1:])) for one in found[:2]]
+    return [_exact_start(experiment, causes, _placed(experiment, *one[1:]), beside) for one in found[:2]]
 
 
 def _placed(
@@ -130,8 +164,11 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
     return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
 
 
-def _exact_start(experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray]) -> Start:
+def _exact_start(
+    experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray], beside: float
+) -> Start:
     problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
-    return Start(state.chi - step(problem, state, _DAMPED)[1], Fitted(causes, model, problem, state, experiment.rests))
+    promised = step(problem, state, _DAMPED)[1]
+    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), beside)
