@@ -1,7 +1,9 @@
 """``python -m bench.blind``: draw, diagnose, score.
 
 python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only WORD,…] [--every N] [--docs DIR]
-python -m bench.blind --variants [--rounds 2] …: laws that the library does not have, of families that it has
+python -m bench.blind --variants [--rounds 2] …: foreign laws that the library does not have
+python -m bench.blind --forms [--rounds 2] …: laws of our own rig that are other forms of known causes
+python -m bench.blind --mujoco [--rounds 20] …: rigs of a second author, ten a round
 python -m bench.blind --score FILE... [--docs DIR]
 """
 
@@ -20,6 +22,13 @@ import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one 
 from bench.blind import plan, told
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.picture import draw
+
+#: Plans besides the whole study.
+_KINDS = {
+    "variants": "laws that the library does not have, and nothing else",
+    "forms": "laws of our own rig that are other forms of known causes, and nothing else",
+    "mujoco": "rigs that MuJoCo simulates, ten a round, and nothing else",
+}
 
 _PAGE = """# Hidden causes, found or not
 
@@ -58,7 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="cases with all of these: an experiment (steps, step, release, sweep, ramp), a rate in Hz, a noise "
         "(white, coloured, speed), a kind (clean, single, beside, pair, odd, variant), a hidden effect",
     )
-    parser.add_argument("--variants", action="store_true", help="other laws of known families, and nothing else")
+    kinds = parser.add_mutually_exclusive_group()
+    for name, what in _KINDS.items():
+        kinds.add_argument(f"--{name}", action="store_const", dest="plan", const=name, default="study", help=what)
     parser.add_argument("--every", type=int, default=1, help="take every so many cases")
     parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
@@ -68,24 +79,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         lines = [line for path in given.score for line in path.read_text(encoding="utf-8").splitlines()]
         outcomes = [Outcome.from_json_dict(json.loads(line)) for line in lines]
     else:
-        drawn = plan.variants if given.variants else plan.study
-        cases = chosen(drawn(given.rounds, given.seed), given.only)[:: given.every]
+        cases = chosen(getattr(plan, given.plan)(given.rounds, given.seed), given.only)[:: given.every]
         outcomes = _all(cases, given.jobs, given.json)
         failed = len(cases) - len(outcomes)
     if not outcomes:
         return 1
     seeds = [outcome.case.seed for outcome in outcomes]
     head = f"{len(outcomes)} blind cases, seeds {min(seeds)} to {max(seeds)}" + f"; {failed} failed" * (failed > 0)
-    variants = told.variants(outcomes)
-    text = "\n".join([head, "", *(variants or told.report(outcomes))])
+    other = _other(outcomes)
+    text = "\n".join([head, "", *(other or told.report(outcomes))])
     print(text)
-    part = bool(variants or given.only or given.every > 1)
+    part = bool(other or given.only or given.every > 1)
     if given.docs and part:
         print("\na part of the study: the documentation is left as it is")
     elif given.docs:
         draw(outcomes, given.docs / "images" / "blind_study.png")
         (given.docs / "blind-study.md").write_text(_PAGE.format(tables=text), encoding="utf-8")
     return 0
+
+
+def _other(outcomes: Sequence[Outcome]) -> list[str]:
+    """The tables of other studies than the main one; nothing for that one."""
+    if all(outcome.case.author == "mujoco" for outcome in outcomes):
+        return told.second_author(outcomes)
+    return told.variants(outcomes)
 
 
 def chosen(cases: Sequence[Case], words: str) -> list[Case]:

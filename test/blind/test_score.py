@@ -14,7 +14,7 @@ from bench.blind import plan, score, told
 from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.truth import FAMILIES
-from msd_sim import lottery
+from msd_sim import foreign, lottery
 
 Stated = tuple[tuple[str, float], ...]
 
@@ -114,7 +114,7 @@ def test_an_oddity_may_be_called_by_its_family_alone() -> None:
     related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
     other = outcome((("quadratic_drag", 0.99),), truth=("fading_friction",), odd=True, case=case)
     assert figure("oddity: a cause of no related law with p > 0.9", [related, other]) == (1, 2)
-    assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS}
+    assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS, *foreign.LAWS}
 
 
 def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
@@ -126,9 +126,9 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
     right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
     wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
     tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
-    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 4)}
+    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 2, 4)}
     unnamed = one("end_stop", 0.5, hidden="band_limited_force")
-    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1)}
+    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 0, 1)}
     assert told.variants([right, unnamed])[-1] == "| all | 2 | 2 | 2 | 0 | 2 |"
     assert told.variants([outcome((("backlash", 1.0),))]) == []
 
