@@ -123,6 +123,8 @@ def draw(seed: int, fault: str | None, beside: bool, experiment: str) -> Rig:
     reach, gain = lot.even(0.004, 0.02), lot.log(0.4, 2.5)
     armature = inertia * lot.even(0.0, 0.5)
     command = stiffness * reach / gain
+    commands = _commands(lot, experiment, command, omega)
+    largest = float(np.max(np.abs(commands)))
     faults = tuple(dict.fromkeys([*([fault] if fault else []), *(["frictionloss"] if beside else [])]))
     noise, count = _encoder(lot, reach)
     return Rig(
@@ -130,12 +132,12 @@ def draw(seed: int, fault: str | None, beside: bool, experiment: str) -> Rig:
         gain=gain,
         frictionloss=stiffness * reach * lot.log(0.006, 0.08) if "frictionloss" in faults else 0.0,
         lag=lot.log(0.02, 0.3) / omega if "lag" in faults else 0.0,
-        saturation=command * lot.even(0.5, 0.9) if "saturation" in faults else math.inf,
-        dead_zone=command * lot.log(0.02, 0.2) if "dead_zone" in faults else 0.0,
+        saturation=largest * lot.even(0.5, 0.9) if "saturation" in faults else math.inf,
+        dead_zone=largest * lot.log(0.02, 0.2) if "dead_zone" in faults else 0.0,
         limit=_limit(lot, reach, omega) if "limit" in faults else None,
         experiment=experiment,
         start=reach * lot.even(1.2, 1.8) if experiment == "release" else 0.0,
-        commands=tuple(_commands(lot, experiment, command, omega)),
+        commands=tuple(commands.tolist()),
         rate=EXPERIMENTS[experiment], noise=noise, count=count,
     )  # fmt: skip
 

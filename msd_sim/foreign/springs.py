@@ -50,8 +50,10 @@ def _three_slopes(p: Values, t: float, x: float, v: float, z: Sequence[float], u
 
 
 def _linkage(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
-    angle = x / p["length"]
-    return p["weight"] * (math.sin(angle) + p["second"] * math.sin(2.0 * angle + p["phase"]))
+    """Less its value and its slope at zero, which are a shift and a part of the spring."""
+    angle, phase = x / p["length"], p["phase"]
+    second = math.sin(2.0 * angle + phase) - math.sin(phase) - 2.0 * angle * math.cos(phase)
+    return p["weight"] * (math.sin(angle) - angle + p["second"] * second)
 
 
 def _soft_play(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
@@ -133,9 +135,9 @@ LAWS = (
         _three_slopes,
     ),
     ForeignLaw(
-        "linkage_gravity", "G (sin(x/l) + a sin(2x/l + phi)): a weight on a linkage",
+        "linkage_gravity", "G (sin(x/l) + a sin(2x/l + phi)) beyond its value and slope at 0: a weight on a linkage",
         lambda s: {
-            "weight": s.force * s.log(0.1, 0.4), "length": s.reach * s.even(1.5, 3.0), "second": s.even(0.02, 0.15),
+            "weight": s.force * s.log(0.2, 0.8), "length": s.reach * s.even(1.5, 3.0), "second": s.even(0.02, 0.15),
             "phase": s.even(-3.0, 3.0),
         },
         _linkage,
