@@ -5,7 +5,7 @@
 # make picture  draw the pictures in the README again: the verdict, and the live view (with ROS 2 and Chromium)
 # make bench    speed of solver and fit
 # make bench-live  processor time and memory of the live view, ten minutes
-# make blind    the long study with hidden causes
+# make blind    the long study with hidden causes; ARGS="--variants" foreign laws, ARGS="--mujoco --rounds 20" MuJoCo's rigs
 # make real     measured rigs beside the repository (../shared/data), and what is true of them; without the data it says so
 # make bench-export  exported models replayed in MuJoCo, wrong models, measured rigs (long)
 # make blind-design  designed experiments on rigs with a hidden cause, and for µ (long); writes docs/blind-design.md

@@ -106,23 +106,14 @@ def draw(
         RigError: no such effect, experiment or noise, or two laws of dry friction.
     """
     _check(hidden, other, noise, experiment)
-    rng = np.random.default_rng([seed, 20141])
-    mass = float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
-    omega = 2.0 * math.pi * float(rng.uniform(1.7, 6.0))
-    stiffness = mass * omega**2
-    damping = 2.0 * float(np.exp(rng.uniform(np.log(0.02), np.log(0.2)))) * mass * omega
-    reach = float(rng.uniform(0.005, 0.02))
-    force = stiffness * reach
-    how, duration = _experiment(experiment, force, omega, rate)
-    if experiment == "release":
-        how["position"] = 1.5 * reach
-    sizes = Sizes(rng, mass, stiffness, force, duration, ranges)
+    sizes, damping, how = begun(np.random.default_rng([seed, 20141]), experiment, rate, ranges)
+    rng, mass, stiffness, force, reach = sizes.rng, sizes.mass, sizes.stiffness, sizes.force, sizes.reach
     hidden_ones = [name for name in (hidden, other) if name is not None]
     effects = {name: _ALL_STRENGTHS[name](sizes) for name in hidden_ones if name != BAND_LIMITED}
     beside = beside and not any(ALL[name].dry_friction for name in effects)
     if beside:
         effects["coulomb_friction"] = {"coulomb_force": force * sizes.log(0.01, 0.08)}
-    encoder, level = _encoder(rng, reach)
+    encoder, level = drawn_encoder(rng, reach)
     if noise == "coloured":
         encoder, level = _coloured(encoder, level, sizes.log(1.0, 20.0, wide=(1.0, 20.0)))
     elif noise == "speed":
@@ -134,6 +125,21 @@ def draw(
     if hidden == BAND_LIMITED:
         spec["hold"] = "linear"
     return Draw(seed, spec, hidden, beside, experiment, level, other)
+
+
+def begun(
+    rng: np.random.Generator, experiment: str, rate: float, ranges: Ranges = "narrow"
+) -> tuple[Sizes, float, dict[str, float | str]]:
+    """A plant by lot: its sizes, its damping [N s/m], and the experiment for ``msd_sim.api.simulate``."""
+    mass = float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
+    omega = 2.0 * math.pi * float(rng.uniform(1.7, 6.0))
+    stiffness = mass * omega**2
+    damping = 2.0 * float(np.exp(rng.uniform(np.log(0.02), np.log(0.2)))) * mass * omega
+    reach = float(rng.uniform(0.005, 0.02))
+    how, duration = _experiment(experiment, stiffness * reach, omega, rate)
+    if experiment == "release":
+        how["position"] = 1.5 * reach
+    return Sizes(rng, mass, stiffness, stiffness * reach, duration, ranges), damping, how
 
 
 def _check(hidden: str | None, other: str | None, noise: str, experiment: str) -> None:
@@ -155,7 +161,7 @@ def _coloured(encoder: dict[str, float], level: float, samples: float) -> tuple[
     return coloured, level if encoder["noise"] else math.hypot(level, level)
 
 
-def _encoder(rng: np.random.Generator, reach: float) -> tuple[dict[str, float], float]:
+def drawn_encoder(rng: np.random.Generator, reach: float) -> tuple[dict[str, float], float]:
     """Counts, or noise, or both: 300 to 10000 noise levels within the reach."""
     noise = reach / float(np.exp(rng.uniform(np.log(300.0), np.log(10000.0))))
     kind = rng.choice(("counts", "noise", "both"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bench.blind.cases import write
+from bench.blind.rigs import write
 from msd_sim import lottery
 
 #: Every third record is a rig without a hidden cause, the others have one in turn.

@@ -1,7 +1,9 @@
 """``python -m bench.blind``: draw, diagnose, score.
 
 python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only WORD,…] [--every N] [--docs DIR]
-python -m bench.blind --variants [--rounds 2] …: laws that the library does not have, of families that it has
+python -m bench.blind --variants [--rounds 2] …: foreign laws that the library does not have
+python -m bench.blind --forms [--rounds 2] …: laws of our own rig that are other forms of known causes
+python -m bench.blind --mujoco [--rounds 20] …: rigs of a second author, ten a round
 python -m bench.blind --score FILE... [--docs DIR]
 """
 
@@ -20,6 +22,13 @@ import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one 
 from bench.blind import plan, told
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.picture import draw
+
+#: Plans besides the whole study.
+_KINDS = {
+    "variants": "laws that the library does not have, and nothing else",
+    "forms": "laws of our own rig that are other forms of known causes, and nothing else",
+    "mujoco": "rigs that MuJoCo simulates, ten a round, and nothing else",
+}
 
 _PAGE = """# Hidden causes, found or not
 
@@ -44,6 +53,37 @@ The exact sets are those of steps of two amplitudes in both directions, 6 s at 1
 """
 
 
+#: Pages of the other studies: file name and text.
+_PAGES = {
+    "variants": ("blind-variants.md", """# Laws that the library does not have
+
+Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Rigs
+of `msd_sim/foreign`: known causes whose law has another form than any law of the library, one a rig, and noise or
+forces that no cause explains. The diagnosis gets the path of a file and nothing else.
+
+- *Family named*: a cause of the law's family is named, or tied with one that is, where the base model leaves at least 3
+  noise floors. Laws without a relative in the library count as named.
+- *A cause of no related law*: neither of the law's family nor what stands for a part of it (`bench/blind/truth.py`).
+
+{tables}
+"""),
+    "mujoco": ("blind-mujoco.md", """# Rigs of a second author
+
+Made by `make blind ARGS="--mujoco"` (`python -m bench.blind --mujoco --docs docs`; the seeds are named below). MuJoCo
+simulates a slide joint with frictionloss, limits, armature, and a drive with gain, lag, saturation or dead zone
+(`bench/mujoco_rigs`, which imports neither the library nor our rig), drawn by lot; solver steps are halved until the
+record no longer changes by a tenth of its noise. Limits are MuJoCo's own constraint: half of them with its default
+impedance, in which the stop replaces 90 % of all other forces instead of adding to them, half as a mere spring and
+damper.
+
+- *Visible*, *exact*, *false*: as in the [blind study](blind-study.md).
+- *Interval*: the 95 % interval of the model with the named causes, against the truth per unit of command.
+
+{tables}
+"""),
+}
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the study; exit code 0 whatever it finds, 1 when no case could be run."""
     parser = argparse.ArgumentParser(prog="python -m bench.blind", description="Hidden causes, found or not.")
@@ -58,7 +98,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="cases with all of these: an experiment (steps, step, release, sweep, ramp), a rate in Hz, a noise "
         "(white, coloured, speed), a kind (clean, single, beside, pair, odd, variant), a hidden effect",
     )
-    parser.add_argument("--variants", action="store_true", help="other laws of known families, and nothing else")
+    kinds = parser.add_mutually_exclusive_group()
+    for name, what in _KINDS.items():
+        kinds.add_argument(f"--{name}", action="store_const", dest="plan", const=name, default="study", help=what)
     parser.add_argument("--every", type=int, default=1, help="take every so many cases")
     parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
@@ -68,24 +110,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
         lines = [line for path in given.score for line in path.read_text(encoding="utf-8").splitlines()]
         outcomes = [Outcome.from_json_dict(json.loads(line)) for line in lines]
     else:
-        drawn = plan.variants if given.variants else plan.study
-        cases = chosen(drawn(given.rounds, given.seed), given.only)[:: given.every]
+        cases = chosen(getattr(plan, given.plan)(given.rounds, given.seed), given.only)[:: given.every]
         outcomes = _all(cases, given.jobs, given.json)
         failed = len(cases) - len(outcomes)
     if not outcomes:
         return 1
     seeds = [outcome.case.seed for outcome in outcomes]
     head = f"{len(outcomes)} blind cases, seeds {min(seeds)} to {max(seeds)}" + f"; {failed} failed" * (failed > 0)
-    variants = told.variants(outcomes)
-    text = "\n".join([head, "", *(variants or told.report(outcomes))])
+    kind = _kind(outcomes)
+    text = "\n".join([head, "", *(_TOLD[kind](outcomes))])
     print(text)
-    part = bool(variants or given.only or given.every > 1)
+    part = bool(kind == "forms" or given.only or given.every > 1)
     if given.docs and part:
         print("\na part of the study: the documentation is left as it is")
+    elif given.docs and kind in _PAGES:
+        name, page = _PAGES[kind]
+        (given.docs / name).write_text(page.format(tables=text), encoding="utf-8")
     elif given.docs:
         draw(outcomes, given.docs / "images" / "blind_study.png")
         (given.docs / "blind-study.md").write_text(_PAGE.format(tables=text), encoding="utf-8")
     return 0
+
+
+#: Tables of each study.
+_TOLD = {"study": told.report, "variants": told.variants, "forms": told.variants, "mujoco": told.second_author}
+
+
+def _kind(outcomes: Sequence[Outcome]) -> str:
+    """Which study these are of."""
+    authors = {outcome.case.author for outcome in outcomes}
+    if authors == {"own"}:
+        return "forms" if all(outcome.case.kind == "variant" for outcome in outcomes) else "study"
+    return "mujoco" if authors == {"mujoco"} else "variants"
 
 
 def chosen(cases: Sequence[Case], words: str) -> list[Case]:

@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from bench.blind import rigs
+from bench.blind.rigs import Author, Sealed
 from bench.blind.truth import allowed, same
 from msd_ident import pipeline
 from msd_ident.bag import SourceOptions, read
@@ -22,8 +22,11 @@ from msd_ident.fit import fit
 from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
 from msd_ident.record import Record
-from msd_sim import api, lottery
+from msd_sim import foreign, lottery
 from msd_sim.effects import ALL
+
+#: What is compared of the plant.
+PLANT = ("mass", "damping", "stiffness")
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class Case:
         experiment, rate: what is done, samples a second [Hz].
         other: a second hidden effect, or none.
         ranges, noise: of the strengths and of the encoder, as the lottery has them.
+        author: who made the rig; MuJoCo's have their own names of what may be hidden.
     """
 
     seed: int
@@ -47,15 +51,18 @@ class Case:
     other: str | None = None
     ranges: lottery.Ranges = "narrow"
     noise: lottery.Noise = "white"
+    author: Author = "own"
 
     @property
     def kind(self) -> str:
         """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``odd`` or ``variant``."""
         if self.hidden is None:
             return "clean"
+        if self.author == "mujoco":
+            return "beside" if self.beside and self.hidden != "frictionloss" else "single"
         if self.hidden in lottery.ODDITIES:
             return "odd"
-        if self.hidden in lottery.VARIANTS:
+        if self.hidden in lottery.VARIANTS or self.hidden in foreign.LAWS:
             return "variant"
         if self.other is not None:
             return "pair"
@@ -74,7 +81,8 @@ class Outcome:
     ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth leaves when
     refitted without that one of its effects which is seen least. ``removed`` is the share of the removable error that
     the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
-    probability. ``plant_error`` is the larger relative error of mass and stiffness.
+    probability. ``plant_error`` is the larger relative error of mass and stiffness; ``plant`` has mass, damping and
+    stiffness with their standard deviation (NaN: open) and their truth.
     """
 
     case: Case
@@ -92,6 +100,7 @@ class Outcome:
     processor_seconds: float = math.nan
     beside: tuple[tuple[str, float], ...] = ()
     plant_error: float = math.nan
+    plant: tuple[tuple[str, float, float, float], ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -103,7 +112,9 @@ class Outcome:
         named = tuple((name, probability, tuple(tied)) for name, probability, tied in values["named"])
         beside = tuple((name, probability) for name, probability in values.get("beside", ()))
         case = Case(**values["case"])
-        return cls(**{**values, "case": case, "truth": tuple(values["truth"]), "named": named, "beside": beside})
+        plant = tuple((name, *numbers) for name, *numbers in values.get("plant", ()))
+        own = {"case": case, "truth": tuple(values["truth"]), "named": named, "beside": beside, "plant": plant}
+        return cls(**{**values, **own})
 
     @property
     def names(self) -> frozenset[str]:
@@ -129,67 +140,55 @@ class Outcome:
         return tuple((name, p) for name, p, _ in self.named if name not in right)
 
 
-def write(draw: lottery.Draw, path: Path) -> float:
-    """Run the rig and write its record as CSV, as a lab would.
-
-    Returns:
-        Standard deviation of the readings about the truth [m], rounding included.
-    """
-    made = api.simulate(draw.spec)
-    # A step on a tick acts from this very sample on, whichever way the last digit of its stamp was rounded.
-    place = np.searchsorted(made.force_time, made.time + 1e-9, side="right") - 1
-    force = np.where(place < 0, 0.0, made.force[np.maximum(place, 0)])
-    table = np.stack([made.time, force, made.position], axis=1)
-    np.savetxt(path, table, delimiter=",", header="time_s,force_n,position_m", comments="", fmt="%.12g")
-    if draw.spec["encoder"].get("speed_noise", 0.0) == 0.0:
-        return draw.noise
-    exact = api.simulate({**draw.spec, "encoder": {}})
-    return float(np.std(made.position - exact.position))
-
-
-def run(case: Case) -> Outcome:
-    """Draw, write, diagnose, open the envelope."""
+def sealed(case: Case) -> Sealed:
+    """The rig of a case."""
+    if case.author == "mujoco":
+        return rigs.mujoco(case.seed, case.hidden, case.beside, case.experiment)
+    if case.author == "foreign":
+        return rigs.foreign_rig(case.seed, str(case.hidden), case.experiment)
     draw = lottery.draw(
         case.seed, case.hidden, case.beside, case.experiment, case.rate,
         other=case.other, ranges=case.ranges, noise=case.noise,
     )  # fmt: skip
+    return rigs.own(draw)
+
+
+def run(case: Case) -> Outcome:
+    """Draw, write, diagnose, open the envelope."""
+    rig = sealed(case)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "record.csv"
-        noise = write(draw, path)
+        noise = rig.write(path)
         began = time.perf_counter(), time.process_time()
         record = read(path, SourceOptions())
         diagnosis = pipeline.diagnose([record])
         seconds = time.perf_counter() - began[0], time.process_time() - began[1]
-    return _opened(case, draw, noise, record, diagnosis, seconds)
+    return _opened(case, rig, noise, record, diagnosis, seconds)
 
 
 def _opened(
-    case: Case,
-    draw: lottery.Draw,
-    noise: float,
-    record: Record,
-    diagnosis: Diagnosis,
-    seconds: tuple[float, float],
+    case: Case, rig: Sealed, noise: float, record: Record, diagnosis: Diagnosis, seconds: tuple[float, float]
 ) -> Outcome:
     removable = diagnosis.heldout.see_base**2 - noise**2
     left = max(diagnosis.heldout.see_extended**2 - noise**2, 0.0)
     base = diagnosis.base.see / noise
     return Outcome(
         case=case,
-        truth=tuple(sorted(draw.truth)),
+        truth=tuple(sorted(rig.truth)),
         odd=case.kind in ("odd", "variant"),
-        strength=dict(draw.spec["effects"].get(case.hidden, {})),
+        strength=rig.strength,
         verdict=diagnosis.verdict,
         named=tuple((_kind(c.name), c.probability, tuple(map(_kind, c.tied_with))) for c in diagnosis.causes),
         base_floors=base,
         extended_floors=diagnosis.extended.see / noise,
-        without_floors=_least_seen(draw, record) / noise if case.kind in ("beside", "pair") else base,
+        without_floors=_least_seen(rig, record) / noise if case.kind in ("beside", "pair") else base,
         heldout_floors=diagnosis.heldout.see_extended / noise,
         removed=1.0 - math.sqrt(left / removable) if removable > 0.0 else math.nan,
         seconds=seconds[0],
         processor_seconds=seconds[1],
         beside=_beside(diagnosis),
-        plant_error=_plant_error(draw, diagnosis),
+        plant_error=_plant_error(rig, diagnosis),
+        plant=_plant(rig, diagnosis),
     )
 
 
@@ -206,23 +205,31 @@ def _beside(diagnosis: Diagnosis) -> tuple[tuple[str, float], ...]:
     return tuple((name, sum(p for causes, p in rivals if name in causes)) for name in others)
 
 
-def _plant_error(draw: lottery.Draw, diagnosis: Diagnosis) -> float:
+def _plant(rig: Sealed, diagnosis: Diagnosis) -> tuple[tuple[str, float, float, float], ...]:
+    """Name, value, standard deviation and truth; of a free decay, which has no newtons, nothing."""
+    if rig.experiment == "release":
+        return ()
+    found = [(name, diagnosis.extended.quantities[name]) for name in PLANT]
+    return tuple((name, quantity.value, quantity.std, rig.plant[name]) for name, quantity in found)
+
+
+def _plant_error(rig: Sealed, diagnosis: Diagnosis) -> float:
     """Larger relative error of mass and stiffness; a free decay knows their ratio only."""
     found = {name: diagnosis.extended.quantities[name].value for name in ("mass", "stiffness")}
-    if draw.experiment == "release":
-        return abs(found["stiffness"] / found["mass"] * draw.spec["mass"] / draw.spec["stiffness"] - 1.0)
-    return max(abs(value / draw.spec[name] - 1.0) for name, value in found.items())
+    if rig.experiment == "release":
+        return abs(found["stiffness"] / found["mass"] * rig.plant["mass"] / rig.plant["stiffness"] - 1.0)
+    return max(abs(value / rig.plant[name] - 1.0) for name, value in found.items())
 
 
-def _least_seen(draw: lottery.Draw, record: Record) -> float:
+def _least_seen(rig: Sealed, record: Record) -> float:
     """SEE [m] of the truth without that one of its effects of which the record shows least."""
-    return min(_without(draw, name, record) for name in draw.truth)
+    return min(_without(rig, name, record) for name in rig.truth)
 
 
-def _without(draw: lottery.Draw, missing: str, record: Record) -> float:
+def _without(rig: Sealed, missing: str, record: Record) -> float:
     """SEE [m] of the truth without one of its effects, refitted."""
-    model = Plant(draw.spec["mass"], draw.spec["damping"], draw.spec["stiffness"])
-    for name in sorted(draw.truth - {missing}):
-        given = ALL[name].values(draw.spec["effects"][name])
-        model = model + by_name(name).from_values({p.name: given[p.name] for p in by_name(name).parameters})
+    model = Plant(*(rig.plant[name] for name in PLANT))
+    for name in sorted(rig.truth - {missing}):
+        law, given = rig.laws[name]
+        model = model + by_name(law).from_values({p.name: given[p.name] for p in by_name(law).parameters})
     return fit(model, record).see

@@ -9,11 +9,17 @@ import numpy as np
 
 from bench.blind.cases import Case
 from bench.blind.truth import DRY
-from msd_sim import lottery
+from bench.mujoco_rigs.rig import EXPERIMENTS, LEVELS, OF_DRIVE
+from msd_sim import foreign, lottery
 
 #: Effects of which a spring-mass rig in free decay feels nothing.
 _INPUT = ("actuator_lag", "time_offset", "force_gain_nonlinearity")
 _OTHERS = (("step", 1000.0), ("release", 1000.0), ("sweep", 500.0), ("ramp", 250.0), ("steps", 200.0))
+#: Faults of a round of MuJoCo's rigs, and whether frictionloss acts beside them.
+_MUJOCO = (
+    (None, False), ("frictionloss", False), ("limit", False), ("limit", True), ("lag", False), ("lag", True),
+    ("saturation", False), ("saturation", True), ("dead_zone", False), ("dead_zone", True),
+)  # fmt: skip
 #: Of a round: clean rigs, pairs without Coulomb friction, effects under noise that is not white.
 _CLEAN, _PAIRS, _NOISY = 6, 12, 8
 
@@ -29,13 +35,41 @@ def study(rounds: int, seed: int) -> list[Case]:
 
 
 def variants(rounds: int, seed: int) -> list[Case]:
-    """Each variant of a known law, alone in steps; every other round in a release, where no force is."""
+    """Each foreign law once a round, in turn in each of the experiments in which it shows."""
+    seeds = count(seed)
+    return [
+        Case(next(seeds), law.name, False, law.experiments[turn % len(law.experiments)], author="foreign")
+        for turn in range(rounds)
+        for law in foreign.LAWS.values()
+    ]
+
+
+def forms(rounds: int, seed: int) -> list[Case]:
+    """Our own rig with laws that are forms of known causes; every other round in a release, where no force is."""
     seeds = count(seed)
     return [
         Case(next(seeds), name, False, *_experiment(name, turn), None, "narrow")
         for turn in range(rounds)
         for name in lottery.VARIANTS
     ]
+
+
+def mujoco(rounds: int, seed: int) -> list[Case]:
+    """Each fault alone and beside frictionloss, frictionloss alone, and nothing: ten rigs a round."""
+    seeds = count(seed)
+    return [
+        Case(next(seeds), fault, beside, experiment, EXPERIMENTS[experiment], author="mujoco")
+        for turn in range(rounds)
+        for index, (fault, beside) in enumerate(_MUJOCO)
+        for experiment in (_shows(fault, turn + index),)
+    ]
+
+
+def _shows(fault: str | None, turn: int) -> str:
+    """An experiment of MuJoCo's rigs that shows a fault, another one each turn; steps half of the time."""
+    hidden = {"release", "step"} if fault in LEVELS else {"release"} if fault in OF_DRIVE else set()
+    others = [name for name in EXPERIMENTS if name not in hidden | {"steps"}]
+    return "steps" if turn % 2 == 0 else others[turn // 2 % len(others)]
 
 
 def _experiment(variant: str, turn: int) -> tuple[str, float]:

@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 
 from bench.blind.cases import Outcome
 from bench.blind.truth import FAMILIES, UNNAMED, undecidable
+from msd_ident.quantity import Z95
 
 #: An effect counts as visible when the truth without it leaves this many noise floors.
 VISIBLE = 3.0
@@ -201,15 +202,64 @@ def family_named(outcome: Outcome) -> bool:
     return hidden in UNNAMED or bool(said & FAMILIES[hidden])
 
 
-def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int]]:
-    """For each hidden variant: visible cases, family named, surely false cause (of all), plant within 2 %."""
+def explained_falsely(outcome: Outcome) -> bool:
+    """Called explained with a cause that is not in the rig, nor of its law's family, however sure."""
+    return outcome.verdict == "explained" and bool(outcome.false)
+
+
+def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int, int]]:
+    """For each hidden variant: visible cases, family named; of all: surely false, explained falsely, plant near."""
     table = {}
     for name in sorted({str(o.case.hidden) for o in outcomes if o.case.kind == "variant"}):
         chosen = [o for o in outcomes if o.case.hidden == name]
         seen = [o for o in chosen if o.base_floors >= VISIBLE]
         near = sum(o.plant_error <= NEAR for o in chosen)
-        table[name] = (len(seen), sum(map(family_named, seen)), sum(map(surely_false, chosen)), near)
+        false = sum(map(surely_false, chosen)), sum(map(explained_falsely, chosen))
+        table[name] = (len(seen), sum(map(family_named, seen)), *false, near)
     return table
+
+
+def failed(outcome: Outcome) -> list[str]:
+    """What is wrong with an outcome, in words; nothing where it is right."""
+    wrong = []
+    if outcome.case.kind == "variant":
+        if outcome.base_floors >= VISIBLE and not family_named(outcome):
+            wrong.append("family not named")
+    elif (outcome.without_floors >= VISIBLE or outcome.case.hidden is None) and not outcome.exact:
+        wrong.append("not the exact set")
+    if surely_false(outcome):
+        wrong.append("surely false")
+    if explained_falsely(outcome):
+        wrong.append("explained falsely")
+    if not outcome.plant_error <= NEAR:
+        wrong.append(f"m or k off by {100.0 * outcome.plant_error:.1f} %")
+    return wrong
+
+
+def second_author(outcomes: Sequence[Outcome]) -> list[Figure]:
+    """Figures of MuJoCo's rigs."""
+    seen = [o for o in outcomes if o.case.hidden is None or o.without_floors >= VISIBLE]
+    found = [
+        Figure("exact set, visible or clean", *_share([o.exact for o in seen]), ">= 95", "98"),
+        Figure(f"a false cause with p > {SURE:g}", *_share([surely_false(o) for o in outcomes]), "", "0"),
+        Figure("explained with a false cause", *_share([explained_falsely(o) for o in outcomes]), "", "0"),
+        Figure(f"m and k within {100.0 * NEAR:g} %", *_share([o.plant_error <= NEAR for o in outcomes]), "", ""),
+    ]
+    for name in ("mass", "damping", "stiffness"):
+        found.append(Figure(f"interval of {name} holds the truth", *_share(_covers(outcomes, name)), "92 to 98", ""))
+        right = [o for o in outcomes if o.exact]
+        found.append(Figure(f"the same where the set is exact: {name}", *_share(_covers(right, name)), "", ""))
+    return found
+
+
+def _covers(outcomes: Sequence[Outcome], name: str) -> list[bool]:
+    """Whether the 95 % interval of a parameter holds its truth, where there is one."""
+    return [
+        abs(value - truth) <= Z95 * std
+        for o in outcomes
+        for one, value, std, truth in o.plant
+        if one == name and math.isfinite(std)
+    ]
 
 
 def oddities(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:

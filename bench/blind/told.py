@@ -24,18 +24,49 @@ def report(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def variants(outcomes: Sequence[Outcome]) -> list[str]:
-    """The table of laws that the library does not have, of families that it has; the last line is the sum."""
+    """The table of laws that the library does not have; the last line is the sum. Then what failed."""
     lines = [
-        f"| law | cases | visible | family named | a cause of no related law with p > {score.SURE:g} | m and k within "
-        f"{100.0 * score.NEAR:g} % |",
-        "|---|---|---|---|---|---|",
+        f"| law | cases | visible | family named | a cause of no related law with p > {score.SURE:g} | explained with "
+        f"one | m and k within {100.0 * score.NEAR:g} % |",
+        "|---|---|---|---|---|---|---|",
     ]
     found = score.variants(outcomes)
     cases = {name: sum(o.case.hidden == name for o in outcomes) for name in found}
     for name, row in found.items():
         lines.append(f"| {name} | {cases[name]} | " + " | ".join(map(str, row)) + " |")
     total = (sum(cases.values()), *(sum(column) for column in zip(*found.values(), strict=True)))
-    return [*lines, "| all | " + " | ".join(map(str, total)) + " |"] if found else []
+    return [*lines, "| all | " + " | ".join(map(str, total)) + " |", "", *failures(outcomes)] if found else []
+
+
+def second_author(outcomes: Sequence[Outcome]) -> list[str]:
+    """The tables of MuJoCo's rigs: figures, kinds, failures."""
+    lines = ["| figure | got | of | must | aim |", "|---|---|---|---|---|"]
+    for item in score.second_author(outcomes):
+        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.good} of {item.total} | {item.must} | {item.aim} |")
+    lines += ["", "| in the rig | rigs | visible | exact, of these | surely false | m and k near |"]
+    lines.append("|---|---|---|---|---|---|")
+    for hidden, kind in sorted({(str(o.case.hidden), o.case.kind) for o in outcomes}):
+        chosen = [o for o in outcomes if (str(o.case.hidden), o.case.kind) == (hidden, kind)]
+        seen = [o for o in chosen if o.case.hidden is None or o.without_floors >= score.VISIBLE]
+        near = sum(o.plant_error <= score.NEAR for o in chosen)
+        name = {"clean": "nothing", "beside": f"{hidden} and frictionloss"}.get(kind, hidden)
+        cells = (name, len(chosen), len(seen), sum(o.exact for o in seen), sum(map(score.surely_false, chosen)), near)
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return [*lines, "", *failures(outcomes)]
+
+
+def failures(outcomes: Sequence[Outcome]) -> list[str]:
+    """Every case that is not right, with its seed."""
+    wrong = [(o, score.failed(o)) for o in outcomes if score.failed(o)]
+    if not wrong:
+        return ["Nothing failed."]
+    lines = ["| seed | experiment | in the rig | said | verdict | wrong |", "|---|---|---|---|---|---|"]
+    for o, why in wrong:
+        said = ", ".join(f"{name} {p:.3f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in o.named) or "nothing"
+        rig = " + ".join(o.truth) or "nothing"
+        floors = f"{o.verdict} [{o.extended_floors:.2f} of {o.base_floors:.1f} floors]"
+        lines.append(f"| {o.case.seed} | {o.case.experiment} | {rig} | {said} | {floors} | {'; '.join(why)} |")
+    return lines
 
 
 def _figures(outcomes: Sequence[Outcome]) -> list[str]:

@@ -25,7 +25,7 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "creeping_spring": frozenset({"hysteresis"}),
     "coarse_actuator": frozenset({"force_gain_nonlinearity"}),
     "encoder_slip": frozenset({"sensor_drift"}),
-    # Variants: any law of the family, and what stands for a part of it.
+    # Forms: any law of the family, and what stands for a part of it.
     "rational_stribeck": DRY,
     "exponential_stribeck": DRY,
     "load_friction": DRY,
@@ -41,9 +41,55 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "settling_sensor": frozenset({"sensor_drift"}),
     "sensor_eccentricity": frozenset({"sensor_eccentricity"}),
     "band_limited_force": frozenset({"time_offset", "actuator_lag"}),
+    # Foreign laws of dry friction, stops and springs.
+    "lugre": DRY,
+    "maxwell_slip": DRY,
+    "arctan_stribeck": DRY,
+    "tanh_sum_friction": DRY,
+    "logarithmic_friction": DRY,
+    "hertz_stop": frozenset({"end_stop"}),
+    "padded_stop": frozenset({"end_stop", "bilinear_spring"}),
+    "uneven_stops": frozenset({"end_stop"}),
+    "exponential_spring": frozenset({"cubic_spring", "asymmetric_spring", "bilinear_spring"}),
+    "sinh_spring": frozenset({"cubic_spring"}),
+    "saturating_spring": frozenset({"cubic_spring"}),
+    "three_slope_spring": frozenset({"bilinear_spring", "cubic_spring", "end_stop"}),
+    "linkage_gravity": frozenset({"cubic_spring", "asymmetric_spring", "bilinear_spring", "cogging", "force_offset"}),
+    "soft_play": frozenset({"backlash"}),
+    "wandering_stiffness": frozenset({"stiffness_drift"}),
+    # Of losses, drives and forces.
+    "mixed_drag": frozenset({"quadratic_drag"}),
+    "eddy_drag": frozenset({"quadratic_drag"}),
+    "film_damping": frozenset(),
+    "torque_speed": frozenset({"drive_damping"}),
+    "sharp_saturation": frozenset({"force_gain_nonlinearity"}),
+    "smooth_dead_zone": frozenset({"force_gain_nonlinearity"}),
+    "remembering_drive": frozenset({"force_gain_nonlinearity"}),
+    "second_order_drive": frozenset({"actuator_lag", "time_offset"}),
+    "rate_limited_drive": frozenset({"actuator_lag", "time_offset"}),
+    "trapezoid_cogging": frozenset({"cogging"}),
+    "sawtooth_cogging": frozenset({"cogging"}),
+    "three_tones": frozenset({"periodic_disturbance"}),
+    "modulated_tone": frozenset({"periodic_disturbance"}),
+    "random_force": frozenset(),
+    "rubbing_second_mass": DRY | {"second_mode"},
+    "sloshing_mass": frozenset({"second_mode"}),
+    # Of sensors.
+    "settling_and_drifting": frozenset({"sensor_drift"}),
+    "walking_zero": frozenset({"sensor_drift"}),
+    "missed_counts": frozenset({"sensor_drift"}),
+    "elliptic_wheel": frozenset({"sensor_eccentricity"}),
+    "coloured_noise": frozenset(),
+    "growing_noise": frozenset(),
+    "smooth_force": frozenset({"time_offset", "actuator_lag"}),
 }
-#: Variants that are no cause: nothing needs to be named.
-UNNAMED = frozenset({"band_limited_force"})
+#: No cause of the library is right for these, or none need be named: a relative may be.
+UNNAMED = frozenset(
+    {
+        "band_limited_force", "film_damping", "remembering_drive", "random_force", "walking_zero", "missed_counts",
+        "coloured_noise", "growing_noise", "smooth_force",
+    }
+)  # fmt: skip
 
 
 def same(effects: frozenset[str]) -> Iterator[frozenset[str]]:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.blind.cases import Case, Outcome, run, write
+from bench.blind.cases import Case, Outcome, run
+from bench.blind.rigs import write
 from msd_ident import pipeline
 from msd_ident.bag import SourceOptions, read
 from msd_ident.model.effects import spoken

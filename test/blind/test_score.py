@@ -12,9 +12,10 @@ import pytest
 
 from bench.blind import plan, score, told
 from bench.blind.__main__ import chosen, main
-from bench.blind.cases import Case, Outcome, run
+from bench.blind.cases import Case, Outcome, run, sealed
 from bench.blind.truth import FAMILIES
-from msd_sim import lottery
+from bench.mujoco_rigs.rig import EXPERIMENTS, FAULTS
+from msd_sim import foreign, lottery
 
 Stated = tuple[tuple[str, float], ...]
 
@@ -114,7 +115,7 @@ def test_an_oddity_may_be_called_by_its_family_alone() -> None:
     related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
     other = outcome((("quadratic_drag", 0.99),), truth=("fading_friction",), odd=True, case=case)
     assert figure("oddity: a cause of no related law with p > 0.9", [related, other]) == (1, 2)
-    assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS}
+    assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS, *foreign.LAWS}
 
 
 def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
@@ -126,19 +127,57 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
     right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
     wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
     tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
-    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 4)}
+    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 3, 4)}
     unnamed = one("end_stop", 0.5, hidden="band_limited_force")
-    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1)}
-    assert told.variants([right, unnamed])[-1] == "| all | 2 | 2 | 2 | 0 | 2 |"
+    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1, 1)}
+    said = told.variants([right, replace(unnamed, verdict="ambiguous")])
+    assert said[-3:] == ["| all | 2 | 2 | 2 | 0 | 0 | 2 |", "", "Nothing failed."]
     assert told.variants([outcome((("backlash", 1.0),))]) == []
+    row = told.failures([right, wrong])[-1]
+    assert row.startswith("| 1 | steps | one_sided_stop | cogging 0.950 | explained") and "surely false" in row
+    assert score.failed(wrong) == ["family not named", "surely false", "explained falsely"]
+    assert score.failed(far) == ["family not named", "surely false", "explained falsely", "m or k off by 3.0 %"]
 
 
 def test_all_variants_are_planned_where_they_can_be_seen() -> None:
     cases = plan.variants(2, 100)
+    assert {case.hidden for case in cases} == set(foreign.LAWS) and {case.kind for case in cases} == {"variant"}
+    assert len({case.seed for case in cases}) == len(cases) == 2 * len(foreign.LAWS)
+    for case in cases:
+        assert sealed(case).truth == {case.hidden}
+
+
+def test_all_forms_are_planned_where_they_can_be_seen() -> None:
+    cases = plan.forms(2, 100)
     assert {case.hidden for case in cases} == set(lottery.VARIANTS) and {case.kind for case in cases} == {"variant"}
     assert len({case.seed for case in cases}) == len(cases) == 2 * len(lottery.VARIANTS)
     for case in cases:
-        lottery.draw(case.seed, case.hidden, case.beside, case.experiment, case.rate)
+        assert sealed(case).truth == {case.hidden}
+
+
+def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
+    cases = plan.mujoco(4, 100)
+    assert len({case.seed for case in cases}) == len(cases) == 40
+    assert {case.kind for case in cases} == {"clean", "single", "beside"}
+    assert {case.experiment for case in cases} == set(EXPERIMENTS)
+    assert {(c.hidden, c.beside) for c in cases} >= {(name, False) for name in FAULTS}
+    for case in cases:
+        rig = sealed(case)
+        assert set(rig.laws) == rig.truth and len(rig.truth) == (case.hidden is not None) + (case.kind == "beside")
+
+
+def test_a_rig_of_the_second_author_is_run_and_told() -> None:
+    """One that two causes move, of which the record shows both; its intervals stand beside the truth."""
+    found = run(Case(509, "dead_zone", True, "sweep", 500.0, author="mujoco"))
+    assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
+    assert found.exact and found.without_floors > 2.0
+    assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found
+    for name, value, std, truth in found.plant:
+        assert value == pytest.approx(truth, rel=0.05), name
+        assert 0.0 < std < 0.05 * truth
+    text = "\n".join(told.second_author([found, replace(found, case=replace(found.case, hidden=None), truth=())]))
+    assert "| dead_zone and frictionloss | 1 | 0 | 0 | 0 | 1 |" in text
+    assert "| interval of mass holds the truth |" in text and "surely false" in text
 
 
 def test_exact_sets_are_told_by_kind_and_noise() -> None:
