@@ -17,6 +17,9 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "backlash": {"backlash_half_width": 0.002},
     "bilinear_spring": {"bend_position": 0.006, "bend_stiffness": 150.0},
     "bouc_wen": {"hysteresis_stiffness": 120.0, "loading_rate": 40.0, "unloading_rate": 250.0},
+    "buffered_stop": {
+        "buffer_centre": 0.001, "buffer_reach": 0.017, "buffer_stiffness": 5e3, "buffer_damping": 20.0,
+    },
     "cogging": {"cogging_amplitude": 0.3, "cogging_pitch": 0.01, "cogging_phase": 0.4},
     "cogging_harmonic": {
         "cogging_amplitude": 0.3, "cogging_pitch": 0.02, "cogging_phase": 0.4, "harmonic_amplitude": 0.2,

@@ -7,7 +7,6 @@ have been fitted and none has more evidence.
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence

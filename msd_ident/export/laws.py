@@ -60,6 +60,9 @@ def knees(effects: Iterable[Effect]) -> list[str]:
         if effect.knee is None or effect.knee == AT_ZERO:
             continue
         place, stiffness, side = effect.knee
+        if side not in (BOTH, ABOVE, HALVES, OUTSIDE):
+            found.append(f"{stiffness} * (x - min(max(x, {place} - {side}), {place} + {side}))")
+            continue
         outside = "max" if getattr(effect, place) > 0.0 else "min"
         found.append({
             BOTH: f"{stiffness} * (x - min(max(x, -{place}), {place}))",

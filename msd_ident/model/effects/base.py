@@ -112,7 +112,8 @@ class Effect:
     stands_alone: ClassVar[bool] = False
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
     #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE``, ``OUTSIDE`` (seen from zero) or
-    #: ``HALVES`` (half of it above, less half of it below).
+    #: ``HALVES`` (half of it above, less half of it below), or the name of the distance [m] from that position beyond
+    #: which it is, on either side.
     knee: ClassVar[tuple[str, str, str] | None] = None
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False

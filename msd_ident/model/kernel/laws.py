@@ -143,6 +143,9 @@ def _knees() -> Any:
 
 def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
     """Position, stiffness and side of an effect's knees, as source."""
+    if side in INDEX:
+        reach = f"p[{INDEX[side]}]"
+        return (f"{place} + {reach}, {stiffness}, 1.0", f"{place} - {reach}, {stiffness}, -1.0")
     rows = {
         ABOVE: (f"{place}, {stiffness}, 1.0",),
         BOTH: (f"{place}, {stiffness}, 1.0", f"-{place}, {stiffness}, -1.0"),

@@ -1,0 +1,100 @@
+"""End stops with buffers: a spring and a damper side by side, each stop at a place of its own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter, Seen
+
+if TYPE_CHECKING:
+    from msd_ident.model.model import Model
+    from msd_ident.record import Record
+
+
+@dataclass(frozen=True)
+class BufferedStop(Effect):
+    """ks·d + cs·d' at a depth d beyond xc + xs or xc - xs, where that pushes: a buffer lets go, it does not pull.
+
+    One stop alone is a pair the other of which is out of reach.
+    """
+
+    buffer_centre: float
+    buffer_reach: float
+    buffer_stiffness: float
+    buffer_damping: float
+
+    name = "buffered_stop"
+    parameters = (
+        Parameter("buffer_centre", "xc", "m", -math.inf, math.inf, "middle between the stops' buffers"),
+        Parameter("buffer_reach", "xs", "m", 0.0, math.inf, "distance of the buffers from there"),
+        Parameter("buffer_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the buffers"),
+        Parameter("buffer_damping", "cs", "N·s/m", 0.0, math.inf, "damping of the buffers"),
+    )
+    acts_on = "force"
+    law = "max(ks·d + cs·d', 0) at a depth d beyond xc + xs or xc - xs"
+    source = "Kelvin-Voigt contact without tension; Gilardi & Sharf 2002 (Mech. Mach. Theory 37)"
+    neutral = (("buffer_stiffness", 0.0), ("buffer_damping", 0.0))
+    form_of = "end_stop"
+    prior_odds = 1.0 / 100.0
+    dissipative = False
+    mirror = False
+    knee = ("buffer_centre", "buffer_stiffness", "buffer_reach")
+
+    @staticmethod
+    def force(
+        x: float,
+        v: float,
+        direction: float,
+        buffer_centre: float,
+        buffer_reach: float,
+        buffer_stiffness: float,
+        buffer_damping: float,
+    ) -> float:
+        """Force [N] against +x beyond that of the buffers' springs."""
+        off = x - buffer_centre
+        side = 1.0 if off > 0.0 else -1.0
+        depth = side * off - buffer_reach
+        touch = 1e-12 * (buffer_reach + abs(buffer_centre))  # the solver stops where contact begins, but for rounding
+        if depth < -touch or (depth <= touch and side * direction <= 0.0):
+            return 0.0
+        spring = buffer_stiffness * depth
+        return side * (max(spring + side * buffer_damping * v, 0.0) - spring)
+
+    @classmethod
+    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        stiffness = max(seen.stiffness, seen.force / seen.span)
+        return {
+            "buffer_centre": (-0.6 * seen.span, 0.6 * seen.span),
+            "buffer_reach": (0.02 * seen.span, 1.2 * seen.reach + 0.2 * seen.span),
+            "buffer_stiffness": (0.0, 300.0 * stiffness),
+            "buffer_damping": (0.0, 100.0 * math.sqrt(stiffness * seen.mass)),
+        }
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[BufferedStop, ...]:
+        """Buffers on both sides or on either, ten times as stiff as the spring and damped half as much as they may."""
+        low, high = float(np.min(record.position)), float(np.max(record.position))
+        span = high - low
+        stiffness = 10.0 * typical.force(record, plant) / typical.amplitude(record)
+        damping = math.sqrt(stiffness * plant.mass)
+        sides = ((low + 0.1 * span, high - 0.1 * span), (low - 0.3 * span, high - 0.1 * span),
+                 (low + 0.1 * span, high + 0.3 * span))  # fmt: skip
+        return tuple(cls(0.5 * (a + b), 0.5 * (b - a), stiffness, damping) for a, b in sides)
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[BufferedStop, ...]:
+        """The same stops with a little damping and with much; between the ends of the motion; one of them alone."""
+        place, stiffness = simple.values
+        damping = math.sqrt(max(stiffness, 1e-9) * plant.mass)
+        low, high = float(np.min(record.position)), float(np.max(record.position))
+        depth = max(max(high, -low) - place, 0.0)
+        middle, half, aside = 0.5 * (low + high), 0.5 * (high - low), 0.25 * (high - low)
+        places = ((0.0, place, 0.1), (0.0, place, 1.0), (middle, half - depth, 0.3), (middle, half - 0.5 * depth, 1.0),
+                  (-aside, place + aside, 0.5), (aside, place + aside, 0.5))  # fmt: skip
+        return tuple(cls.within_bounds(c, max(r, 0.0), stiffness, n * damping) for c, r, n in places)

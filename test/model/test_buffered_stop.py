@@ -1,0 +1,44 @@
+"""Stops with buffers, against scipy and against the simple law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
+from scipy.integrate import solve_ivp
+
+from msd_ident.model import Simulator
+from msd_ident.model.effects.buffered_stop import BufferedStop
+from msd_ident.model.effects.end_stop import EndStop
+
+
+@pytest.mark.parametrize("damping", [3.0, 60.0])
+@pytest.mark.parametrize("centre", [0.004, -0.004])
+def test_contact_begins_with_the_dampers_force_and_ends_where_it_would_pull(centre: float, damping: float) -> None:
+    measured = record(rate=500.0, duration=1.5)
+    stop = BufferedStop(centre, 0.012, 4e3, damping)
+
+    def slope(t: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        off = x - stop.buffer_centre
+        depth = abs(off) - stop.buffer_reach
+        push = max(4e3 * depth + damping * v * np.sign(off), 0.0) if depth > 0.0 else 0.0
+        force = measured.force[np.searchsorted(measured.force_time, t, side="right") - 1]
+        return [v, (force - DAMPING * v - STIFFNESS * x - np.sign(off) * push) / MASS]
+
+    found = Simulator(plant() + stop, measured).positions((plant() + stop).values)
+    state, expected = [0.0, 0.0], [0.0]
+    for begin, end in zip(measured.time[:-1], measured.time[1:], strict=True):
+        run = solve_ivp(slope, (begin, end - 1e-12), state, rtol=1e-8, atol=1e-13, max_step=5e-5)
+        state = run.y[:, -1].tolist()
+        expected.append(state[0])
+    assert np.max(np.abs(found - expected)) < 3e-5 * np.ptp(expected)
+    assert np.max(np.abs(np.array(expected) - centre)) > 0.0125, "both stops are to be hit"
+
+
+def test_without_damping_around_zero_it_is_the_simple_stop() -> None:
+    measured = record()
+    simple, same = plant() + EndStop(0.014, 5e3), plant() + BufferedStop(0.0, 0.014, 5e3, 0.0)
+    expected = Simulator(simple, measured).positions(simple.values)
+    found = Simulator(same, measured).positions(same.values)
+    assert np.max(np.abs(found - expected)) < 1e-6 * np.ptp(expected)
