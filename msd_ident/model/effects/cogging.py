@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from msd_ident.model.model import Model
     from msd_ident.record import Record
 
-#: Pitches that can be told, in parts of the travel: of one that is seen less than two and a half times a bent spring does
-#: the same.
+#: Pitches that can be told, in parts of the travel: one that is seen less than two and a half times is a bent spring.
 PITCHES = (0.02, 0.4)
 
 
