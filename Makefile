@@ -25,7 +25,8 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-export bench-live blind blind-design real study soak load fuzz audit clean
+.PHONY: help setup demo test lint docs docs-output picture bench bench-batch bench-compare bench-watch bench-export bench-live \
+        blind blind-design real study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
