@@ -152,7 +152,10 @@ def test_investigate_and_design_by_command(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
-    assert run("investigate", "--limits", "l.yaml", "--rig", "ecp", "--runs", 1, "--yes", "--out", "story") == 0
+    pushes = "".join(f"  - {{kind: step, duration: 0.8, force: {force}}}\n" for force in (8, -8, 3, -3, 0))
+    Path("p.yaml").write_text(f"name: pushes\nsegments:\n{pushes}")
+    words = ("--limits", "l.yaml", "--rig", "ecp", "--first", "p.yaml", "--runs", 1, "--yes", "--out", "story")
+    assert run("investigate", *words) == 0
     journal = json.loads(Path("story/journal.json").read_text())
     assert journal["stands"] and 1 <= len(journal["steps"]) <= 2
     assert [c["name"] for c in journal["diagnosis"]["causes"]] == ["coulomb_friction"]
