@@ -9,7 +9,7 @@ from pathlib import Path
 import effect_examples
 import numpy as np
 import pytest
-from exportrigs import measured, saved
+from exportrigs import measured, pushes, saved
 
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import target
@@ -40,13 +40,6 @@ def broken(time, force, position, velocity):
 def wild(time, force, position, velocity):
     return np.full(time.size, np.nan)
 """
-
-
-def pushes() -> Record:
-    """Steps of several sizes in both directions, which tell laws of friction apart."""
-    time = np.arange(6001) / 1000.0
-    force = np.array([10.4, -6.0, 3.0, -10.4, 6.0, 0.0])[np.minimum(time.astype(int), 5)]
-    return Record(time=time, position=0.0 * time, force_time=time, force=force)
 
 
 @pytest.fixture(scope="module")
