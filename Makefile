@@ -1,5 +1,6 @@
 # make demo     set up what is missing, run the pipeline on the simulated rig
 # make test     set up what is missing, run the tests
+# make test-all the same with the long ones: more measured rigs and seeds
 # make docs     the documentation, into site/
 # make setup    only set up
 # make picture  draw the pictures in the README again: the verdict, and the live view (with ROS 2 and Chromium)
@@ -25,7 +26,8 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
-.PHONY: help setup demo test lint docs docs-output picture bench bench-export bench-live blind blind-design real study soak load fuzz audit clean
+.PHONY: help setup demo test test-all lint docs docs-output picture bench bench-batch bench-compare bench-watch bench-export bench-live \
+        blind blind-design real study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -40,8 +42,9 @@ lint: setup
 	@.venv/bin/ruff check .
 	@.venv/bin/mypy
 
-test: lint
-	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup --no-loadscope-reorder $(ARGS)
+test: CHOSEN = -m 'not long'
+test test-all: lint
+	@ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST $(PY) -m pytest -n $(JOBS) --dist loadgroup --no-loadscope-reorder $(CHOSEN) $(ARGS)
 
 # Not --quiet: it would swallow the warnings that --strict makes errors.
 docs: setup

@@ -25,8 +25,9 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
-    "ros/test_faults", "blind/", "test_a_demo_finds_the_rig", "docs/test_tutorial", "ros/test_huge_bag", "live/",
-    "report/", "ros/", "diagnose/", "design/", "test_fooled", "test_pipeline", "cli/", "fit/", "msd_sim/test_node",
+    "test_colcon", "ros/test_faults", "blind/", "test_a_demo_finds_the_rig", "docs/test_tutorial", "ros/test_huge_bag",
+    "live/", "report/", "ros/", "diagnose/", "design/", "test_fooled", "test_pipeline", "cli/", "fit/",
+    "msd_sim/test_node",
 )  # fmt: skip
 
 #: What makes a fresh checkout compile; done in two seconds where that is done.

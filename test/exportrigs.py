@@ -46,6 +46,14 @@ def measured(model: Model, force: Record, seed: int = 1) -> Record:
     return Record(force.time, clean + noise, force.force_time, force.force, hold=force.hold, name="rig")
 
 
+def pushes(duration: float = 6.0) -> Record:
+    """Steps of several sizes in both directions at 1 kHz, which tell laws of friction apart."""
+    time = np.arange(round(1000.0 * duration) + 1) / 1000.0
+    levels = np.array([10.4, -6.0, 3.0, -10.4, 6.0, 0.0])
+    force = levels[np.minimum((levels.size * time / duration).astype(int), levels.size - 1)]
+    return Record(time=time, position=0.0 * time, force_time=time, force=force)
+
+
 def quantities(model: Model) -> Mapping[str, Quantity]:
     """Values with a narrow interval."""
     return {

@@ -1,7 +1,8 @@
 """``colcon build`` from a workspace's root, with the repository in ``src``: both packages are built, found and tested.
 
 The ROS wheels and colcon lie in a Python environment of their own without msd_ident and msd_interfaces, so that only
-what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes.
+what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes: of hard links to
+what ``make setup`` installed, and of colcon.
 """
 
 from __future__ import annotations
@@ -12,9 +13,14 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
+from importlib.metadata import Distribution, PackageNotFoundError, PackagePath
+from itertools import chain
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 REQUIREMENTS = [REPOSITORY / "requirements" / name for name in ("ros-jazzy.txt", "run.txt", "colcon.txt", "lock.txt")]
@@ -30,7 +36,10 @@ def colcon() -> Path:
     if not (folder / "done").exists():
         for old in folder.parent.glob("colcon-*"):
             shutil.rmtree(old)
-        subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+        subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
+        for distribution in required({"pip", *chain.from_iterable(map(names, REQUIREMENTS[:3]))}):
+            if whole(distribution):
+                link(distribution, folder)
         given = [word for path in REQUIREMENTS[:3] for word in ("-r", str(path))]
         constraint = ["-c", str(REQUIREMENTS[3])] if sys.version_info >= (3, 11) else []
         installed = subprocess.run(
@@ -40,6 +49,51 @@ def colcon() -> Path:
         assert installed.returncode == 0, installed.stderr[-2000:]
         (folder / "done").touch()
     return folder
+
+
+def names(requirements: Path) -> list[str]:
+    """Packages of a requirements file."""
+    lines = (line.partition("#")[0].strip() for line in requirements.read_text(encoding="utf-8").splitlines())
+    return [Requirement(line).name for line in lines if line]
+
+
+def required(wanted: set[str]) -> list[Distribution]:
+    """Those that are here, with all that they require in their turn."""
+    found: dict[str, Distribution] = {}
+    while wanted:
+        name = canonicalize_name(wanted.pop())
+        with suppress(PackageNotFoundError):
+            if name not in found:
+                found[name] = Distribution.from_name(name)
+                needs = map(Requirement, found[name].requires or [])
+                wanted |= {need.name for need in needs if not need.marker or need.marker.evaluate({"extra": ""})}
+    return list(found.values())
+
+
+def whole(distribution: Distribution) -> bool:
+    """Whether all files are its own: another package may have put files of the same names into their place."""
+    found = [(path, file.size) for path, file in files(distribution)]
+    return all(path.is_file() and size in (None, path.stat().st_size) for path, size in found)
+
+
+def files(distribution: Distribution) -> list[tuple[Path, PackagePath]]:
+    """What it installed: where that lies, and what was noted of it; not what Python compiled."""
+    listed = [file for file in distribution.files or [] if file.suffix != ".pyc"]
+    return [(Path(os.path.normpath(str(distribution.locate_file(file)))), file) for file in listed]
+
+
+def link(distribution: Distribution, folder: Path) -> None:
+    """Put what ``make setup`` installed into another environment too; scripts start that one's interpreter."""
+    for source, _ in files(distribution):
+        target = folder / source.relative_to(sys.prefix)
+        if not source.is_file() or target.exists():
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.parent == folder / "bin":
+            target.write_bytes(source.read_bytes().replace(sys.prefix.encode(), str(folder).encode()))
+            target.chmod(0o755)
+        else:
+            os.link(source, target)
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +109,9 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
         if source.is_file() and not name.startswith(("docs/", "test/", "bench/")):
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target)
+    # Nobody runs these messages fast: what would be optimised is not, after all other options.
+    (folder / "compiler").write_text('#!/bin/sh\nexec "$@" -O0\n')
+    (folder / "compiler").chmod(0o755)
     return folder
 
 
@@ -67,6 +124,8 @@ def run(colcon: Path, workspace: Path, *command: str) -> str:
         "LD_LIBRARY_PATH": str(colcon / "lib"),
         "PATH": f"{colcon / 'bin'}:/usr/bin:/bin",
         "COLCON_HOME": str(workspace / "home"),
+        "CMAKE_C_COMPILER_LAUNCHER": str(workspace / "compiler"),
+        "CMAKE_CXX_COMPILER_LAUNCHER": str(workspace / "compiler"),
     }
     environment.pop("_ROS_WHEELS_BOOTSTRAP_COMPLETE", None)
     done = subprocess.run(
@@ -76,10 +135,20 @@ def run(colcon: Path, workspace: Path, *command: str) -> str:
     return done.stdout + done.stderr
 
 
+def clear(workspace: Path) -> None:
+    """As before any build, but for what the compiler made of the messages: that is the same for all options."""
+    for name in ("install", "log"):
+        shutil.rmtree(workspace / name, ignore_errors=True)
+    for path in (workspace / "build" / "msd_ident").glob("*"):
+        if path.is_symlink() or path.is_file():
+            path.unlink()
+        elif path.name != "msd_interfaces":
+            shutil.rmtree(path)
+
+
 @pytest.mark.parametrize("options", ["", "--merge-install --symlink-install"], ids=["plain", "merged symlinks"])
 def test_colcon_builds_and_tests_both_packages(colcon: Path, workspace: Path, options: str) -> None:
-    for name in ("build", "install", "log"):
-        shutil.rmtree(workspace / name, ignore_errors=True)
+    clear(workspace)
     run(colcon, workspace, "colcon build", options)
     merged = "--merge-install" if "merge" in options else ""
     run(colcon, workspace, "colcon test", merged, "--event-handlers console_direct+")

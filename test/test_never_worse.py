@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from once import diagnosed
 
 from bench.real.rigs import RIGS
 from msd_ident.bag import read
 from msd_ident.fit import fit
 from msd_ident.model import Model
-from msd_ident.pipeline import diagnose, identify
+from msd_ident.pipeline import identify
 from msd_ident.preparing import typical_plant
 from msd_ident.record import Record
 from msd_sim import lottery
@@ -27,19 +28,26 @@ DRAWN = (
     (7, "quadratic_drag", True, "release"),
     (8, "end_stop", True, "steps"),
 )
-MEASURED = ("polimi_decay_stiff", "ecp2023_release_2", "spring_cart_1", "step_1")
+#: Measured rigs; a step of one is diagnosed once for all tests that ask for it.
+MEASURED = (
+    pytest.param("step_1", marks=pytest.mark.xdist_group("step_1")),
+    *(
+        pytest.param(name, marks=pytest.mark.long)
+        for name in ("polimi_decay_stiff", "ecp2023_release_2", "spring_cart_1")
+    ),
+)
 
 
 def never_worse(record: Record, friction_known: bool) -> None:
     """Compare both, and the base model with a fit of mass, damping and stiffness alone."""
-    identified, diagnosed = identify([record]), diagnose([record])
-    causes = {cause.name for cause in diagnosed.causes}
+    identified, found = identify([record]), diagnosed([record])
+    causes = {cause.name for cause in found.causes}
     effects = set(identified.refined.model.effect_names)
     assert not friction_known or effects <= causes
     if effects <= causes:
-        assert diagnosed.extended.see <= CLOSE * identified.refined.see
-    assert diagnosed.base.see <= CLOSE * linear(diagnosed.records, identified.refined.model)
-    assert diagnosed.extended.see <= CLOSE * diagnosed.base.see
+        assert found.extended.see <= CLOSE * identified.refined.see
+    assert found.base.see <= CLOSE * linear(found.records, identified.refined.model)
+    assert found.extended.see <= CLOSE * found.base.see
 
 
 def linear(records: tuple[Record, ...], found: Model) -> float:

@@ -57,12 +57,12 @@ def test_json_on_standard_output_is_one_object_a_path(
 def test_copies_of_steps_are_made_when_asked_and_shown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = written(tmp_path / "rubbing.csv", rate=200, effects={"coulomb_friction": {"coulomb_force": 0.2}})
+    path = written(tmp_path / "dragged.csv", rate=200, effects={"quadratic_drag": {"drag_coefficient": 4.0}})
     assert run(monkeypatch, path, "--calibrate", "--json", tmp_path / "found.json") == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "On this experiment, had it been Coulomb friction, we would have said so in " in shown
+    assert "On this experiment, had it been quadratic drag, we would have said so in " in shown
     found = json.loads((tmp_path / "found.json").read_text())["calibration"]
-    assert found["rows"][0]["causes"] == ["coulomb_friction"]
+    assert found["rows"][0]["causes"] == ["quadratic_drag"]
     assert found["copies"] == sum(row["copies"] for row in found["rows"]) > 20
 
 

@@ -9,7 +9,7 @@ import effect_examples
 import numpy as np
 import pytest
 from badinputs import run
-from exportrigs import measured, result
+from exportrigs import measured, pushes, result
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a record and its result."""
     folder = tmp_path_factory.mktemp("export")
     model = effect_examples.model("coulomb_friction", "cubic_spring")
-    record = measured(model, effect_examples.record(1000.0, duration=3.0))
+    record = measured(model, pushes(3.0))
     rows = np.column_stack([record.time, record.force_at(record.time), record.position])
     header = "time_s,force_n,position_m"
     np.savetxt(folder / "rig.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")

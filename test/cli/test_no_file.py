@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import socket
-import subprocess
-import sys
 from pathlib import Path
 
+import commands
 import pytest
 
-MSD = [sys.executable, "-m", "msd_ident.cli.main"]
+pytestmark = pytest.mark.xdist_group("no_file")
+
 LIMITS = "force: 10\ntravel: 0.03\nduration: 20\n"
 
 
@@ -49,7 +49,7 @@ def test_refused_at_once(places: Path, command: str, path: str, kind: str) -> No
     if command == "replay":
         pytest.importorskip("rclpy", reason="no ROS 2 here")
     more = ["--limits", "limits.yaml"] if command == "design" else []
-    refused([command, path, *more], f"{kind}; expected ")
+    refused([command, path, *more], f"{kind}; expected ", places)
 
 
 @pytest.mark.parametrize(
@@ -66,11 +66,11 @@ def test_refused_at_once(places: Path, command: str, path: str, kind: str) -> No
     ],
 )
 def test_other_files_are_refused_too(places: Path, arguments: list[str], words: str) -> None:
-    refused(arguments, words)
+    refused(arguments, words, places)
 
 
-def refused(arguments: list[str], words: str) -> None:
-    """In one line and exit code 2; ``timeout`` fails the test where it reads on."""
-    done = subprocess.run([*MSD, *arguments], capture_output=True, text=True, timeout=30.0, stdin=subprocess.DEVNULL)
-    assert done.returncode == 2
-    assert words in done.stderr and done.stderr.count("\n") == 1
+def refused(arguments: list[str], words: str, folder: Path) -> None:
+    """In one line and exit code 2; where it reads on it is killed, and has none."""
+    done = commands.run(arguments, folder, 30.0)
+    assert done.code == 2, done.err
+    assert words in done.err and done.err.count("\n") == 1

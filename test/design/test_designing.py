@@ -98,7 +98,10 @@ def test_limits_without_room() -> None:
         check(stepped("", "", 0.0), Limits((-10.0, 10.0), (-0.03, 0.03), 0.05))
 
 
-@pytest.mark.parametrize(("counts", "half_width"), [(42e3, 1e-4), (42e3, 3e-4), (80e3, 1.5e-4)])
+@pytest.mark.parametrize(
+    ("counts", "half_width"),
+    [(42e3, 1e-4), *(pytest.param(*rig, marks=pytest.mark.long) for rig in ((42e3, 3e-4), (80e3, 1.5e-4)))],
+)
 def test_a_play_in_which_the_cart_began_hides_at_its_very_size(counts: float, half_width: float) -> None:
     """A step ends beyond the play: a softer plain spring fits as well. Smaller plays than the true one fit worse."""
     rig = Rig({"counts_per_metre": counts}, backlash={"backlash_half_width": half_width})

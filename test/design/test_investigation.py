@@ -75,25 +75,25 @@ def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for() -> None:
 
 
 def test_what_stands_does_so_without_a_further_look() -> None:
-    """After a look that would have shown a large effect a smaller one may hide: worth a look, which may be declined."""
+    """After a look that was likely to show what hides, another would be a gain; who declines it has an explanation."""
     plant = {"mass": 0.98697, "damping": 1.00719, "stiffness": 235.586, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 1839120.0, "noise": 6.3745e-7}
     effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.0072378}}
     rig = Rig(encoder, plant, **effects)
     rig.runs = 663344472
-    first, limits = pushed(1.46568)
+    force = 1.46568
+    parts = (Segment("step", 0.9, force=share * force) for share in (0.2, -0.2, 0.2, 0.0))
+    first = Profile((Segment("hold", 0.3), *parts), "small steps")
     asked: list[str] = []
 
     def twice(purpose: str, profile: Profile) -> bool:
         asked.append(purpose)
         return len(asked) <= 2
 
-    found = Loop(rig, limits, Budget(2, 60.0), ask=twice).run(first)
-    # The first look at what hides may find all there is; another one is declined.
-    assert 2 <= len(asked) <= 3
-    assert all(purpose.startswith(("to see what could hide", "to tell coulomb_friction")) for purpose in asked[1:])
-    assert found.sentence.startswith(("one explanation stands: ", "the next experiment was declined: "))
-    assert found.diagnosis.causes[0].name == "coulomb_friction"
+    found = Loop(rig, Limits((-force, force), (-0.04, 0.04), 20.0), Budget(2, 60.0), ask=twice).run(first)
+    assert len(asked) == 3 and all(purpose.startswith("to see what could hide: ") for purpose in asked[1:])
+    assert found.stands and found.sentence.startswith("one explanation stands: ")
+    assert [cause.name for cause in found.diagnosis.causes] == ["coulomb_friction", "force_gain_nonlinearity"]
 
 
 def test_the_story_shows_names_and_runs_none(tmp_path: Path) -> None:
@@ -152,7 +152,10 @@ def test_investigate_and_design_by_command(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
-    assert run("investigate", "--limits", "l.yaml", "--rig", "ecp", "--runs", 1, "--yes", "--out", "story") == 0
+    pushes = "".join(f"  - {{kind: step, duration: 0.8, force: {force}}}\n" for force in (8, -8, 3, -3, 0))
+    Path("p.yaml").write_text(f"name: pushes\nsegments:\n{pushes}")
+    words = ("--limits", "l.yaml", "--rig", "ecp", "--first", "p.yaml", "--runs", 1, "--yes", "--out", "story")
+    assert run("investigate", *words) == 0
     journal = json.loads(Path("story/journal.json").read_text())
     assert journal["stands"] and 1 <= len(journal["steps"]) <= 2
     assert [c["name"] for c in journal["diagnosis"]["causes"]] == ["coulomb_friction"]

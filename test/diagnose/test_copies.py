@@ -21,15 +21,15 @@ from msd_ident.record import Record
 from msd_sim.api import simulate
 
 RUB = frozenset({"coulomb_friction"})
-PLANT = {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "seed": 4, "rate": 500}
+PLANT = {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "seed": 4, "rate": 200}
+RUBS = {"coulomb_friction": {"coulomb_force": 0.3}}
+DRAGS = {"quadratic_drag": {"drag_coefficient": 4.0}}
 STEP = {"name": "step", "force": 4.0, "hold": 2.0}
 RAMP = {"name": "ramp", "force": 4.0, "duration": 8.0, "rate": 100.0}
 
 
-def measured(experiment: dict[str, Any], **encoder: float) -> Record:
-    made = simulate(
-        {**PLANT, "experiment": experiment, "effects": {"coulomb_friction": {"coulomb_force": 0.3}}, "encoder": encoder}
-    )
+def measured(experiment: dict[str, Any], effects: dict[str, Any] = RUBS, **encoder: float) -> Record:
+    made = simulate({**PLANT, "experiment": experiment, "effects": effects, "encoder": encoder})
     return Record(made.time, made.position, made.force_time, made.force, hold=made.hold)
 
 
@@ -103,7 +103,7 @@ def test_the_same_record_gets_the_same_matrix() -> None:
 
 def test_steps_in_both_directions_are_checked_only_when_asked() -> None:
     steps = {"name": "steps", "force": 4.0, "hold": 0.5}
-    record = measured(steps, counts_per_metre=0.0, noise=5e-6)
+    record = measured(steps, DRAGS, counts_per_metre=0.0, noise=5e-6)
     assert pipeline.diagnose([record]).calibration is None
     asked = pipeline.diagnose([record], pipeline.Options(calibrate=True))
     assert asked.calibration is not None and asked.verdict == "explained"

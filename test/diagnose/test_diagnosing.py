@@ -109,13 +109,13 @@ def test_two_records_share_one_model() -> None:
 
 def test_a_free_decay_knows_ratios_only() -> None:
     record = measured(
-        {"coulomb_friction": {"coulomb_force": 0.2}}, experiment={"name": "release", "position": 0.02, "duration": 3.0}
+        {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.02, "duration": 3.0}
     )
     found = diagnose_records([record])
-    assert found.causes[0].name == "coulomb_friction"
+    assert found.causes[0].name == "quadratic_drag"
     assert any("only as ratios" in sentence for sentence in found.warnings)
     fitted = found.extended.quantities
-    assert fitted["coulomb_force"].value / fitted["mass"].value == pytest.approx(0.2, rel=0.02)
+    assert fitted["drag_coefficient"].value / fitted["mass"].value == pytest.approx(3.0, rel=0.02)
 
 
 def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -> None:
@@ -133,8 +133,13 @@ def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -
 
 def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
     """Neither a force nor a spring says how large a force may be: the inertia does."""
-    record = measured({}, experiment={"name": "release", "position": 0.02, "duration": 1.0})
-    assert diagnose_records([record], sprung=False).base.quantities["stiffness"].value == 0.0
+    record = measured(
+        {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.0, "duration": 1.0},
+        stiffness=0.0, initial_velocity=0.3,
+    )  # fmt: skip
+    found = diagnose_records([record], sprung=False)
+    assert found.base.quantities["stiffness"].value == 0.0
+    assert [cause.name for cause in found.causes] == ["quadratic_drag"]
 
 
 def test_no_records_is_refused() -> None:

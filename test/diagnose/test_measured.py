@@ -5,26 +5,28 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from once import diagnosed
 
-from msd_ident import pipeline
-from msd_ident.bag import SourceOptions, read
+from bench.real.rigs import RIGS
+from msd_ident.bag import read
 from msd_ident.diagnose import Diagnosis
 
 DRY = ("coulomb_friction", "stribeck_friction", "hysteresis", "position_dependent_friction")
 
 
-def cart(folder: Path, name: str, force: str = "control_effort_v") -> Diagnosis:
-    """560 counts are one centimetre, a positive voltage moves to negative counts; newtons per volt are unknown."""
-    options = SourceOptions(
-        force=force, position="encoder_counts", time="time_s", force_unit="V", position_scale=-1.0 / 56000.0,
-        position_unit="m",
-    )  # fmt: skip
-    return pipeline.diagnose([read(folder / "ecp210" / name, options)])
+def measured(folder: Path, name: str) -> Diagnosis:
+    """Of one record, read as ``make real`` reads it."""
+    (rig,) = (rig for rig in RIGS if rig.name == name)
+    return diagnosed([read(folder / rig.path, rig.options)])
 
 
-@pytest.mark.parametrize("name", ["step_1.csv", "step_2.csv"])
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param("step_1", marks=pytest.mark.xdist_group("step_1")), pytest.param("step_2", marks=pytest.mark.long)],
+)
 def test_the_cart_rubs_and_what_remains_is_said(shared_data: Path, name: str) -> None:
-    found = cart(shared_data, name)
+    found = measured(shared_data, name)
     assert found.causes[0].name in DRY
     assert found.verdict in ("mostly_explained", "ambiguous") and found.left.exceeds
     assert "of the motion is still unexplained, more than the tolerance of 1 %" in found.summary
@@ -33,17 +35,20 @@ def test_the_cart_rubs_and_what_remains_is_said(shared_data: Path, name: str) ->
     assert any("known only up to that gain" in sentence for sentence in found.warnings)
 
 
+@pytest.mark.long
+@pytest.mark.timeout(300)
 def test_the_released_cart_rubs_and_the_hand_is_cut_off(shared_data: Path) -> None:
-    found = cart(shared_data, "release_1.csv", force="none")
+    found = measured(shared_data, "release_1")
     assert found.causes[0].name in DRY
     assert any("left out" in sentence and "by hand" in sentence for sentence in found.warnings)
     assert any("only as ratios" in sentence for sentence in found.warnings)
 
 
+@pytest.mark.long
 @pytest.mark.timeout(900)  # 25 000 samples, and every one of them with a force of its own
 def test_the_drive_rubs_and_has_an_offset(shared_data: Path) -> None:
     """EMPS: dry friction and an offset, which is the same as friction that differs between directions."""
-    found = pipeline.diagnose([read(shared_data / "emps" / "emps_train.csv", SourceOptions())])
+    found = measured(shared_data, "emps_train")
     assert found.verdict != "adequate"
     # At speeds of one size an offset and a damping that differs between directions are the same.
     said = {cause.name for cause in found.causes} | {one for cause in found.causes for one in cause.tied_with}

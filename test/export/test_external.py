@@ -9,7 +9,7 @@ from pathlib import Path
 import effect_examples
 import numpy as np
 import pytest
-from exportrigs import measured, saved
+from exportrigs import measured, pushes, saved
 
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import target
@@ -46,7 +46,7 @@ def wild(time, force, position, velocity):
 def rig() -> tuple[Model, Record]:
     """A rig with dry friction, and its record."""
     model = effect_examples.model("coulomb_friction")
-    return model, measured(model, effect_examples.record(1000.0, duration=6.0))
+    return model, measured(model, pushes())
 
 
 def against(wrong: Model, record: Record, folder: Path) -> Comparison:
@@ -69,8 +69,7 @@ def test_friction_that_is_not_there(rig: tuple[Model, Record], tmp_path: Path) -
     model, record = rig
     found = against(model.without("coulomb_friction"), record, tmp_path)
     (one,) = found.differences
-    # One step cannot tell its law for certain from another law of friction.
-    assert (one.kind, one.name) == ("lacks", "coulomb_friction") and one.probability > 0.5
+    assert (one.kind, one.name) == ("lacks", "coulomb_friction") and one.probability > 0.9
     assert one.rig.value == pytest.approx(0.3, rel=0.02) and one.simulation.value == pytest.approx(0.0, abs=0.01)
     assert one.sentence.startswith("It lacks Coulomb friction (probability")
     assert one.does == pytest.approx(found.see, rel=0.1)
@@ -99,7 +98,7 @@ def test_a_stiffness_that_is_off(
 @pytest.mark.xdist_group("comparison")
 def test_friction_that_only_the_simulation_has(tmp_path: Path) -> None:
     model = effect_examples.model("actuator_lag")
-    record = measured(model, effect_examples.record(1000.0, duration=6.0))
+    record = measured(model, pushes())
     found = against(model + effect_examples.example("coulomb_friction"), record, tmp_path)
     assert [(one.kind, one.name) for one in found.differences] == [("has", "coulomb_friction")]
 

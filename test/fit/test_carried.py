@@ -22,7 +22,7 @@ def moved_by_hand(seed: int) -> Record:
     return from_samples(time, np.zeros(time.size), 0.02 * position)
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [3, pytest.param(2, marks=pytest.mark.long)])
 def test_what_a_hand_moved_is_refused_in_one_line(seed: int) -> None:
     end = r"explain \d+ % of the position's variance; expected more than 50 %.*a hand may have moved the cart"
     with pytest.raises(DataError, match=f"dry friction {end}"):

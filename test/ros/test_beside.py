@@ -80,9 +80,10 @@ def test_identify_is_answered_while_a_diagnosis_runs(ros: Graph, tmp_path: Path)
 
 def test_a_diagnosis_tells_its_window(ros: Graph, tmp_path: Path) -> None:
     ros.add(Identifier(overrides({"auto_fit": False, "bag_folder": str(tmp_path)}), context=ros.context))
-    made = msd_sim.api.simulate({"rig": "ecp", "experiment": "paper", "rate": 200.0})
-    write_csv(Record(made.time, made.position, made.force_time, made.force), tmp_path / "step.csv")
-    _, result = ros.goal(Diagnose, names.DIAGNOSE, Diagnose.Goal(bag_paths=["step.csv"], start=0.5, end=4.0))
+    steps = {"name": "steps", "hold": 0.6}
+    made = msd_sim.api.simulate({"rig": "ecp", "experiment": steps, "rate": 200.0})
+    write_csv(Record(made.time, made.position, made.force_time, made.force), tmp_path / "steps.csv")
+    _, result = ros.goal(Diagnose, names.DIAGNOSE, Diagnose.Goal(bag_paths=["steps.csv"], start=0.5, end=4.0))
     until(result.done, "the diagnosis", 110.0)
     (found,) = result.result().result.diagnoses
     assert (nanoseconds(found.window_end) - nanoseconds(found.window_start)) / 1e9 == pytest.approx(3.5, abs=0.02)

@@ -53,8 +53,9 @@ def identifier(ros: Graph, folder: Path, **parameters: object) -> Identifier:
 
 
 def measured(**given: object) -> Record:
-    """A step experiment of a simulated rig."""
-    made = msd_sim.api.simulate({"rig": "ecp", "experiment": "paper", "rate": 200.0, **given})
+    """A simulated rig under steps in both directions: no poor experiment, whose diagnosis makes copies of it."""
+    steps = {"name": "steps", "hold": 0.6}
+    made = msd_sim.api.simulate({"rig": "ecp", "experiment": steps, "rate": 100.0, **given})
     return Record(made.time, made.position, made.force_time, made.force, start_ns=START_NS)
 
 
@@ -160,7 +161,7 @@ def as_told(printed: dict[str, Any]) -> dict[str, Any]:
 def test_live_and_bag_and_command_line_agree_to_the_last_digit(
     ros: Graph, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    record = measured(rate=100.0)
+    record = measured()
     bag.write_bag(record, tmp_path / "bag")
     node = identifier(ros, tmp_path)
     fill(node, record)
@@ -212,7 +213,7 @@ def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(ros: Graph,
         ({}, 0.0, DiagnosticStatus.OK),
         ({"effects": ["loose_cable"]}, 1.5, DiagnosticStatus.WARN),
     ):
-        fill(node, measured(rate=100.0, **given))
+        fill(node, measured(**given))
         _, result = ros.goal(Diagnose, ACTION, Diagnose.Goal(end=end))
         until(result.done, "the diagnosis", 60.0)
         found = result.result().result
@@ -248,10 +249,10 @@ def test_a_goal_is_cancelled_within_a_second_in_the_middle_of_a_fit(ros: Graph, 
 
 
 def test_paths_of_a_goal_stand_for_themselves_or_together(ros: Graph, tmp_path: Path) -> None:
-    bag.write_bag(measured(rate=100.0), tmp_path / "one")
+    bag.write_bag(measured(), tmp_path / "one")
     bag.write_bag(measured(rate=80.0), tmp_path / "two")
     identifier(ros, tmp_path)
-    asked = Diagnose.Goal(bag_paths=["one", "nowhere", "two"], end=1.0)
+    asked = Diagnose.Goal(bag_paths=["one", "nowhere", "two"], end=3.0)
     _, result = ros.goal(Diagnose, ACTION, asked)
     until(result.done, "the diagnoses", 60.0)
     found = result.result().result
@@ -260,7 +261,7 @@ def test_paths_of_a_goal_stand_for_themselves_or_together(ros: Graph, tmp_path: 
     assert [bool(one.verdict) for one in found.diagnoses] == [True, False, True]
     assert f"{tmp_path / 'nowhere'} does not exist" in found.diagnoses[1].summary
     assert found.diagnoses[1].summary in found.message
-    _, result = ros.goal(Diagnose, ACTION, Diagnose.Goal(bag_paths=["one", "two"], together=True, end=1.0))
+    _, result = ros.goal(Diagnose, ACTION, Diagnose.Goal(bag_paths=["one", "two"], together=True, end=3.0))
     until(result.done, "the diagnosis", 60.0)
     (both,) = result.result().result.diagnoses
     assert (both.path, both.causes[0].name, len(both.losses)) == ("one + two", "coulomb_friction", 4)

@@ -1,0 +1,29 @@
+"""Diagnoses that several tests ask for, each made once in a process: such tests share an ``xdist_group``."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from msd_ident import pipeline
+from msd_ident.diagnose import Diagnosis
+from msd_ident.record import Record
+
+_made: dict[object, Diagnosis] = {}
+_diagnose = pipeline.diagnose
+
+
+def diagnosed(records: Sequence[Record]) -> Diagnosis:
+    """As ``pipeline.diagnose`` finds it."""
+    key = tuple(map(_content, records))
+    if key not in _made:
+        _made[key] = _diagnose(records)
+    return _made[key]
+
+
+def _content(record: Record) -> object:
+    """What a record holds, to compare by."""
+    values = (getattr(record, field.name) for field in dataclasses.fields(record))
+    return tuple(value.tobytes() if isinstance(value, np.ndarray) else repr(value) for value in values)
