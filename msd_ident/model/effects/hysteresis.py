@@ -59,7 +59,7 @@ class Hysteresis(Effect):
 
     @classmethod
     def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
-        """A way over which the whole motion turns round would make it a spring that softens and loses; see ``bouc_wen``.
+        """Over a way as long as the motion it would be a spring that softens and loses, which is left to ``bouc_wen``.
 
         With one frequency, as in a decay, that is told from a drag and a bent spring by the form of the law alone.
         """
