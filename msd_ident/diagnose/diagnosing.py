@@ -13,6 +13,7 @@ from msd_ident.diagnose import (
     curves,
     dependence,
     evidence,
+    gain_laws,
     handover,
     identities,
     naming,
@@ -195,8 +196,10 @@ def _conclude(
     characteristics = None
     if lacks.exceeds:
         characteristics = curves.measure(experiment.readings, base, shown, fits[0].see)
-    tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else []
-    moved = spread.between([_resting(experiment, one) for one in tied])
+    scale = evidence.scale_from(list(ranking.sets), experiment.readings)
+    tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else [best]
+    alike = gain_laws.alike(experiment, best, scale)
+    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     return Diagnosis(
@@ -222,7 +225,7 @@ def _conclude(
         calibration=matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=read_with(task.ring_down, causes),
-        contenders=standing(ranking, evidence.scale_from(list(ranking.sets), experiment.readings), experiment.readings),
+        contenders=standing(ranking, scale, experiment.readings),
         tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
 

@@ -10,7 +10,7 @@ _WATCHED = ("mass", "damping", "stiffness", "coulomb_force")
 
 
 def between(sets: Sequence[Fitted]) -> dict[str, tuple[float, float]]:
-    """Least and largest value of m, b, k and Fc over tied sets that have them; empty for a single set."""
+    """Least and largest value of m, b, k and Fc over sets that fit alike and have them; empty for a single set."""
     if len(sets) < 2:
         return {}
     found = {}

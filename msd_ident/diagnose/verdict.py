@@ -93,8 +93,9 @@ def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
 
 
 def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """How far the numbers move between tied explanations."""
+    """How far the numbers move between explanations, and laws of one cause, that the data does not tell apart."""
     if not spread:
         return ()
     moved = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in spread.items())
-    return (f"Between the tied explanations the parameters move, beyond their intervals: {moved}.",)
+    said = "Between explanations, or laws of one cause, that the data does not tell apart the parameters move"
+    return (f"{said}, beyond their intervals: {moved}.",)

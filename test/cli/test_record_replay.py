@@ -94,18 +94,19 @@ def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[s
     from graph import graph
     from sensor_msgs.msg import JointState
 
+    long = "6"  # [s], enough for discovery on a busy machine
     with graph(ros_domain) as ros:
         publishers = [ros.node.create_publisher(JointState, f"/{space}/encoder", 10) for space in spaces]
         raw = joints(START_NS, [0.001])
         ros.node.create_timer(0.01, lambda: [publisher.publish(raw) for publisher in publishers])
-        with msd("record", "--out", str(tmp_path / "bag"), "--duration", "2") as recording:
+        with msd("record", "--out", str(tmp_path / "bag"), "--duration", long) as recording:
             output, said = recording.communicate(timeout=60.0)
         if len(spaces) == 1:
             assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
             assert "recording in the namespace /msd" in said
             return
         assert recording.returncode == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said
-        with msd("record", "--namespace", "two", "--out", str(tmp_path / "bag"), "--duration", "2") as recording:
+        with msd("record", "--namespace", "two", "--out", str(tmp_path / "bag"), "--duration", long) as recording:
             output, _ = recording.communicate(timeout=60.0)
         assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
 

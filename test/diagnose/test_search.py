@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msd_ident.diagnose.candidates import Experiment, Fitted, posed, refine
+from msd_ident.diagnose.candidates import NOISE_ERROR, SOUGHT, Experiment, Fitted, Start, posed, refine
 from msd_ident.diagnose.readings import prepare
 from msd_ident.diagnose.search import Search
 from msd_ident.model import Model, Plant
@@ -44,3 +44,21 @@ def test_what_is_simpler_is_begun_where_the_leader_stands() -> None:
     found = search.compared([base, wrong, best])
     assert found.best.causes == {"coulomb_friction"}
     assert np.isclose(found.best.model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+
+
+def test_what_is_hopeless_is_counted_from_the_noise() -> None:
+    """Beside a set that leaves noise alone, a few shapes of error more are hopeless, and not 4 times chi² alone."""
+    experiment = rubbing()
+    noise = experiment.evidence
+    assert experiment.worse(noise, 4.0) == noise + 3.0 * SOUGHT
+    assert experiment.worse((1.0 + NOISE_ERROR) * noise, 4.0) < 1.5 * noise
+    assert experiment.worse(100.0 * noise, 4.0) > 390.0 * noise
+
+
+def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
+    """A first step that takes most of a large error away tells little of where the descent ends."""
+    fitted = stood(rubbing(), TRUTH)
+    small, large = Start(9.0, fitted, beside=10.0), Start(40.0, fitted, beside=1000.0)
+    assert not small.worth(5.0) and small.worth(9.5)
+    assert large.worth(5.0)
+    assert large.turn < Start(30.0, fitted, beside=31.0).turn

@@ -7,6 +7,9 @@ import pytest
 
 from msd_ident import pipeline
 from msd_ident.design import Profile, Segment
+from msd_ident.diagnose import candidates, readings, starting
+from msd_ident.diagnose.candidates import Experiment
+from msd_ident.model import Plant
 from msd_ident.record import Record
 from msd_sim import api
 
@@ -120,3 +123,18 @@ def test_what_stood_on_fewer_records_is_tried_on_more_of_them() -> None:
     found = pipeline.diagnose(records, earlier=earlier)
     assert {cause.name for cause in found.causes} == {"backlash", "coulomb_friction"}
     assert found.extended.model["backlash_half_width"] == pytest.approx(0.0013837, rel=1e-2)
+
+
+def test_a_guess_that_is_too_strong_is_tried_weakly() -> None:
+    """A damper of the drive ten times too strong makes the fit worse; next to nothing of it shows the way down."""
+    made = api.simulate(
+        {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "seed": 2,
+         "effects": {"drive_brake": {"driven_damping": 0.3}}, "encoder": {"counts_per_metre": 0.0, "noise": 1e-6},
+         "force_time": [0.0, 1.0], "force": [5.0, 0.0], "duration": 2.0, "rate": 500.0}
+    )  # fmt: skip
+    record = Record(made.time, made.position, made.force_time, made.force)
+    experiment = Experiment(readings.prepare([record]), Plant(1.0, 2.0, 400.0), frozenset())
+    base = candidates.refine(experiment, frozenset(), experiment.base, experiment.problem(experiment.base).initial)
+    best = starting.proposals(experiment, frozenset({"drive_damping"}), [base])[0]
+    assert best.fitted.model["drive_damping"] < 0.5, "the library's guess is 2 and more"
+    assert best.promise < 0.1 * base.chi
