@@ -115,6 +115,8 @@ class Effect:
     #: ``HALVES`` (half of it above, less half of it below), or the name of the distance [m] from that position beyond
     #: which it is, on either side.
     knee: ClassVar[tuple[str, str, str] | None] = None
+    #: At its knee the force begins with a jump, which a solver without located events smears over a step.
+    jumps: ClassVar[bool] = False
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
     #: Its position is an angle: it means nothing on a slide.

@@ -41,8 +41,8 @@ class BufferedStop(Effect):
     neutral = (("buffer_stiffness", 0.0), ("buffer_damping", 0.0))
     form_of = "end_stop"
     prior_odds = 1.0 / 100.0
-    dissipative = False
     mirror = False
+    jumps = True
     knee = ("buffer_centre", "buffer_stiffness", "buffer_reach")
 
     @staticmethod
