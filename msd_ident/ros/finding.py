@@ -9,8 +9,9 @@ import rclpy
 
 from msd_ident.errors import DataError, UsageError
 
-#: Time that discovery gets to find everybody, once it has found somebody [s]: it took up to 2.8 s here.
-SETTLING = 1.0
+#: Time that discovery gets to find everybody, once it has found somebody [s]: it took up to 2.8 s here, and the
+#: recording of another rig than the user's is worse than a wait.
+SETTLING = 3.0
 #: Topics that a refusal names.
 _MOST_NAMED = 8
 
