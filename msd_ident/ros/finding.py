@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import rclpy
 
@@ -14,6 +15,16 @@ from msd_ident.errors import DataError, UsageError
 SETTLING = 3.0
 #: Topics that a refusal names.
 _MOST_NAMED = 8
+
+
+@contextmanager
+def kept_discovery() -> Iterator[None]:
+    """What discovery has found is forgotten with the last node of a process; keep it from one node to the next."""
+    node = rclpy.create_node("keeper", start_parameter_services=False, enable_rosout=False)
+    try:
+        yield
+    finally:
+        node.destroy_node()
 
 
 def namespace_of(topics: Sequence[str], ended: Callable[[], bool], seconds: float) -> str | None:
