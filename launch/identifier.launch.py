@@ -34,7 +34,8 @@ ARGUMENTS = (
 def nodes(context):
     """Check all arguments, then the nodes."""
     given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
-    namespace, params = given.namespace(), given.parameters("params")
+    namespace = given.namespace()
+    params = given.parameters("params", f"{namespace}/identifier")
     live_port = given.port("live_port")
     on_clock = {"use_sim_time": given.switch("use_sim_time")}
     common = {

@@ -59,7 +59,10 @@ def nodes(context):
             name="rig",
             namespace=namespace,
             # With simulated time the rig makes the time, so it alone stays on the wall's clock.
-            parameters=[given.parameters("rig_params"), {"time_mode": "fast" if simulated else "real_time"}],
+            parameters=[
+                given.parameters("rig_params", f"{namespace}/rig"),
+                {"time_mode": "fast" if simulated else "real_time"},
+            ],
             # Without the rig nothing goes on.
             on_exit=None if respawn else Shutdown(reason="the rig has ended"),
             **common,
@@ -68,7 +71,7 @@ def nodes(context):
             executable="recorder",
             name="recorder",
             namespace=namespace,
-            parameters=[given.parameters("recorder_params"), on_clock, {"resume": respawn}],
+            parameters=[given.parameters("recorder_params", f"{namespace}/recorder"), on_clock, {"resume": respawn}],
             sigkill_timeout="30",  # its bag must reach the disk
             **common,
         ),
@@ -76,7 +79,7 @@ def nodes(context):
             executable="identifier",
             name="identifier",
             namespace=namespace,
-            parameters=[given.parameters("identifier_params"), on_clock],
+            parameters=[given.parameters("identifier_params", f"{namespace}/identifier"), on_clock],
             **common,
         ),
     ]

@@ -33,7 +33,8 @@ ARGUMENTS = (
 def nodes(context):
     """Check all arguments, then the nodes."""
     given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
-    namespace, params = given.namespace(), given.parameters("params")
+    namespace = given.namespace()
+    params = given.parameters("params", f"{namespace}/identifier")
     playing = {
         "bag": given.bag("bag"),
         "rate": given.number("rate", 0.01, 100.0),

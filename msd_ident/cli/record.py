@@ -38,6 +38,7 @@ def record(
     from msd_ident.ros.signals import noted_signals
 
     with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
+        from msd_ident.ros.finding import kept_discovery
         from msd_ident.ros.parameters import overrides
         from msd_ident.ros.recorder_node import Recorder, check_request
         from msd_ident.ros.run import run
@@ -55,8 +56,9 @@ def record(
 
         def make() -> Recorder:
             check_request(target, topics or [], compression)
-            place = namespace or _found(topics or [], every, signals, WAIT if duration else 0.0)
-            made.append(Recorder(overrides(given), namespace=place))
+            with kept_discovery():
+                place = namespace or _found(topics or [], every, signals, WAIT if duration else 0.0)
+                made.append(Recorder(overrides(given), namespace=place))
             if duration:
                 signals.finish_after(duration)
             return made[0]

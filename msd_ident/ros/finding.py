@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import rclpy
 
 from msd_ident.errors import DataError, UsageError
 
-#: Time that discovery gets to find everybody, once it has found somebody [s]: it took up to 2.8 s here.
-SETTLING = 1.0
+#: Time that discovery gets to find everybody, once it has found somebody [s]: it took up to 2.8 s here, and the
+#: recording of another rig than the user's is worse than a wait.
+SETTLING = 3.0
 #: Topics that a refusal names.
 _MOST_NAMED = 8
+
+
+@contextmanager
+def kept_discovery() -> Iterator[None]:
+    """What discovery has found is forgotten with the last node of a process; keep it from one node to the next."""
+    node = rclpy.create_node("keeper", start_parameter_services=False, enable_rosout=False)
+    try:
+        yield
+    finally:
+        node.destroy_node()
 
 
 def namespace_of(topics: Sequence[str], ended: Callable[[], bool], seconds: float) -> str | None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import yaml
@@ -17,6 +17,21 @@ from msd_ident.errors import UsageError
 _TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 _NAMESPACE = re.compile(r"^/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?$|^/?$")
 LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
+
+
+def _blocks(tree: object, above: str = "") -> Iterator[str]:
+    """Full names of the nodes, or patterns of them, that a parameter file is for; namespaces may be nested."""
+    for key, below in tree.items() if isinstance(tree, Mapping) else ():
+        if key == "ros__parameters" and above:
+            yield above
+        elif key != "ros__parameters":
+            yield from _blocks(below, f"{above}/{str(key).strip('/')}")
+
+
+def _is_for(pattern: str, node: str) -> bool:
+    """Whether a node takes the parameters below a name: ``*`` is any one word of it, ``**`` any number of words."""
+    words = [{"**": "(/[^/]+)*", "*": "/[^/]+"}.get(word, "/" + re.escape(word)) for word in pattern.split("/")[1:]]
+    return re.fullmatch("".join(words), node) is not None
 
 
 class Arguments:
@@ -87,11 +102,15 @@ class Arguments:
             raise self._refusal(name, f"one of {', '.join(choices)}", choices[1])
         return text
 
-    def parameters(self, name: str) -> str:
-        """A parameter file that is there and is one.
+    def parameters(self, name: str, node: str) -> str:
+        """A parameter file that is there, is one, and has something for a node.
+
+        Args:
+            name: of the argument.
+            node: its name with the namespace.
 
         Raises:
-            UsageError: it is not; a node would start with its defaults instead.
+            UsageError: it has not; the node would start with its defaults instead.
         """
         path = Path(self._given[name]).expanduser()
         if not path.is_file():
@@ -100,10 +119,14 @@ class Arguments:
             tree = yaml.safe_load(path.read_text(encoding="utf-8"))
         except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
             raise self._refusal(name, "YAML", "/path/to/parameters.yaml", " ".join(str(error).split())) from None
-        blocks = tree.values() if isinstance(tree, Mapping) else ()
-        if not any(isinstance(block, Mapping) and "ros__parameters" in block for block in blocks):
+        blocks = list(_blocks(tree))
+        if not blocks:
             what = "a ROS 2 parameter file: a node's name or /**, and ros__parameters: below it"
             raise self._refusal(name, what, "/path/to/parameters.yaml", "no ros__parameters in it")
+        full = "/" + node.strip("/")
+        if not any(_is_for(block, full) for block in blocks):
+            found = f"it is for {', '.join(blocks)}, and not for {full}"
+            raise self._refusal(name, f"parameters below /** or {full}", "/path/to/parameters.yaml", found)
         return str(path.resolve())
 
     def bag(self, name: str) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 
 from geometry_msgs.msg import WrenchStamped
 from rclpy.duration import Duration
-from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
@@ -59,8 +59,10 @@ class Commands:
         self._latest: WrenchStamped | None = None
         self._announced: WrenchStamped | None = None
         self._own: Publisher | None = None
+        # Who latches nothing is no match for it, and is heard by the other subscription: nothing to warn of.
+        unmatched = SubscriptionEventCallbacks(incompatible_qos=lambda event: None)
         self._latched: Subscription | None = node.create_subscription(
-            WrenchStamped, names.FORCE, self._on_latched, _quality(latched=True)
+            WrenchStamped, names.FORCE, self._on_latched, _quality(latched=True), event_callbacks=unmatched
         )
         eager = SubscriptionEventCallbacks(incompatible_qos=self._on_eager)
         node.create_subscription(WrenchStamped, names.FORCE, self._on_force, _quality(), event_callbacks=eager)
@@ -148,7 +150,10 @@ class Commands:
     def _announce(self, message: WrenchStamped) -> None:
         """Publish the command that acts, so that whoever comes later knows it."""
         if self._own is None:
-            self._own = self._node.create_publisher(WrenchStamped, names.FORCE, _quality(latched=True, depth=1))
+            # The rig's own guard asks for signs of life and gets none from the rig: nothing to warn of.
+            unmatched = PublisherEventCallbacks(incompatible_qos=lambda event: None)
+            quality = _quality(latched=True, depth=1)
+            self._own = self._node.create_publisher(WrenchStamped, names.FORCE, quality, event_callbacks=unmatched)
         self._announced = message
         self._own.publish(message)
 

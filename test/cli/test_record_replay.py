@@ -102,7 +102,8 @@ def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[s
         with msd("record", "--out", str(tmp_path / "bag"), "--duration", long) as recording:
             output, said = recording.communicate(timeout=60.0)
         if len(spaces) == 1:
-            assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
+            assert recording.returncode == 0, said
+            assert " messages of 1 topics, none lost" in output
             assert "recording in the namespace /msd" in said
             return
         assert recording.returncode == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said

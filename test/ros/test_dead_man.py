@@ -150,6 +150,21 @@ def test_a_plain_publisher_is_not_warned_of_qos(lab: Lab) -> None:
         spinner.stop()
 
 
+def test_the_rig_does_not_warn_of_its_own_qos(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lab would read that no message is received from `ros2 topic pub -r 10`, while its force acts."""
+    said: list[str] = []
+    monkeypatch.setattr(type(lab.rig.get_logger()), "warning", lambda self, text, **given: said.append(text))
+    monkeypatch.setattr(type(lab.rig.get_logger()), "warn", lambda self, text, **given: said.append(text))
+    with stranger(lab) as node:
+        publish(node, FORCE)
+        lab.pushed()
+        lab.released(3.0)
+        publish(node, FORCE, names.command_qos())
+        until(lambda: lab.rig._commands._guard is not None, "the rig to listen for signs of life", 5.0)
+        lab.released(3.0)
+    assert said and not any("incompatible QoS" in text for text in said)
+
+
 def test_who_is_gone_lets_go(ros_domain: int) -> None:
     lab = Lab(ros_domain, command_timeout=1e6)
     try:

@@ -37,7 +37,7 @@ def test_switch_takes_the_usual_spellings(text: str, value: bool) -> None:
 )
 def test_nonsense_is_refused_in_words(kind: str, text: str, words: str) -> None:
     with pytest.raises(UsageError, match=f"^{re.escape(words)}"):
-        getattr(given(it=text), kind)("it")
+        getattr(given(it=text), kind)("it", *(["rig"] if kind == "parameters" else []))
 
 
 @pytest.mark.parametrize("text", ["abc", "nan", "0", "-2", "inf"])
@@ -58,10 +58,32 @@ def test_parameter_file_must_be_one(tmp_path: Path, text: str) -> None:
     path = tmp_path / "rig.yaml"
     path.write_text(text)
     with pytest.raises(UsageError, match=r"rig.yaml \(.*\); expected (YAML|a ROS 2 parameter file)"):
-        given(rig_params=str(path)).parameters("rig_params")
+        given(rig_params=str(path)).parameters("rig_params", "msd/rig")
 
 
 @pytest.mark.parametrize("name", ["ecp", "identifier", "recorder"])
 def test_parameter_files_that_ship_are_taken(repository: Path, name: str) -> None:
     path = repository / "config" / f"{name}.yaml"
-    assert given(params=str(path)).parameters("params") == str(path)
+    assert given(params=str(path)).parameters("params", f"/msd/{name}") == str(path)
+
+
+#: As rcl takes them: a name without a namespace is one of the root.
+@pytest.mark.parametrize(
+    ("keys", "fits"),
+    [
+        ("/**", True), ("**", True), ("/msd/rig", True), ("msd/rig", True), ("msd: rig", True), ("/**/rig", True),
+        ("/*/rig", True), ("/msd: '*'", True), ("rig", False), ("/rig", False), ("/lab/rig", False),
+        ("/msd/rig2", False), ("/*", False), ("/msd", False),
+    ],
+)  # fmt: skip
+def test_parameter_file_is_for_the_node(tmp_path: Path, keys: str, fits: bool) -> None:
+    """The rig would start with its defaults, and nobody would know."""
+    path = tmp_path / "rig.yaml"
+    words = keys.replace("'", "").split(": ")
+    lines = [f"{'  ' * depth}'{word}':" for depth, word in enumerate([*words, "ros__parameters", "frame_id"])]
+    path.write_text("\n".join(lines) + " bench\n")
+    if fits:
+        assert given(rig_params=str(path)).parameters("rig_params", "msd/rig") == str(path)
+        return
+    with pytest.raises(UsageError, match=r"it is for .*, and not for /msd/rig\); expected parameters below /\*\*"):
+        given(rig_params=str(path)).parameters("rig_params", "msd/rig")
