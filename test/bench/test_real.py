@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -134,3 +135,19 @@ def test_every_record_of_the_folder_is_in_the_table(shared_data: Path) -> None:
         pytest.skip(f"no real rigs in {shared_data}")
     there = {f"real/{path.name}" for path in (shared_data / "real").iterdir() if path.suffix in (".csv", ".txt")}
     assert there == {rig.path for rig in RIGS if not rig.extra}
+
+
+def test_rows_are_read_back_and_the_page_says_what_is_wrong(tmp_path: Path) -> None:
+    """The page has every row, the totals, and each failure with its reason."""
+    good, bad = row(RUBS, PUSHED), row(("end_stop", 0.95, ()), see=1.0)
+    rows = [replace(good, rig="spring_cart_1"), replace(bad, rig="hanging_spring_disc")]
+    file = tmp_path / "rows.jsonl"
+    file.write_text("".join(json.dumps(asdict(one)) + "\n" for one in rows), encoding="utf-8")
+    assert table.read_rows(file) == rows
+    assert table.main(["--score", str(file), "--docs", str(tmp_path)]) == 0
+    said = (tmp_path / "real-rigs.md").read_text(encoding="utf-8")
+    assert "| spring_cart_1 | cart between springs: Coulomb friction |" in said
+    assert "images/real_spring_cart_1.png" in said
+    wrong = said.partition("## What it gets wrong")[2].partition("##")[0]
+    assert "`hanging_spring_disc`: false cause (end_stop, p 0.950)" in wrong and "spring_cart_1" not in wrong
+    assert "times the expert's" in wrong

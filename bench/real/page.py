@@ -1,0 +1,70 @@
+"""The page of measured rigs, from the rows of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from bench.real import score
+from bench.real.score import Row
+
+#: Rigs whose diagnosis is drawn for the page.
+PICTURED = ("spring_cart_1", "servo_pendulum_drop", "silverbox_multisine")
+
+#: Where each record comes from (a public repository or benchmark), and what is true about the rig.
+SOURCES = {
+    "silverbox_multisine": ("forgi86/pytorch-ident; Silverbox benchmark", "hardening spring, a constant; no friction"),
+    "polimi_decay_stiff": ("rssalessio/Control-Linear-Vibrations", "cart pulled by hand: dry friction with presliding"),
+    "polimi_pulses_medium": ("rssalessio/Control-Linear-Vibrations", "the cart driven: dry friction; k 164.5, m 0.908"),
+    "ecp2023_release_2": ("Parker-Knopf/MAE171A", "cart pulled by hand: dry friction"),
+    "ecp2023_closed_loop": ("Parker-Knopf/MAE171A", "driven by a position controller; k 29 to 30 V/m"),
+    "ecp2025_11_16_25": ("colin-szeto/mae171A", "dry friction, and an amplifier that brakes while it drives"),
+    "disc_in_air_1": ("filo0509/smorzamento", "disc on a spring in air: drag, a spring that softens by 1e-3"),
+    "hanging_spring_mesh": ("Mattia04/Smorzamento", "mass on a coil spring: viscous damping; k/m 173.6 /s²"),
+    "hanging_spring_disc": ("Mattia04/Smorzamento", "the same with another mass; k/m 167.8 /s²"),
+    "spring_cart_1": ("Sven-vandenBergh/M24-25-Lab-OSC-data", "cart between springs: Coulomb friction"),
+    "servo_pendulum_drop": ("Rhoban/bam", "servo, torque off, with a pendulum: gravity and gear friction"),
+    "boucwen_train": ("forgi86/dynonet; Bouc-Wen benchmark, simulated by its authors", "hysteresis; m 2 kg, k 5e4 N/m"),
+    "emps_train": ("EMPS benchmark, an electromechanical axis", "dry friction and an offset; m 95.1 kg, Fc 20.4 N"),
+}
+
+_HEAD = """# Rigs that others measured
+
+Made by `make real ARGS="--docs docs"`. Records of public repositories, measured by people who do not know this project;
+they are read where they lie beside it, and none is part of it. Each is diagnosed with nothing but the names of its
+columns and units.
+
+- *Right*: what acts is named, or tied with what is named; nothing is named with p > 0.9 that the rig cannot have;
+  values that others published are met.
+- *SEE*: simulation error of the model that is handed over, beside that of a careful fit by hand with the right law.
+"""
+
+
+def text(rows: Sequence[Row]) -> str:
+    """The page, in Markdown."""
+    lines = [_HEAD]
+    for row in rows:
+        if row.rig in PICTURED:
+            said = SOURCES[row.rig][1]
+            lines.append(f"![Measured and simulated motion, and the missing force](images/real_{row.rig}.png)\n")
+            lines.append(f"*{row.rig}*: {said}.\n")
+    lines += ["| rig | what is true | verdict | causes | judgement | values | SEE (of the expert's) |"]
+    lines += ["|---" * 7 + "|"]
+    lines += [_line(row) for row in rows]
+    lines += ["", *(f"{one}." for one in score.totals(rows)), "", "## What it gets wrong", ""]
+    wrong = [row for row in rows if not row.right or row.reached is False]
+    lines += [f"- `{row.rig}`: {_wrong(row)}" for row in wrong] or ["Nothing of this table."]
+    lines += ["", "## Where the records come from", "", "| rig | source |", "|---|---|"]
+    lines += [f"| {row.rig} | {SOURCES[row.rig][0]} |" for row in rows if row.rig in SOURCES]
+    return "\n".join(lines) + "\n"
+
+
+def _line(row: Row) -> str:
+    name, *cells, _ = score.line(row).strip("| ").split(" | ")
+    return "| " + " | ".join([name, SOURCES.get(row.rig, ("", "–"))[1], *cells]) + " |"
+
+
+def _wrong(row: Row) -> str:
+    said = [] if row.right else [score.judgement(row)]
+    if row.reached is False:
+        said.append(f"SEE {row.see / row.expert:.2f} times the expert's")
+    return "; ".join(said)
