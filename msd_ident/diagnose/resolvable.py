@@ -30,6 +30,7 @@ def seen(records: Sequence[Record], plant: Model) -> Seen:
     span = max(float(np.ptp(record.position)) for record in records)
     duration = max(record.duration for record in records)
     rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
+    force = max(float(np.max(np.abs(record.force))) for record in records)
     return Seen(
         mass=mass,
         stiffness=stiffness,
@@ -39,7 +40,8 @@ def seen(records: Sequence[Record], plant: Model) -> Seen:
         period=min(record.period for record in records),
         speed=max(_top_speed(record) for record in records),
         rate=rate,
-        force=max(float(np.max(np.abs(record.force))) for record in records) or mass * span * rate**2,
+        force=force or mass * span * rate**2,
+        driven=force > 0.0,
     )
 
 

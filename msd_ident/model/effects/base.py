@@ -42,6 +42,7 @@ class Seen:
         duration, period: of the longest record, and between the closest samples [s].
         speed, rate: top speed [m/s], and of the plant's motion [rad/s].
         force: largest force [N].
+        driven: whether a force acts: without one the motion has the plant's own frequency alone.
     """
 
     mass: float
@@ -53,6 +54,7 @@ class Seen:
     speed: float
     rate: float
     force: float
+    driven: bool = True
 
 
 @dataclass(frozen=True)

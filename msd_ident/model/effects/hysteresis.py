@@ -59,11 +59,11 @@ class Hysteresis(Effect):
 
     @classmethod
     def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
-        """Over a way as long as the motion it would be a spring that softens and loses, which is left to ``bouc_wen``.
+        """Of a decay's one frequency a loop that turns round over much of the motion is a drag and a spring that softens.
 
-        With one frequency, as in a decay, that is told from a drag and a bent spring by the form of the law alone.
+        What is more than those is left to ``bouc_wen``.
         """
-        return {"hysteresis_length": (1e-3 * seen.span, 0.15 * seen.span)}
+        return {"hysteresis_length": (1e-3 * seen.span, (2.0 if seen.driven else 0.15) * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Hysteresis, ...]:
