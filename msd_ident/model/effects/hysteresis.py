@@ -59,7 +59,7 @@ class Hysteresis(Effect):
 
     @classmethod
     def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
-        """Of a decay's one frequency a loop that turns round over much of the motion is a drag and a spring that softens.
+        """In a decay's one frequency a loop that turns over much of the motion is a drag and a spring that softens.
 
         What is more than those is left to ``bouc_wen``.
         """
