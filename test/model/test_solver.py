@@ -168,7 +168,7 @@ def test_the_motion_does_not_depend_on_when_it_is_looked_at(seed: int, name: str
         simulate(whole, Record(time=t, position=0.0 * t, force_time=force_time, force=force, hold=hold)).position
         for t in (dense, dense[kept])
     ]
-    allowed = 4e-6 if name == "buffered_stop" else 1e-6  # where a buffer lets go is a kink that no event locates
+    allowed = 3e-5 if name == "buffered_stop" else 1e-6  # where a buffer lets go is a kink that no event locates
     assert np.max(np.abs(ways[0][kept] - ways[1])) <= allowed * max(spread(ways[0]), 1e-4)
 
 

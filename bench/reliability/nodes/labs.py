@@ -55,7 +55,7 @@ def launch_arguments(world: World, rng: random.Random) -> None:
     """Each is refused in words before anything starts."""
     for way, name, text in NONSENSE:
         try:
-            getattr(Arguments({name: text}), way)(name)
+            getattr(Arguments({name: text}), way)(name, *(["/msd/rig"] if way == "parameters" else []))
         except UsageError as error:
             world.expect(f"{name}:={text}" in str(error) and "expected" in str(error), str(error))
         else:
