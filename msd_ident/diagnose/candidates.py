@@ -44,6 +44,8 @@ FAR = 25.0
 #: A set whose error has this many times the variance of the best one's, and has stopped falling, is not refined
 #: further; so much sooner where the best one itself is far from the noise.
 _HOPELESS, _HOPELESS_FAR = 4.0, 1.5
+#: Times the variance of a set that leaves nothing but noise which a start may promise to be worth a look.
+REACH = 10.0
 #: Shapes of a model's error that are counted while a search goes on.
 SOUGHT = 40.0
 #: Part of a smaller set's chi² below which a first step's promise is no more than a hint.
@@ -253,7 +255,8 @@ class Start:
     @property
     def turn(self) -> float:
         """When its set's turn comes, the least first: what promises to take most away is the likeliest to do more."""
-        return self.promise * math.sqrt(self.promise / self.beside)
+        promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
+        return promise * math.sqrt(promise / max(self.beside, 1e-300))
 
     def worth(self, reach: float) -> bool:
         """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""

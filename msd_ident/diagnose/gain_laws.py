@@ -7,6 +7,7 @@ then fit alike, each with a mass, damping and stiffness of its own.
 from __future__ import annotations
 
 from msd_ident.diagnose.candidates import (
+    REACH,
     Causes,
     Experiment,
     Fitted,
@@ -22,9 +23,6 @@ from msd_ident.diagnose.evidence import DECISIVE, Scale
 from msd_ident.diagnose.starting import proposals
 from msd_ident.model.effects import by_name
 
-#: Times the leading set's variance that a start may promise.
-_REACH = 10.0
-
 
 def alike(experiment: Experiment, best: Fitted, scale: Scale) -> list[Fitted]:
     """The leading set with each other law of the force's gain that is not decisively less likely.
@@ -36,7 +34,7 @@ def alike(experiment: Experiment, best: Fitted, scale: Scale) -> list[Fitted]:
     """
     found = []
     for name in sorted(best.causes):
-        if by_name(name).acts_on != "input":
+        if "input_map" not in by_name(name).laws():
             continue
         bare = refine(experiment, best.causes - {name}, *without(best, name))
         for form in (name, *experiment.forms(name)):
@@ -53,5 +51,5 @@ def _fitted(experiment: Experiment, causes: Causes, bare: Fitted, best: Fitted) 
         shapes.setdefault(switched_off(start.fitted.model), []).append(start)
     if causes == best.causes:
         shapes.pop(switched_off(best.model), None)
-    reach = experiment.worse(best.chi, _REACH)
+    reach = experiment.worse(best.chi, REACH)
     return [finish(experiment, begin(experiment, starts, reach), best.chi) for starts in shapes.values()]

@@ -21,6 +21,7 @@ from msd_ident.diagnose.candidates import (
     COULOMB,
     FAR,
     HOLDING_COULOMB,
+    REACH,
     SOUGHT,
     Causes,
     Experiment,
@@ -56,9 +57,8 @@ _TURN = 5e-5
 #: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
 #: repair, the library does not repair.
 _ROUNDS, _ROUNDS_FAR = 5, 2
-#: Sets of a round that are fitted before the others, and those that follow them; and how many times the error's
-#: variance a start may promise, once nothing but noise is left, to be worth a look.
-_AHEAD, _REACH = (4, 12), 10.0
+#: Sets of a round that are fitted before the others, and those that follow them.
+_AHEAD = (4, 12)
 #: A rival that leaves this many times the leader's chi² is not begun again.
 _REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
@@ -237,7 +237,7 @@ class Search:
 
     def _fit_group(self, group: list[list[Start]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
-        reach = self.experiment.worse(least, _REACH)
+        reach = self.experiment.worse(least, REACH)
         if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
             group = [starts for starts in group if any(start.worth(reach) for start in starts)]
         begun = self._each(partial(self._begin, reach), group, share)

@@ -62,3 +62,4 @@ def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
     assert not small.worth(5.0) and small.worth(9.5)
     assert large.worth(5.0)
     assert large.turn < Start(30.0, fitted, beside=31.0).turn
+    assert Start(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"
