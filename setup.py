@@ -104,11 +104,11 @@ setup(
             "msd = msd_ident.cli.main:main",
             # Nodes, for `ros2 run msd_ident NAME` and the launch files.
             "rig = msd_sim.node:main",
-            "identifier = msd_ident.ros.identifier:main",
-            "live = msd_ident.ros.live:main",
-            "recorder = msd_ident.ros.recorder:main",
-            "experimenter = msd_ident.ros.experimenter:main",
-            "replayer = msd_ident.ros.replayer:main",
+            "identifier = msd_ident.ros.identifier.main:main",
+            "live = msd_ident.ros.live.main:main",
+            "recorder = msd_ident.ros.recorder.main:main",
+            "experimenter = msd_ident.ros.experimenter.main:main",
+            "replayer = msd_ident.ros.replayer.main:main",
         ],
         # How `msd simulate` finds a rig without importing one: the first is used by default.
         "msd.rigs": ["default = msd_sim.api:simulate"],

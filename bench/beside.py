@@ -20,14 +20,14 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 import msd_sim.api
-from msd_ident.bag import write_csv
-from msd_ident.record import Record
-from msd_ident.ros import names
-from msd_ident.ros.conversions import time_message
-from msd_ident.ros.demo import NAMESPACE, arguments
-from msd_ident.ros.domain import private_domain, private_environment
-from msd_ident.ros.processes import Processes
-from msd_ident.ros.run import Spinner
+from msd_ident.data.record import Record
+from msd_ident.io import write_csv
+from msd_ident.ros.common import names
+from msd_ident.ros.common.conversions import time_message
+from msd_ident.ros.common.domain import private_domain, private_environment
+from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.common.processes import Processes
+from msd_ident.ros.demo.demo import NAMESPACE, arguments
 from msd_interfaces.action import Diagnose
 from msd_interfaces.srv import Identify
 
@@ -44,7 +44,7 @@ def main() -> None:
         _odd(folder)
         with Processes(folder, private_environment(domain)) as processes:
             given: dict[str, object] = {"bag_folder": str(folder), "auto_fit": False}
-            processes.start("identifier", "msd_ident.ros.identifier", arguments(given))
+            processes.start("identifier", "msd_ident.ros.identifier.main", arguments(given))
             context = rclpy.Context()
             rclpy.init(context=context, domain_id=domain)
             node = Node("bench", namespace=NAMESPACE, context=context)

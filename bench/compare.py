@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident import pipeline
 from msd_ident.comparison.comparing import Comparison, compare
 from msd_ident.comparison.estimates import Measured
+from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import MsdError
-from msd_ident.record import Record, from_samples
+from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
 
 #: What may change, and the hidden causes beside which it does.

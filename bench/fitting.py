@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from bench.measure import Row, linearity, median_seconds
-from msd_ident.fit import fit
+from msd_ident.data.record import Record
+from msd_ident.estimate import fit
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.record import Record
 
 TRUTH = Plant(0.9407, 3.927, 694.1) + CoulombFriction(0.1227)
 START = TRUTH.with_values(TRUTH.values * np.array([1.3, 0.7, 0.7, 1.3]))
@@ -72,8 +72,8 @@ _MEMORY = """
 import json, sys
 import numpy as np
 from bench.fitting import START
-from msd_ident.fit import fit
-from msd_ident.record import Record
+from msd_ident.estimate import fit
+from msd_ident.data.record import Record
 
 def held(key):
     lines = open("/proc/self/status").read().splitlines()

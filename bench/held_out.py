@@ -17,13 +17,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one thread of BLAS
-from msd_ident.diagnose import readings
-from msd_ident.diagnose.candidates import Experiment, Fitted, refine
-from msd_ident.diagnose.heldout import HeldOut, predict
-from msd_ident.fit.problem import Initial
+from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.record import Record
+from msd_ident.residuals import noise_model
+from msd_ident.selection.cross_validation import HeldOut, predict
+from msd_ident.selection.hypothesis import Experiment, Fitted, refine
 from msd_sim import lottery
 from msd_sim.api import simulate
 
@@ -120,7 +120,7 @@ def _measured(
     first = float(record.position[0])
     start = Initial(first) if experiment == "release" else Initial(zero=first)
     law = dict(spec["effects"].get(hidden, {}))
-    return Experiment(readings.prepare([record]), plant, fixed), start, law
+    return Experiment(noise_model.prepare([record]), plant, fixed), start, law
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -11,9 +11,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from msd_ident.ros.demo import arguments
-from msd_ident.ros.domain import private_domain, private_environment
-from msd_ident.ros.processes import Processes
+from msd_ident.ros.common.domain import private_domain, private_environment
+from msd_ident.ros.common.processes import Processes
+from msd_ident.ros.demo.demo import arguments
 
 NODES = ("identifier", "recorder", "experimenter")
 

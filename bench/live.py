@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.ros.demo import arguments
-from msd_ident.ros.live_demo import demo_graph
+from msd_ident.ros.demo.demo import arguments
+from msd_ident.ros.demo.live_demo import demo_graph
 
 CHROMIUM = "/usr/bin/chromium"
 #: A step or its end comes this often [s].
@@ -181,7 +181,7 @@ def main() -> int:
     parser.add_argument("--picture", type=Path)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as place, demo_graph(Path(place), given.rate) as processes:
-        processes.start("live", "msd_ident.ros.live", arguments({"port": 0}))
+        processes.start("live", "msd_ident.ros.live.main", arguments({"port": 0}))
         log = Path(place) / "live.log"
         with page(_url(log)) as opened:
             if given.picture:

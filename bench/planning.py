@@ -11,18 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from msd_ident.design.designing import Question
-from msd_ident.design.family import Pace, family
+from msd_ident.design.evaluation import Question
+from msd_ident.design.library import Pace, family
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
-from msd_ident.design.refitting import refitted
+from msd_ident.design.rival_refits import refitted
 from msd_ident.design.safety import fitted_in
-from msd_ident.diagnose import Contender
-from msd_ident.fit.problem import Initial
-from msd_ident.fit.units import Magnitudes
+from msd_ident.estimate.parameter_units import Magnitudes
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
+from msd_ident.selection.candidate_models import Contender
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 #: The design page's rig: 1 kg on 100 N/m, 0.2 mm of noise at 500 Hz; pushed with up to 10 N for up to 20 s.

@@ -19,16 +19,16 @@ from pathlib import Path
 import numpy as np
 
 from bench.blind_design.cases import BlindRig, limits_of
-from msd_ident import pipeline
 from msd_ident.design import Limits, Profile, Segment
-from msd_ident.design.designing import Question, options
-from msd_ident.design.precision import Sharpened, compared, sharpen
+from msd_ident.design.evaluation import Question, options
+from msd_ident.design.parameter_design import Sharpened, compared, sharpen
 from msd_ident.design.prediction import sensing
-from msd_ident.diagnose import Diagnosis
-from msd_ident.fit import fit
-from msd_ident.fit.refine import GRAVITY
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate import fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.paper.refinement import GRAVITY
+from msd_ident.workflow import pipeline
 from msd_sim import lottery
 
 _MU = "friction_coefficient"

@@ -16,13 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from bench.measure import LENGTHS, Row, linearity, median_seconds
+from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.model import Model, Plant, Simulator
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.linear import transfer_function
-from msd_ident.record import Record
 
 FloatArray = npt.NDArray[np.float64]
 SAMPLES, RATE = 3000, 1000.0

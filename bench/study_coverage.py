@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.fit import fit
+from msd_ident.data.record import Record
+from msd_ident.estimate import fit
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.quantity import Z95
-from msd_ident.record import Record
 from msd_sim.api import simulate
 
 NAMES = ("mass", "damping", "stiffness", "coulomb_force")

@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.fit import FitResult, fit
+from msd_ident.data.record import Record
+from msd_ident.estimate import FitResult, fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.record import Record
 from msd_sim.api import simulate
 
 RATE = 250.0

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.monitoring.watching import YEAR, Options, Sample, alarms_of, regressors_of, watch
-from msd_ident.record import FloatArray
 
 DAY = 86400.0
 DAYS = 365

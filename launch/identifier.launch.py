@@ -13,7 +13,7 @@ from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
-from msd_ident.ros.launching import LOG_LEVELS, Arguments
+from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
 
 #: Name, default and meaning of what can be said on the command line.
 ARGUMENTS = (

@@ -17,7 +17,7 @@ from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
-from msd_ident.ros.launching import LOG_LEVELS, Arguments
+from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
 
 
 def config(name):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from msd_ident.saved import SavedModel
+    from msd_ident.workflow.saved_model import SavedModel
 
 # On matrices of ten by ten the threads of BLAS gain nothing, and spin beside those that fit: a diagnosis takes a fifth
 # longer with them. A setting of the user's own stands, and so does numpy's where it was imported before.
@@ -17,9 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 def load(path: str | os.PathLike[str]) -> SavedModel:
     """The model of a result that ``msd identify`` or ``msd diagnose`` wrote with ``--json``: a ``saved.SavedModel``."""
-    from msd_ident import saved
+    from msd_ident.workflow import saved_model
 
-    return saved.load(path)
+    return saved_model.load(path)
 
 
 def batch(paths: Iterable[str | os.PathLike[str]], client: Any = None, wait: bool = True, **given: Any) -> Any:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from msd_ident.bag import BagWriter
-from msd_ident.bag.definitions import Definitions
+from msd_ident.io import BagWriter
+from msd_ident.io.message_definitions import Definitions
 
 WRENCH = "geometry_msgs/msg/WrenchStamped"
 JOINTS = "sensor_msgs/msg/JointState"

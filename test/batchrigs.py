@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.record import Record, from_samples
+from msd_ident.data.record import Record, from_samples
 from msd_sim import api
 
 PLANT = {"mass": 0.94, "damping": 3.9, "stiffness": 694.0}

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from msd_ident.ros.domain import private_domain
+from msd_ident.ros.common.domain import private_domain
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 

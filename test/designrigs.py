@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from msd_ident import pipeline
+from msd_ident.data.record import Record
 from msd_ident.design import Limits, Profile, Segment
-from msd_ident.diagnose import Diagnosis
-from msd_ident.investigation import Ran
-from msd_ident.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.workflow import pipeline
+from msd_ident.workflow.investigation import Ran
 from msd_sim import api
 
 ECP = {"mass": 0.94, "damping": 3.9, "stiffness": 694.0, "friction_coefficient": 0.0, "rate": 500.0}

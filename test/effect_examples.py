@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from msd_ident.data.record import Hold, Record
 from msd_ident.model import Effect, Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.record import Hold, Record
 
 MASS, DAMPING, STIFFNESS = 0.9407, 3.927, 694.1
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import Record
 from msd_ident.model import Model, Simulator
 from msd_ident.model.effects import LIBRARY
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record
-from msd_ident.saved import SavedModel, from_json_dict
+from msd_ident.workflow.saved_model import SavedModel, from_json_dict
 
 #: Noise of a reading [m].
 NOISE = 2e-5

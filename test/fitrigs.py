@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import Record
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.record import Record
 from msd_sim.api import simulate
 
 #: The ECP rig of the paper: m, b, k and µ·m·g.

@@ -11,7 +11,7 @@ import rclpy
 from rclpy.action import ActionClient
 from rclpy.node import Node
 
-from msd_ident.ros.run import Spinner
+from msd_ident.ros.common.node_runner import Spinner
 
 
 class Graph:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from msd_ident import pipeline
-from msd_ident.diagnose import Diagnosis
-from msd_ident.record import Record
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.workflow import pipeline
 
 _made: dict[object, Diagnosis] = {}
 _diagnose = pipeline.diagnose

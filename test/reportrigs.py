@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from msd_ident import pipeline
+from msd_ident.data.provenance import Origin, Provenance, versions
+from msd_ident.data.record import Record
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import to_tree
-from msd_ident.diagnose import Diagnosis
-from msd_ident.diagnose.calibration import Calibration, Row
-from msd_ident.identification import Identification
-from msd_ident.provenance import Origin, Provenance, versions
-from msd_ident.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.selection.calibration import Calibration, Row
+from msd_ident.workflow import pipeline
+from msd_ident.workflow.identification import Identification
 from msd_sim.api import simulate
 
 RIG = {

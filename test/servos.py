@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from msd_ident.record import Record
+from msd_ident.data.record import Record
 
 #: Samples a second of an arm's joint states.
 RATE = 100.0

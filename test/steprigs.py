@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import Hold, Record, from_samples
+from msd_ident.data.record import Hold, Record, from_samples
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,10 +8,10 @@ import time
 import pytest
 from designrigs import LIMITS, stepped
 
-from msd_ident.design import Proposal, check, searching
-from msd_ident.diagnose import Diagnosis
-from msd_ident.pipeline import diagnose
-from msd_ident.record import Record
+from msd_ident.data.record import Record
+from msd_ident.design import Proposal, check, profile_search
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.workflow.pipeline import diagnose
 from msd_sim import lottery
 from msd_sim.api import simulate
 
@@ -68,5 +68,5 @@ def test_cores(cores: int, diagnosis: Diagnosis, monkeypatch: pytest.MonkeyPatch
 
 def test_budget_is_work(proposal: Proposal, monkeypatch: pytest.MonkeyPatch) -> None:
     everything = len(proposal.considered)
-    monkeypatch.setattr(searching, "_SCREENING", 1.0)
+    monkeypatch.setattr(profile_search, "_SCREENING", 1.0)
     assert 0 < len(proposed().considered) < everything

@@ -9,8 +9,9 @@ import pytest
 
 from bench.reliability import datafaults, estimates
 from bench.reliability.datafaults import Fault, clean
-from msd_ident import pipeline, quality
-from msd_ident.record import Record, from_samples
+from msd_ident.data import quality
+from msd_ident.data.record import Record, from_samples
+from msd_ident.workflow import pipeline
 from msd_sim.api import simulate
 
 #: Faults that cost nothing: the estimate is right, always.

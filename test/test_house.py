@@ -17,26 +17,21 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity", "seeds", "stopping"),
-    ("paths",),
-    ("record", "provenance"),
-    ("streams", "motion", "noise", "resampling", "autoregressive"),
-    ("quality",),
-    ("datasheet",),
+    ("errors", "quantity", "seeds", "cancellation"),
+    ("paths", "parallel"),
+    ("data",),
     ("model",),
     ("features",),
-    ("fit",),
-    ("diagnose",),
+    ("estimate",),
+    ("paper",),
+    ("residuals",),
+    ("selection",),
+    ("diagnosis",),
     ("design",),
-    ("one_rig", "force_hold", "known"),
-    ("effort", "identification"),
-    ("preparing",),
-    ("spring_decision",),
-    ("pipeline", "saved"),
-    ("joints", "validation"),
+    ("workflow",),
     ("batching",),
     ("comparison", "monitoring"),
-    ("investigation", "export"),
+    ("export",),
     ("external",),
     ("report",),
     ("live",),
@@ -46,8 +41,8 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-BAG_KNOWS = {"errors", "paths", "record", "resampling", "streams"}
-KNOW_BAG = {"batching", "ros", "cli"}
+IO_KNOWS = {"errors", "paths", "data"}
+KNOW_IO = {"batching", "ros", "cli"}
 
 ROS = (
     *("rclpy", "action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "msd_interfaces"),
@@ -57,14 +52,14 @@ ROS = (
 #: Library -> the only places that may import it.
 AT_HOME = {
     **dict.fromkeys(ROS, ("msd_ident.ros", "msd_sim.node")),
-    **dict.fromkeys(("rosbags", "mcap"), ("msd_ident.bag",)),
+    **dict.fromkeys(("rosbags", "mcap"), ("msd_ident.io",)),
     **dict.fromkeys(("matplotlib", "plotly"), ("msd_ident.report",)),
     **dict.fromkeys(("jinja2", "markupsafe"), ("msd_ident.report", "msd_ident.live")),
     **dict.fromkeys(("typer", "click"), ("msd_ident.cli",)),
     **dict.fromkeys(("bokeh", "tornado"), ("msd_ident.live",)),
     **dict.fromkeys(("dask", "distributed", "fsspec", "pyarrow"), ("msd_ident.batching",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
-    "h5py": ("msd_ident.bag",),
+    "h5py": ("msd_ident.io",),
     **dict.fromkeys(("mujoco", "fmpy"), ("msd_ident.export",)),
 }
 
@@ -113,7 +108,7 @@ def edges() -> tuple[tuple[str, str], ...]:
 
 
 def room_of(name: str) -> str:
-    """``fit`` of ``msd_ident.fit.solver``; empty for the package itself."""
+    """``fit`` of ``msd_ident.estimate.least_squares``; empty for the package itself."""
     return [*name.split("."), ""][1]
 
 
@@ -124,7 +119,7 @@ def within(name: str, places: tuple[str, ...]) -> bool:
 
 def test_every_room_is_known() -> None:
     rooms = {room_of(name) for name in modules() if name.startswith("msd_ident.")}
-    assert rooms <= {*FLOOR, "bag"}, "say in STOREYS where the new room stands"
+    assert rooms <= {*FLOOR, "io"}, "say in STOREYS where the new room stands"
 
 
 def test_imports_point_one_way() -> None:
@@ -132,12 +127,12 @@ def test_imports_point_one_way() -> None:
     for name, target in edges():
         here, there = room_of(name), room_of(target)
         inside = name.startswith("msd_ident.") and target.startswith("msd_ident.") and here != there
-        if not inside or there not in {*FLOOR, "bag"}:
+        if not inside or there not in {*FLOOR, "io"}:
             continue
-        if here == "bag":
-            allowed = there in BAG_KNOWS
-        elif there == "bag":
-            allowed = here in KNOW_BAG
+        if here == "io":
+            allowed = there in IO_KNOWS
+        elif there == "io":
+            allowed = here in KNOW_IO
         else:
             allowed = FLOOR[there] < FLOOR[here]
         if not allowed:

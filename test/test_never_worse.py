@@ -8,12 +8,12 @@ import pytest
 from once import diagnosed
 
 from bench.real.rigs import RIGS
-from msd_ident.bag import read
-from msd_ident.fit import fit
+from msd_ident.data.record import Record
+from msd_ident.estimate import fit
+from msd_ident.io import read
 from msd_ident.model import Model
-from msd_ident.pipeline import identify
-from msd_ident.preparing import typical_plant
-from msd_ident.record import Record
+from msd_ident.workflow.pipeline import identify
+from msd_ident.workflow.preparation import typical_plant
 from msd_sim import lottery
 from msd_sim.api import simulate
 

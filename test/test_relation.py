@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from bench.real.rigs import RIGS, Rig, folder
-from msd_ident import pipeline
-from msd_ident.bag import read
+from msd_ident.data.quality.relation import accounted
+from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError
-from msd_ident.quality.relation import accounted
-from msd_ident.record import Record, from_samples
+from msd_ident.io import read
+from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
 
 

@@ -21,7 +21,7 @@ CALLS |= {"ast.literal_eval"}
 ARGUMENTS = {("shell", True), ("allow_pickle", True), ("verify", False)}
 #: Where one is right, with the reason.
 RIGHT = {
-    "msd_ident/bag/yaml_text.py: yaml.load()": "by the safe loader, the one in C where there is one",
+    "msd_ident/io/yaml_text.py: yaml.load()": "by the safe loader, the one in C where there is one",
     "msd_ident/model/kernel/laws.py: exec()": "joins the laws of the effect library, which is source of this package",
     "msd_ident/model/kernel/laws.py: compile()": "the same",
 }

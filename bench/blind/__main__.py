@@ -55,7 +55,9 @@ The exact sets are those of steps of two amplitudes in both directions, 6 s at 1
 
 #: Pages of the other studies: file name and text.
 _PAGES = {
-    "variants": ("blind-variants.md", """# Laws that the library does not have
+    "variants": (
+        "blind-variants.md",
+        """# Laws that the library does not have
 
 Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Rigs
 of `msd_sim/foreign`: known causes whose law has another form than any law of the library, one a rig, and noise or
@@ -66,8 +68,11 @@ forces that no cause explains. The diagnosis gets the path of a file and nothing
 - *A cause of no related law*: neither of the law's family nor what stands for a part of it (`bench/blind/truth.py`).
 
 {tables}
-"""),
-    "mujoco": ("blind-mujoco.md", """# Rigs of a second author
+""",
+    ),
+    "mujoco": (
+        "blind-mujoco.md",
+        """# Rigs of a second author
 
 Made by `make blind ARGS="--mujoco"` (`python -m bench.blind --mujoco --docs docs`; the seeds are named below). MuJoCo
 simulates a slide joint with frictionloss, limits, armature, and a drive with gain, lag, saturation or dead zone
@@ -80,7 +85,8 @@ damper.
 - *Interval*: the 95 % interval of the model with the named causes, against the truth per unit of command.
 
 {tables}
-"""),
+""",
+    ),
 }
 
 

@@ -15,13 +15,13 @@ from typing import Any
 from bench.blind import rigs
 from bench.blind.rigs import Author, Sealed
 from bench.blind.truth import allowed, same
-from msd_ident import pipeline
-from msd_ident.bag import SourceOptions, read
-from msd_ident.diagnose import Diagnosis
-from msd_ident.fit import fit
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate import fit
+from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
-from msd_ident.record import Record
+from msd_ident.workflow import pipeline
 from msd_sim import foreign, lottery
 from msd_sim.effects import ALL
 

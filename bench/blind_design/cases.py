@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident import pipeline
+from msd_ident.data.record import Record
 from msd_ident.design import Limits, Profile, Segment
-from msd_ident.diagnose import Diagnosis
-from msd_ident.investigation import Budget, Loop, Ran, Step
-from msd_ident.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.workflow import pipeline
+from msd_ident.workflow.investigation import Budget, Loop, Ran, Step
 from msd_sim import api, lottery
 
 #: Longest experiment [s], and travel in static deflections of the full force.

@@ -8,11 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench.real.rigs import RIGS, folder
-from msd_ident import pipeline, saved
-from msd_ident.bag import read
 from msd_ident.cli.run import jsonable
 from msd_ident.errors import MsdError
 from msd_ident.export import Options, export, target
+from msd_ident.io import read
+from msd_ident.workflow import pipeline, saved_model
 
 
 def lines(only: str = "") -> Iterator[str]:
@@ -29,7 +29,7 @@ def lines(only: str = "") -> Iterator[str]:
         options = rig.options if known else replace(rig.options, position_unit="m")
         try:
             record = read(path, options)
-            result = saved.from_json_dict(jsonable(pipeline.diagnose([record]).to_json_dict()))
+            result = saved_model.from_json_dict(jsonable(pipeline.diagnose([record]).to_json_dict()))
             with tempfile.TemporaryDirectory() as place:
                 found = export(result, target("mujoco"), Path(place, "rig.xml"), Options(), (record,))
         except MsdError as error:

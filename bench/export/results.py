@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from msd_ident.datasheet import data_sheet
-from msd_ident.fit import FitResult, fit
-from msd_ident.identification import initial_dict, quantities_dict
+from msd_ident.data.datasheet import data_sheet
+from msd_ident.data.record import Record
+from msd_ident.estimate import FitResult, fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.record import Record
-from msd_ident.saved import SavedModel, from_json_dict
+from msd_ident.workflow.identification import initial_dict, quantities_dict
+from msd_ident.workflow.saved_model import SavedModel, from_json_dict
 from msd_sim.api import Simulated, simulate
 from msd_sim.lottery import draw
 

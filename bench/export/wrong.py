@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.export.results import drawn, fitted
+from msd_ident.data.record import Record
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
 from msd_ident.external import MujocoSimulation, compare
 from msd_ident.model import Model
-from msd_ident.record import Record
 
 #: Mistake → hidden effect of the rig that it is made on.
 MISTAKES = {

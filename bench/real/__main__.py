@@ -18,11 +18,11 @@ from typing import Any
 from bench.real import page, score
 from bench.real.rigs import RIGS, Rig, folder
 from bench.real.score import Row
-from msd_ident import pipeline
-from msd_ident.bag import read
 from msd_ident.errors import MsdError
+from msd_ident.io import read
 from msd_ident.model.simulator import warm_up
 from msd_ident.report import verdict_figure
+from msd_ident.workflow import pipeline
 
 _HEAD = "| rig | verdict | causes | judgement | values | SEE (of the expert's) | processor |\n" + "|---" * 7 + "|"
 

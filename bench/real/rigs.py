@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from msd_ident.bag import SourceOptions
+from msd_ident.io import SourceOptions
 from msd_ident.model.effects import LIBRARY
 
 #: Values of the extended model's parameters by name, from which a published value is computed.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.real.rigs import Rig
-from msd_ident.diagnose import Diagnosis
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.model.effects import by_name
 
 #: Probability from which on a cause is stated as certain.

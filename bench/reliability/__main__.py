@@ -13,8 +13,8 @@ from pathlib import Path
 from bench.reliability import cuts, datafaults, estimates, fulldisk, kills, mutations
 from bench.reliability.page import Row, put
 from bench.reliability.powercut import Disk
-from msd_ident.bag import BagWriter
-from msd_ident.ros.recording import Limits
+from msd_ident.io import BagWriter
+from msd_ident.ros.recorder.recording import Limits
 
 
 def killed(root: Path, seed: int) -> Iterator[Row]:

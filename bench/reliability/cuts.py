@@ -11,10 +11,10 @@ from pathlib import Path
 from mcap.records import Chunk, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from msd_ident.bag import BagWriter, open_bag, repair
-from msd_ident.bag.writer import Compression
+from msd_ident.data.record import from_samples
 from msd_ident.errors import DataError
-from msd_ident.record import from_samples
+from msd_ident.io import BagWriter, open_bag, repair
+from msd_ident.io.writer import Compression
 from msd_sim.api import simulate
 
 #: A message as it is compared: log time [ns] and bytes.
@@ -54,7 +54,7 @@ def make(folder: Path, compression: Compression, flush_every: int = 60, samples:
 
 def write(record: object, folder: Path, compression: Compression, flush_every: int) -> None:
     """A record as a bag with a chunk for every so many messages."""
-    from msd_ident.bag import iterate_messages, write_bag
+    from msd_ident.io import iterate_messages, write_bag
 
     plain = folder.with_name(f"{folder.name}_plain")
     write_bag(record, plain)  # type: ignore[arg-type]

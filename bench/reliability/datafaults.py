@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from msd_ident.record import FloatArray, Record
-from msd_ident.streams import from_stamps
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.data.streams import from_stamps
 from msd_sim.api import simulate
 
 RATE = 1000.0

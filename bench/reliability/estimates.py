@@ -10,10 +10,10 @@ from types import MappingProxyType
 import numpy as np
 
 from bench.reliability.datafaults import Fault, clean
-from msd_ident import pipeline
 from msd_ident.errors import MsdError
-from msd_ident.identification import Identification
 from msd_ident.quantity import Quantity
+from msd_ident.workflow import pipeline
+from msd_ident.workflow.identification import Identification
 
 #: Deviation from the clean result up to which an estimate is right.
 TOLERANCE: Mapping[str, float] = MappingProxyType({"mass": 0.01, "stiffness": 0.01, "friction_coefficient": 0.05})

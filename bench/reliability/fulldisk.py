@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.reliability.kills import TOPIC, TYPE, message
-from msd_ident.bag import repair
-from msd_ident.ros.recording import Limits, Recording
+from msd_ident.io import repair
+from msd_ident.ros.recorder.recording import Limits, Recording
 
 #: Mounts a disk where it is told to, in a name space of its own, and leaves with it.
 _MOUNT = 'mount -t tmpfs -o size="$1" none "$2" && shift 2 && exec "$@"'

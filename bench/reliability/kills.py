@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.reliability.readers import READERS
-from msd_ident.bag import repair
-from msd_ident.ros.recording import Limits, Recording
+from msd_ident.io import repair
+from msd_ident.ros.recorder.recording import Limits, Recording
 
 TOPIC, TYPE = "/count", "std_msgs/msg/UInt64"
 #: Messages a second that the recorder is given, and how long it may take until its first [s].
@@ -142,7 +142,7 @@ def _wait_for(path: Path, seconds: float = START_SECONDS) -> float:
 
 def _last(folder: Path) -> int:
     """Log time of the last message [ns]; of the folder's birth when there is none."""
-    from msd_ident.bag import iterate_messages
+    from msd_ident.io import iterate_messages
 
     last = max((one.log_time_ns for one in iterate_messages(folder)), default=0)
     return last or time.monotonic_ns() - time.time_ns() + int(folder.stat().st_ctime_ns)

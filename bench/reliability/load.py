@@ -22,14 +22,14 @@ from std_srvs.srv import Trigger
 
 from bench.live import memory
 from bench.reliability.page import Row, put
-from msd_ident.bag import SourceOptions, iterate_messages, read
-from msd_ident.quality import missing_in
-from msd_ident.ros import names
-from msd_ident.ros.conversions import time_message
-from msd_ident.ros.demo import NAMESPACE, RIG, STEP, arguments
-from msd_ident.ros.domain import private_domain, private_environment
-from msd_ident.ros.processes import Processes
-from msd_ident.ros.run import Spinner
+from msd_ident.data.quality import missing_in
+from msd_ident.io import SourceOptions, iterate_messages, read
+from msd_ident.ros.common import names
+from msd_ident.ros.common.conversions import time_message
+from msd_ident.ros.common.domain import private_domain, private_environment
+from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.common.processes import Processes
+from msd_ident.ros.demo.demo import NAMESPACE, RIG, STEP, arguments
 
 #: The rig's latency [s], and that a force stays until the next one.
 OF_RIG = {"latency": 0.1, "hold_last_command": True}
@@ -197,9 +197,9 @@ def load(rate: float, seconds: float, folder: Path, tell: Callable[[str], None])
     with private_domain() as domain, Processes(folder, private_environment(domain)) as processes, burning():
         processes.start("rig", "msd_sim.node", arguments({**RIG, "rate": rate, **OF_RIG}))
         recorder = {"bag_folder": str(folder), "folder": "bag", "autostart": True}
-        processes.start("recorder", "msd_ident.ros.recorder", arguments(recorder))
+        processes.start("recorder", "msd_ident.ros.recorder.main", arguments(recorder))
         buffer = {"buffer_samples": round(rate * BUFFER), "auto_fit": False}
-        processes.start("identifier", "msd_ident.ros.identifier", arguments(buffer))
+        processes.start("identifier", "msd_ident.ros.identifier.main", arguments(buffer))
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
         node = Node("load", namespace=NAMESPACE, context=context)

@@ -20,8 +20,8 @@ from typing import Any
 from mcap.writer import CompressionType, Writer
 
 from bench.reliability.cuts import make
-from msd_ident.bag import SourceOptions, describe, open_bag, read, repair
 from msd_ident.errors import MsdError
+from msd_ident.io import SourceOptions, describe, open_bag, read, repair
 from msd_sim import config
 from msd_sim.errors import RigError
 
@@ -143,7 +143,7 @@ def metadata(folder: Path) -> Path:
 
 def table(folder: Path) -> Path:
     """A CSV file."""
-    from msd_ident.bag import write_csv
+    from msd_ident.io import write_csv
 
     _bag(folder, "zstd")
     write_csv(read(folder / "sound.mcap"), folder / "sound.csv")

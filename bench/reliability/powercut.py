@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from msd_ident.bag import growing
+from msd_ident.io import crash_safe_file
 
 _CALLS = ("pwrite", "ftruncate", "fsync", "link", "replace", "unlink")
 
@@ -39,7 +39,7 @@ class Disk:
     @contextmanager
     def watched(self) -> Iterator[None]:
         """Look after each call of the writer."""
-        patches = [mock.patch.object(growing.os, name, self._watch(getattr(os, name))) for name in _CALLS]
+        patches = [mock.patch.object(crash_safe_file.os, name, self._watch(getattr(os, name))) for name in _CALLS]
         for patch in patches:
             patch.start()
         try:

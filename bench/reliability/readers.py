@@ -7,7 +7,7 @@ from pathlib import Path
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
 
-from msd_ident.bag import open_bag
+from msd_ident.io import open_bag
 
 
 def with_msd(folder: Path) -> list[bytes]:

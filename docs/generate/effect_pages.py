@@ -7,7 +7,7 @@ import sys
 import signature
 from docs_tables import code, number, plain, table
 
-from msd_ident.fit.openness import _ADVICE as ADVICE
+from msd_ident.estimate.identifiability import _ADVICE as ADVICE
 from msd_ident.model.effects import LIBRARY, Effect
 from msd_sim import effects as rig
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.model import Effect, Model, Plant, simulate
-from msd_ident.record import FloatArray, Record
 
 PLANT = Plant(mass=1.0, damping=3.0, stiffness=400.0)
 _PUSHES = ((0.0, 0.0), (0.1, 10.0), (1.1, 0.0), (2.1, -5.0), (3.1, 0.0))

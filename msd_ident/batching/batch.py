@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.batching import cluster, places, table
+from msd_ident.batching import cluster, locations, table
 from msd_ident.batching.job import Job
 from msd_ident.batching.row import Row, identity
 from msd_ident.batching.running import Answer, Link, Runner, Task
 from msd_ident.batching.work import Done, Draw, Work
+from msd_ident.data.provenance import fingerprint
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.provenance import fingerprint
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -142,7 +142,7 @@ class Run:
 def content(path: str) -> str:
     """Digest of a record's content; empty where it cannot be read, which its diagnosis will say."""
     try:
-        with places.local(path) as copy:
+        with locations.local(path) as copy:
             return fingerprint(copy)[1]
     except Exception:
         return ""
@@ -154,7 +154,7 @@ def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Pla
     Raises:
         DataError, UsageError, SetupError: nothing to do, no place for the table, a cluster that cannot be used.
     """
-    found = places.records(paths)
+    found = locations.records(paths)
     store = plan.store()
     earlier = store.earlier() if store is not None and plan.resume else table.made([])
     this = Run(found, Work(job, draw=plan.draw), plan, earlier)
@@ -244,7 +244,7 @@ def futures(
     """
     cluster.check_workers(client)
     work = partial(_rows, Work(job))
-    return {path: client.submit(work, path, pure=False) for path in places.records(paths)}
+    return {path: client.submit(work, path, pure=False) for path in locations.records(paths)}
 
 
 def _rows(work: Work, path: str) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import msd_ident
-from msd_ident.provenance import versions
+from msd_ident.data.provenance import versions
 
 #: Rooms that move no digit of a row.
 _OUTSIDE = ("cli", "comparison", "live", "monitoring", "report", "ros")

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from msd_ident import pipeline
-from msd_ident.bag import SourceOptions
 from msd_ident.batching.code import code_version
 from msd_ident.errors import UsageError
+from msd_ident.io import SourceOptions
+from msd_ident.workflow import pipeline
 
 #: Columns that a user may fill from paths.
 LABELS = ("robot", "day")
@@ -27,7 +27,7 @@ class Job:
         options: of the diagnosis.
         all_joints: every joint of a bag, a row each.
         labels: column → regular expression whose first group in the record's path fills it.
-        covariates: name → where it is, see ``msd_ident.bag.covariates``; empty text: where it is found.
+        covariates: name → where it is, see ``msd_ident.io.covariates``; empty text: where it is found.
         pages: folder for a page of each record; empty for none.
         code: version of the code that is asked for.
 

@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from msd_ident.bag import Joint, SourceOptions, joints, read_all, source_of
-from msd_ident.batching import places
+from msd_ident.batching import locations
 from msd_ident.batching.row import CAUSES, PARAMETERS, Row
+from msd_ident.data.record import Record
 from msd_ident.errors import DataError
-from msd_ident.record import Record
+from msd_ident.io import Joint, SourceOptions, joints, read_all, source_of
 
 
 def record_of(row: Row) -> Record:
@@ -22,7 +22,7 @@ def record_of(row: Row) -> Record:
     """
     options = json.loads(row["options"] or "{}")
     source = SourceOptions(**options.get("source", {}))
-    with places.local(row["path"]) as copy:
+    with locations.local(row["path"]) as copy:
         if options.get("all_joints"):
             return read_all(copy, source_of(source, _joint(joints(copy), row["joint"], row["path"])))[0]
         records = read_all(copy, source)

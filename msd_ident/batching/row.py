@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.diagnose import Diagnosis
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.model.effects import LIBRARY
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record
 
 SCHEMA = "msd.batch/1"
 #: Row as plain values, by column.

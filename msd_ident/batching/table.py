@@ -213,7 +213,7 @@ def rows_at(table: pa.Table, places: Sequence[int]) -> pa.Table:
 
 
 def _store(path: str) -> tuple[Any, str]:
-    from msd_ident.batching.places import said
+    from msd_ident.batching.locations import said
 
     with said(path):
         store, place = library("fsspec").core.url_to_fs(path)

@@ -10,18 +10,18 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from msd_ident import pipeline
-from msd_ident.bag import covariates, joints, read_all, source_of
-from msd_ident.bag.joints import Joint
-from msd_ident.batching import places
+from msd_ident.batching import locations
 from msd_ident.batching.code import code_version
 from msd_ident.batching.job import Job
 from msd_ident.batching.row import Row, finite, identity, of_diagnosis, of_record
-from msd_ident.diagnose import Diagnosis
-from msd_ident.effort import judge
+from msd_ident.data.effort import judge
+from msd_ident.data.provenance import fingerprint
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import MsdError, SetupError
-from msd_ident.provenance import fingerprint
-from msd_ident.record import Record
+from msd_ident.io import covariates, joints, read_all, source_of
+from msd_ident.io.joints import Joint
+from msd_ident.workflow import pipeline
 
 #: Writes a record's page: the diagnosis, the record's path, the file to write. Handed in, as pages know of rows.
 Draw = Callable[[Diagnosis, str, Path], None]
@@ -64,7 +64,7 @@ class Work:
         told = {**identity(path, self.job.labels), "code": self.job.code, "job": self.job.digest}
         told |= {"options": self.job.told(), "worker": _here()}
         try:
-            with places.local(path) as copy:
+            with locations.local(path) as copy:
                 size, digest = fingerprint(copy)
                 told |= {"sha256": digest, "bytes": size}
                 if digest in self.known:

@@ -15,8 +15,8 @@ from msd_ident.cli import pages, run, sources
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.bag import SourceOptions
     from msd_ident.batching.job import Job
+    from msd_ident.io import SourceOptions
 
 ManyArgument = Annotated[
     Optional[list[str]],  # noqa: UP045
@@ -60,7 +60,7 @@ def batch(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Diagnose many records: one table with a row for each, whatever is wrong with single ones."""
-    from msd_ident import pipeline
+    from msd_ident.workflow import pipeline
 
     folder = ""
     if record_pages is not None:
@@ -108,9 +108,9 @@ class _Target:
 def make(paths: Sequence[str], job: Job, target: _Target, where: tuple[str, int]) -> int:
     """Run the batch and tell how it went; exit code 0, whatever single records are like."""
     from msd_ident.batching import batch as many
-    from msd_ident.batching import places
+    from msd_ident.batching import locations
 
-    found = places.records(paths)
+    found = locations.records(paths)
     with many.linked(*where) as link, bar(link.client.dashboard_link, target.quiet) as tell:
         plan = many.Plan(target.out, target.resume, target.overwrite, _draw if job.pages else None, tell)
         table, this = many.run(found, job, link, plan)
@@ -134,7 +134,7 @@ def _draw(found: Any, path: str, target: Path) -> None:
 
 
 def _listed(name: str) -> Sequence[str]:
-    from msd_ident.batching import places
+    from msd_ident.batching import locations
 
     if not name:
         return ()
@@ -142,7 +142,7 @@ def _listed(name: str) -> Sequence[str]:
         text = sys.stdin.read() if name == "-" else Path(name).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"cannot read the list {name}: {error}; expected a text file with a path a line") from None
-    return places.listed(text)
+    return locations.listed(text)
 
 
 def _pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:

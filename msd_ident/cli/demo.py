@@ -18,7 +18,7 @@ from msd_ident.errors import SetupError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.ros.demo import Shown
+    from msd_ident.ros.demo.demo import Shown
 
 
 def demo(
@@ -37,7 +37,7 @@ def demo(
     with _ended_by_signals():
         folder = _new_folder(out)
         with _progress(console) as say:
-            from msd_ident.ros.demo import run
+            from msd_ident.ros.demo.demo import run
 
             shown = run(folder, fast, say)
         _show(shown, folder, console)

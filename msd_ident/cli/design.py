@@ -14,10 +14,10 @@ from msd_ident.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from msd_ident.data.record import Record
     from msd_ident.design import Limits, Proposal
-    from msd_ident.design.precision import Sharpened
-    from msd_ident.diagnose import Diagnosis
-    from msd_ident.record import Record
+    from msd_ident.design.parameter_design import Sharpened
+    from msd_ident.diagnosis import Diagnosis
 
 LimitsOption = Annotated[
     Optional[Path],  # noqa: UP045
@@ -48,10 +48,11 @@ def design(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Design the shortest experiment that tells apart what this data cannot. All paths are of one rig."""
-    from msd_ident import one_rig, pipeline
-    from msd_ident.bag import read_all
     from msd_ident.cli import run
     from msd_ident.design import read_limits
+    from msd_ident.diagnosis import same_plant
+    from msd_ident.io import read_all
+    from msd_ident.workflow import pipeline
 
     output = run.Output(json, quiet, overwrite)
     output.check()
@@ -66,7 +67,7 @@ def design(
         diagnosis = pipeline.diagnose(
             records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
         )
-        one_rig.check(diagnosis)
+        same_plant.check(diagnosis)
         report("designing", 0.95)
         found = _designed(diagnosis, allowed, targets, check)
     _write(found, diagnosis, output, out, figure, [str(path) for path in paths], allowed)
@@ -75,7 +76,7 @@ def design(
 
 def _designed(diagnosis: Diagnosis, limits: Limits, targets: str, check: bool) -> Proposal | Sharpened | None:
     from msd_ident import design as designs
-    from msd_ident.design.precision import sharpen
+    from msd_ident.design.parameter_design import sharpen
 
     if targets:
         return sharpen(diagnosis, [name.strip() for name in targets.split(",") if name.strip()], limits)

@@ -10,9 +10,9 @@ import typer
 from msd_ident.cli import exports, pages, run, sources, trials
 
 if TYPE_CHECKING:
-    from msd_ident import pipeline
-    from msd_ident.diagnose import Diagnosis
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.diagnosis import Diagnosis
+    from msd_ident.workflow import pipeline
 
 
 @sources.reading
@@ -34,8 +34,8 @@ def diagnose(
     all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag, each on its own")] = False,
 ) -> int:
     """Diagnose: what the model lacks, how sure that is, what it costs, what was gained, what is still open."""
-    from msd_ident import pipeline
     from msd_ident.report import diagnosis as tables
+    from msd_ident.workflow import pipeline
 
     options = pipeline.Options(model=model, tolerance=tolerance, calibrate=calibrate)
     output = run.Output(json, quiet, overwrite)

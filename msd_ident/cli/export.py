@@ -13,10 +13,10 @@ from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.bag import SourceOptions
+    from msd_ident.data.record import Record
     from msd_ident.export import Target
-    from msd_ident.record import Record
-    from msd_ident.saved import SavedModel
+    from msd_ident.io import SourceOptions
+    from msd_ident.workflow.saved_model import SavedModel
 
 ToOption = Annotated[
     str,
@@ -69,7 +69,7 @@ def export(
     from rich.console import Console
 
     from msd_ident import export as exports
-    from msd_ident.bag import read_all
+    from msd_ident.io import read_all
     from msd_ident.report import export as tables
 
     output = run.Output(json, quiet, overwrite)
@@ -103,7 +103,7 @@ def _paths(
     saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
 ) -> tuple[Sequence[Path], str]:
     """Records to replay: those given, or that of the result where it is still there; else why there are none."""
-    from msd_ident.bag import read_all
+    from msd_ident.io import read_all
 
     if replay:
         return replay, ""

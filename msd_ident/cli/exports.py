@@ -15,8 +15,8 @@ from msd_ident.errors import UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.bag import SourceOptions
     from msd_ident.cli.pages import Pages
+    from msd_ident.io import SourceOptions
 
 ExportOption = Annotated[
     Optional[list[str]],  # noqa: UP045
@@ -80,11 +80,12 @@ class Exports:
         """
         if not self.asked:
             return {}
-        from msd_ident import export, saved
-        from msd_ident.bag import read_all
+        from msd_ident import export
+        from msd_ident.io import read_all
         from msd_ident.report.export import print_export
+        from msd_ident.workflow import saved_model
 
-        model = saved.from_json_dict(run.jsonable(result))
+        model = saved_model.from_json_dict(run.jsonable(result))
         records = [record for path in self.group for record in read_all(path, self.source)]
         made = []
         for one in self.asked:

@@ -10,9 +10,9 @@ import typer
 from msd_ident.cli import exports, pages, run, sources, trials
 
 if TYPE_CHECKING:
-    from msd_ident import pipeline
-    from msd_ident.identification import Identification
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.workflow import pipeline
+    from msd_ident.workflow.identification import Identification
 
 
 @sources.reading
@@ -40,9 +40,9 @@ def identify(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Identify (ωn, ζ, K), then m, b, k and dry friction, each with its interval."""
-    from msd_ident import pipeline
-    from msd_ident.known import parse_all
     from msd_ident.report import tables
+    from msd_ident.workflow import pipeline
+    from msd_ident.workflow.known_parameters import parse_all
 
     options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
     output = run.Output(json, quiet, overwrite)

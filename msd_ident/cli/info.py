@@ -13,9 +13,9 @@ from msd_ident.errors import MsdError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.bag import BagInfo, SourceOptions
-    from msd_ident.quality import Finding
-    from msd_ident.record import Record
+    from msd_ident.data.quality import Finding
+    from msd_ident.data.record import Record
+    from msd_ident.io import BagInfo, SourceOptions
 
 
 @sources.reading
@@ -64,8 +64,8 @@ class _Contents:
 
 
 def _look(path: Path, source: SourceOptions) -> _Contents:
-    from msd_ident import quality
-    from msd_ident.bag import describe, read
+    from msd_ident.data import quality
+    from msd_ident.io import describe, read
 
     info = describe(path, source)
     try:

@@ -15,7 +15,7 @@ from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
     from msd_ident.design import Profile
-    from msd_ident.investigation import Investigation, Rig, Step
+    from msd_ident.workflow.investigation import Investigation, Rig, Step
 
 EffectOption = Annotated[
     Optional[list[str]],  # noqa: UP045
@@ -54,9 +54,9 @@ def investigate(
     quiet: sources.QuietOption = False,
 ) -> int:
     """Investigate a rig: run, diagnose, design the next experiment, run it, until one explanation stands."""
-    from msd_ident import investigation
     from msd_ident.cli import run
     from msd_ident.design import read_limits, read_profile
+    from msd_ident.workflow import investigation
 
     output = run.Output(json, quiet, False)
     output.check()
@@ -93,7 +93,7 @@ def _rig(name: str, effects: list[str], seed: int, out: Path, graph: tuple[str, 
     from msd_ident.cli.run_profile import stopped_by_signals
 
     require_ros("msd investigate")
-    from msd_ident.ros.session import GraphRig, conductor
+    from msd_ident.ros.experimenter.session import GraphRig, conductor
 
     with conductor(*graph) as made, stopped_by_signals() as stop:
         yield GraphRig(made, out, stop, lambda part, force, at: None)
@@ -131,12 +131,12 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
 
 def _write(found: Investigation, out: Path, output: object) -> None:
     from msd_ident.cli import run
-    from msd_ident.report import story
+    from msd_ident.report import investigation_page
 
     assert isinstance(output, run.Output)
     journal = run.jsonable(found.to_json_dict())
     (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-    story.save(found, out / "report.html")
+    investigation_page.save(found, out / "report.html")
     run.write([{"path": str(out), **found.to_json_dict()}], output)
     if output.tables:
         print(found.sentence)

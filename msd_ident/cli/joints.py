@@ -10,8 +10,8 @@ from msd_ident.cli import run
 from msd_ident.errors import DataError, MsdError, UsageError
 
 if TYPE_CHECKING:
-    from msd_ident import pipeline
-    from msd_ident.bag import SourceOptions
+    from msd_ident.io import SourceOptions
+    from msd_ident.workflow import pipeline
 
 SCHEMA = "msd.joint/1"
 
@@ -59,14 +59,14 @@ def diagnose_joints(
 def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, output: run.Output) -> list[dict[str, Any]]:
     from rich.console import Console
 
-    from msd_ident import joints
-    from msd_ident.bag import joints as in_bag
-    from msd_ident.bag import read, source_of
+    from msd_ident.io import joints as in_bag
+    from msd_ident.io import read, source_of
+    from msd_ident.workflow import all_joints
 
     found = in_bag(path)
     with run.progress(output.quiet) as tell:
         tell(f"{len(found)} joints", 0.1)
-        results = joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
+        results = all_joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
     if output.tables:
         _show(path, results, Console(highlight=False))
     return [_line(path, one) for one in results]

@@ -26,7 +26,7 @@ def live(
 
     require_ros("msd live")
     require_page()
-    from msd_ident.ros.signals import noted_signals
+    from msd_ident.ros.common.signals import noted_signals
 
     given = {"host": host, "port": port, "token": token, "force": force, "position": position}
     given |= {"step_limit": step_limit, **({"frame_rate": rate} if rate else {})}
@@ -39,9 +39,9 @@ def live(
     with noted_signals() as signals, ExitStack() as stack:
         if demo:
             _start_demo(stack)
-        from msd_ident.ros.live_node import LiveView
-        from msd_ident.ros.parameters import overrides
-        from msd_ident.ros.run import run
+        from msd_ident.ros.common.node_runner import run
+        from msd_ident.ros.common.parameters import overrides
+        from msd_ident.ros.live.node import LiveView
 
         place = "msd" if demo else namespace.strip("/")
         arguments = ["--ros-args", "-r", f"__ns:=/{place}"]
@@ -53,7 +53,7 @@ def _start_demo(stack: ExitStack) -> None:
     import tempfile
     from pathlib import Path
 
-    from msd_ident.ros.live_demo import demo_graph
+    from msd_ident.ros.demo.live_demo import demo_graph
 
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="msd_live_", ignore_cleanup_errors=True))
     stack.enter_context(demo_graph(Path(folder)))

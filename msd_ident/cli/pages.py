@@ -15,12 +15,12 @@ import typer
 from msd_ident.cli import run
 
 if TYPE_CHECKING:
-    from msd_ident.bag import SourceOptions
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.data.provenance import Origin, Provenance
+    from msd_ident.diagnosis import Diagnosis
     from msd_ident.export import Export
-    from msd_ident.identification import Identification
-    from msd_ident.provenance import Origin, Provenance
-    from msd_ident.validation import Validation
+    from msd_ident.io import SourceOptions
+    from msd_ident.workflow.identification import Identification
+    from msd_ident.workflow.validation import Validation
 
 ReportOption = Annotated[
     Optional[Path],  # noqa: UP045
@@ -101,7 +101,7 @@ class Pages:
         if self.markdown is not None:
             from msd_ident.export import Export
             from msd_ident.report import markdown
-            from msd_ident.validation import Validation
+            from msd_ident.workflow.validation import Validation
 
             plain = [found for found in results if not isinstance(found, Validation | Export)]
             markdown.save(plain, self.markdown, told)
@@ -127,7 +127,7 @@ class Pages:
 
 def provenance(paths: Sequence[Path], source: SourceOptions) -> Provenance:
     """Files with their hashes, versions, and the command line that is running."""
-    from msd_ident.provenance import Provenance, versions
+    from msd_ident.data.provenance import Provenance, versions
 
     command = shlex.join(["msd", *sys.argv[1:]])
     now = datetime.now(timezone.utc).isoformat(timespec="seconds").replace("+00:00", "Z")
@@ -135,8 +135,8 @@ def provenance(paths: Sequence[Path], source: SourceOptions) -> Provenance:
 
 
 def _origin(path: Path, source: SourceOptions) -> Origin:
-    from msd_ident.bag import describe
-    from msd_ident.provenance import Origin, fingerprint
+    from msd_ident.data.provenance import Origin, fingerprint
+    from msd_ident.io import describe
 
     size, digest = fingerprint(path)
     told = describe(path, source)

@@ -12,7 +12,7 @@ def paper(
     from rich.console import Console
 
     from msd_ident.cli import run
-    from msd_ident.features.paper import study
+    from msd_ident.paper.method import study
     from msd_ident.report.paper_tables import print_paper
 
     output = run.Output(json, quiet, overwrite)

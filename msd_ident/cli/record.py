@@ -11,8 +11,8 @@ import typer
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.ros.recording import Summary
-    from msd_ident.ros.signals import Signals
+    from msd_ident.ros.common.signals import Signals
+    from msd_ident.ros.recorder.recording import Summary
 
 #: Longest wait for somebody who publishes, where the recording has a duration [s].
 WAIT = 5.0
@@ -35,13 +35,13 @@ def record(
     require_ros("msd record")
     if every and topics:
         raise UsageError("--all and topics were given; expected one of the two")
-    from msd_ident.ros.signals import noted_signals
+    from msd_ident.ros.common.signals import noted_signals
 
     with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
-        from msd_ident.ros.finding import kept_discovery
-        from msd_ident.ros.parameters import overrides
-        from msd_ident.ros.recorder_node import Recorder, check_request
-        from msd_ident.ros.run import run
+        from msd_ident.ros.common.graph_discovery import kept_discovery
+        from msd_ident.ros.common.node_runner import run
+        from msd_ident.ros.common.parameters import overrides
+        from msd_ident.ros.recorder.node import Recorder, check_request
 
         target = out.expanduser().absolute() if out else None
         given = {
@@ -69,8 +69,8 @@ def record(
 
 def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> str:
     """Namespace of relative names, once somebody publishes one of them."""
-    from msd_ident.ros import names
-    from msd_ident.ros.finding import namespace_of
+    from msd_ident.ros.common import names
+    from msd_ident.ros.common.graph_discovery import namespace_of
 
     relative = [topic for topic in topics if not topic.startswith(("/", "~"))]
     if every or (topics and not relative):

@@ -12,7 +12,7 @@ from msd_ident.cli import sources
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
-    from msd_ident.bag import Repair
+    from msd_ident.io import Repair
 
 
 def repair(
@@ -21,7 +21,7 @@ def repair(
     overwrite: sources.OverwriteOption = False,
 ) -> int:
     """Give bags that were cut off their index and true metadata, and say what was lost."""
-    from msd_ident import bag
+    from msd_ident import io
     from msd_ident.cli import run
 
     output = run.Output(json, quiet=False, overwrite=overwrite)
@@ -30,7 +30,7 @@ def repair(
     failed = False
     for path in paths:
         try:
-            done = bag.repair(path)
+            done = io.repair(path)
         except MsdError as error:
             failed = True
             print(f"msd: {error}", file=sys.stderr)

@@ -20,12 +20,12 @@ def replay(
     from msd_ident.cli.needs_ros import require_ros
 
     require_ros("msd replay")
-    from msd_ident.ros.signals import noted_signals
+    from msd_ident.ros.common.signals import noted_signals
 
     with noted_signals() as signals:
-        from msd_ident.ros.parameters import overrides
-        from msd_ident.ros.replayer_node import Replayer
-        from msd_ident.ros.run import run
+        from msd_ident.ros.common.node_runner import run
+        from msd_ident.ros.common.parameters import overrides
+        from msd_ident.ros.replayer.node import Replayer
 
         given = {
             "bag": str(bag),

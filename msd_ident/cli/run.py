@@ -16,8 +16,8 @@ from msd_ident.errors import MsdError, SetupError, UsageError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.bag import SourceOptions
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.io import SourceOptions
 
 Progress = Callable[[str, float], None]
 
@@ -163,7 +163,7 @@ def _parts(
     group: tuple[Path, ...], source: SourceOptions, together: bool
 ) -> list[tuple[tuple[Path, ...], SourceOptions]]:
     """A group with the options of each of its results: one for each run of a path for ``--run all``."""
-    from msd_ident.bag import each_run
+    from msd_ident.io import each_run
 
     if together or source.run != "all":
         return [(group, source)]
@@ -184,7 +184,7 @@ def _solved(
     output: Output,
     solve: Callable[[Sequence[Record], Progress], Result],
 ) -> Result:
-    from msd_ident.bag import read_all
+    from msd_ident.io import read_all
 
     with progress(output.quiet) as report:
         report("reading", 0.0)

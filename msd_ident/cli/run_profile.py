@@ -50,7 +50,7 @@ def run_profile(
     bag = out or Path(f"{profile.stem}_bag")
     run.check_target(bag, False)
     require_ros("msd run")
-    from msd_ident.ros.session import conductor
+    from msd_ident.ros.experimenter.session import conductor
 
     with conductor(namespace, silence, lead) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
         done = played_by.play(

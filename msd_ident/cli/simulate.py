@@ -12,7 +12,7 @@ from msd_ident.cli import sources
 from msd_ident.errors import SetupError, UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
 
 #: Entry points that simulate: a mapping in, an object with time, force_time, force, position, hold and truth out.
 RIGS = "msd.rigs"
@@ -52,7 +52,7 @@ def simulate(
     overwrite: ReplaceOption = False,
 ) -> int:
     """Run an experiment on a simulated rig and write what its encoder says."""
-    from msd_ident import bag
+    from msd_ident import io
     from msd_ident.cli import run
 
     output = run.Output(json, quiet, overwrite)
@@ -73,9 +73,9 @@ def simulate(
         raise UsageError(str(error)) from None
     record = _record(simulated, out.stem)
     if out.suffix == ".csv":
-        bag.write_csv(_one_clock(record), out, overwrite)
+        io.write_csv(_one_clock(record), out, overwrite)
     else:
-        bag.write_bag(record, out, overwrite)
+        io.write_bag(record, out, overwrite)
     run.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
     if output.tables:
         print(f"{out}: {record.samples} samples in {record.duration:.3f} s, experiment {name} on rig {rig}")
@@ -117,7 +117,7 @@ def _numbers(option: str, text: str) -> dict[str, float]:
 
 
 def _record(simulated: Any, name: str) -> Record:
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
 
     return Record(
         time=simulated.time,
@@ -133,7 +133,7 @@ def _one_clock(record: Record) -> Record:
     """The record with the force at each position's stamp, wherever that says the same: a table without gaps."""
     import numpy as np
 
-    from msd_ident.record import from_samples
+    from msd_ident.data.record import from_samples
 
     if record.hold == "zero" and np.isin(record.force_time, record.time).all():
         return from_samples(record.time, record.force_at(record.time), record.position, name=record.name)

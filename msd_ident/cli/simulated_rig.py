@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident import bag
+from msd_ident import io
+from msd_ident.data.record import MINIMUM_SAMPLES, Record
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import UsageError
-from msd_ident.investigation import Ran
-from msd_ident.record import MINIMUM_SAMPLES, Record
+from msd_ident.workflow.investigation import Ran
 
 
 @dataclass
@@ -56,7 +56,7 @@ class SimulatedRig:
             name=f"run {self.runs}",
         )  # fmt: skip
         path = self.folder / f"run_{self.runs}"
-        bag.write_bag(record, path, False)
+        io.write_bag(record, path, False)
         return Ran(record, str(path), stopped)
 
 

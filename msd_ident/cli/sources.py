@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 import typer
 
 if TYPE_CHECKING:
-    from msd_ident.bag import SourceOptions
+    from msd_ident.io import SourceOptions
 
     Source = SourceOptions
 else:
@@ -89,7 +89,7 @@ def reading(command: Callable[..., int]) -> Callable[..., int]:
     """
 
     def told(**given: Any) -> int:
-        from msd_ident.bag import SourceOptions
+        from msd_ident.io import SourceOptions
 
         source = SourceOptions(**{name: given.pop(name) for name in READING})
         return command(source=source, **given)

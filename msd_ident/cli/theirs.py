@@ -11,9 +11,9 @@ from msd_ident.cli import run
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.bag import SourceOptions
+    from msd_ident.data.record import Record
     from msd_ident.external import Comparison, Simulation
-    from msd_ident.record import Record
+    from msd_ident.io import SourceOptions
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,9 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     """Simulated positions of a file: the first reading that works, with the record's options or with none."""
     from dataclasses import replace
 
-    from msd_ident.bag import SourceOptions, read
     from msd_ident.errors import DataError
     from msd_ident.external import TableSimulation
+    from msd_ident.io import SourceOptions, read
 
     plain = SourceOptions(force="none", position_unit=source.position_unit)
     try:

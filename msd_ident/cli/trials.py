@@ -12,7 +12,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.bag import SourceOptions
+    from msd_ident.io import SourceOptions
 
 OnOption = Annotated[
     Optional[list[Path]],  # noqa: UP045
@@ -40,11 +40,11 @@ class Trials:
         """
         if not self.paths:
             return {}
-        from msd_ident import saved, validation
-        from msd_ident.bag import read_all
+        from msd_ident.io import read_all
         from msd_ident.report.validation import print_validation
+        from msd_ident.workflow import saved_model, validation
 
-        model, told = saved.from_json_dict(result), []
+        model, told = saved_model.from_json_dict(result), []
         for path in self.paths:
             found = validation.validate(model, read_all(path, self.source))
             line = found.to_json_dict()

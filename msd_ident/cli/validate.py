@@ -12,9 +12,9 @@ from msd_ident.cli import pages, run, sources
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.record import Record
-    from msd_ident.saved import SavedModel
-    from msd_ident.validation import Options, Validation
+    from msd_ident.data.record import Record
+    from msd_ident.workflow.saved_model import SavedModel
+    from msd_ident.workflow.validation import Options, Validation
 
 
 @sources.reading
@@ -64,7 +64,7 @@ def validate(
         return theirs.compare([result, *(paths or ())], source, together, output, chosen)
     if not paths:
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
-    from msd_ident import validation
+    from msd_ident.workflow import validation
 
     options = validation.Options(refit_zero, require)
     targets = pages.Pages(report, None, figures, source, output)
@@ -74,8 +74,8 @@ def validate(
 
 def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
     """Try a saved model on every path, or on all together; the exit code."""
-    from msd_ident import validation
     from msd_ident.report import validation as tables
+    from msd_ident.workflow import validation
 
     met = []
 
@@ -93,7 +93,7 @@ def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together:
 
 def saved_model(path: Path, line: int | None) -> SavedModel:
     """The saved model of a file, of the line asked for."""
-    from msd_ident import saved
+    from msd_ident.workflow import saved_model as saved
 
     if line is None:
         return saved.load(path)

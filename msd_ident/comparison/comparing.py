@@ -12,8 +12,8 @@ import numpy as np
 from msd_ident.comparison.estimates import Estimate, Measured, estimate, structure
 from msd_ident.comparison.hypotheses import GROUP, Design, Hypothesis, Posterior, design, posterior
 from msd_ident.comparison.joint import JointFit, joint_fit
-from msd_ident.design.cores import each
 from msd_ident.errors import DataError, UsageError
+from msd_ident.parallel import each
 
 SCHEMA = "msd.compare/1"
 #: Probability from which a difference is named, and from which a rival is worth a word.

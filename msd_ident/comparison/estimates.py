@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError
-from msd_ident.fit import FitResult, fit
+from msd_ident.estimate import FitResult, fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.preparing import prepared
-from msd_ident.record import FloatArray, Record
+from msd_ident.workflow.preparation import prepared
 
 #: A cause belongs to the common model where it is named in this part of the records of a group.
 _OFTEN = 0.5

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.comparison.estimates import Estimate
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 #: Size of a difference before any data, as a part of the parameter, and the odds that there is one.
 SIZE, ODDS = 0.1, 0.05

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.comparison.estimates import Estimate
-from msd_ident.fit.objective import SquaredError
-from msd_ident.fit.posing import pose
-from msd_ident.fit.solver import Limits, Normal, minimise
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.least_squares import Limits, Normal, minimise
+from msd_ident.estimate.objective import SquaredError
 
 #: Records of a group that a joint fit is made of, at most: the numbers come from all, the fit checks them.
 MOST = 8

@@ -7,7 +7,7 @@ left in units of the noise is
     chi² = dᵀ W d − dᵀ W J_Bᵀ (J_B W J_Bᵀ + P_B)⁻¹ J_B W d,     d = y_A − y_B,
 
 with W the weight of each reading over its noise squared. A's own parameters are not known exactly either: they are
-drawn from what the data leaves (J_A enters d). With the Occam factors of the evidence (``diagnose.evidence``) this
+drawn from what the data leaves (J_A enters d). With the Occam factors of the evidence (``selection.evidence``) this
 gives the evidence that A will have over B, and how often it will be decisive: the log of a likelihood ratio has the
 mean chi²/2 and the variance chi².
 """
@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import special
 
+from msd_ident.data.record import FloatArray
 from msd_ident.design.prediction import DRAWS, NUISANCES, Grid, Prediction, Predictor, Sensing
-from msd_ident.diagnose.evidence import DECISIVE
-from msd_ident.record import FloatArray
+from msd_ident.selection.evidence import DECISIVE
 
 #: Standard deviation of a start position and a zero before any reading, in noise levels.
 _UNKNOWN = 1e5

@@ -9,12 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
-from msd_ident import quality, seeds
+from msd_ident import seeds
+from msd_ident.data import quality
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
-from msd_ident.diagnose import Contender
-from msd_ident.fit.problem import Initial
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
-from msd_ident.record import FloatArray, Record
+from msd_ident.selection.candidate_models import Contender
 
 #: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
 _A_PERIOD, _A_SWING = 30.0, 8.0
@@ -48,7 +49,7 @@ class Sensing:
     def weight(self, speed: FloatArray) -> FloatArray:
         """Share (n,) of a piece of evidence in each sample, at these speeds [m/s].
 
-        Readings that repeat have said one thing (``diagnose.readings``): a run is as long as it takes to move on by
+        Readings that repeat have said one thing (``residuals.noise_model``): a run is as long as it takes to move on by
         one count, or until noise turns the reading.
         """
         if self.step <= 0.0:

@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.errors import UsageError
-from msd_ident.record import FloatArray
 
 Kind = Literal["step", "hold", "ramp", "sweep", "prbs", "release", "table"]
 

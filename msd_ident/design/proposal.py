@@ -8,20 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.design import measurements, searching
-from msd_ident.design.designing import Option, Question, family_of
-from msd_ident.design.family import why
-from msd_ident.design.latent import hidden
+from msd_ident.data.record import FloatArray
+from msd_ident.design import deciding_measurements as measurements
+from msd_ident.design import profile_search
+from msd_ident.design.evaluation import Option, Question, family_of
+from msd_ident.design.hidden_effects import hidden
+from msd_ident.design.library import why
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import sensing
 from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import to_tree
-from msd_ident.design.refitting import Refitted
+from msd_ident.design.profile_search import HOPELESS
+from msd_ident.design.rival_refits import Refitted
 from msd_ident.design.rivals import names, rivals, shares
-from msd_ident.design.searching import HOPELESS
-from msd_ident.diagnose import Diagnosis
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
-from msd_ident.record import FloatArray
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ def default_limits(diagnosis: Diagnosis) -> Limits:
 
 def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], verb: str) -> Proposal:
     unit, length = diagnosis.records[0].force_unit, diagnosis.records[0].position_unit
-    found = searching.search(question, family_of(question, unit))
+    found = profile_search.search(question, family_of(question, unit))
     if found is None:
         raise UsageError(
             "no experiment has room within these limits; expected more force, travel, speed or time: raise them"

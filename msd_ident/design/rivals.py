@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from msd_ident.diagnose import Contender, Diagnosis
-from msd_ident.diagnose.evidence import DECISIVE
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.evidence import DECISIVE
 
 #: Most rivals of one design, and the least probability that makes a rival of an undisputed lead.
 MOST, WEAK = 6, 0.02

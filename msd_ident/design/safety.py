@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from msd_ident.data.record import Record
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
-from msd_ident.diagnose import Contender
-from msd_ident.fit.units import in_force_unit
+from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.record import Record
+from msd_ident.selection.candidate_models import Contender
 
 #: Part of the travel and of the speed that a design plans to use: no rival is exactly right.
 MARGIN = 0.8

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from msd_ident.data.record import Record
 from msd_ident.errors import SetupError, UsageError
 from msd_ident.export import nearest as nearby
 from msd_ident.export import posterior
@@ -18,9 +19,8 @@ from msd_ident.export.result import Export
 from msd_ident.export.saying import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
-from msd_ident.record import Record
-from msd_ident.saved import SavedModel
-from msd_ident.validation import as_saved
+from msd_ident.workflow.saved_model import SavedModel
+from msd_ident.workflow.validation import as_saved
 
 #: Solver steps a step of the record, where dry friction acts and where not, and at most.
 DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 64

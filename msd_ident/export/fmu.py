@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.errors import SetupError
 from msd_ident.export import header, python_source
 from msd_ident.export.mujoco_elements import BEFORE
@@ -21,7 +22,6 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import Start
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.record import FloatArray
 
 _SLAVE = '''
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from msd_ident.data.provenance import versions
 from msd_ident.export.plan import FORCES, Plan
-from msd_ident.provenance import versions
 from msd_ident.quantity import Z95
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from msd_ident.data.record import FloatArray
 from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target
 from msd_ident.export.mujoco_elements import NATIVE
 from msd_ident.export.plan import Plan
@@ -11,7 +12,6 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import Start, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.record import FloatArray
 
 _SAID = {
     "sensor_drift": Saying("cannot", "no element drifts; readings are the joint's position"),

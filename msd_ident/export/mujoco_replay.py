@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError, SetupError
 from msd_ident.export.mujoco_elements import ACTUATOR, SECOND, SENSOR
 from msd_ident.export.plan import Plan
 from msd_ident.export.target import Start
-from msd_ident.record import FloatArray, Record
 
 
 def library() -> Any:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import ClassVar
 from xml.sax.saxutils import escape
 
+from msd_ident.data.record import FloatArray
 from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
@@ -14,7 +15,6 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import Start, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.record import FloatArray
 
 _MODEL = """<!--
 {header}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from msd_ident.data.record import Record
+from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.formulation import Zero
 from msd_ident.export.target import Target
-from msd_ident.fit import FitResult, fit
-from msd_ident.fit.posing import Zero
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name, spoken
-from msd_ident.record import Record
-from msd_ident.saved import SavedModel
+from msd_ident.workflow.saved_model import SavedModel
 
 #: Stands in where a format has friction of one kind only.
 _STAND_IN = "coulomb_friction"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
 from msd_ident.model import Model
-from msd_ident.saved import SavedModel
+from msd_ident.workflow.saved_model import SavedModel
 
 if TYPE_CHECKING:
     from msd_ident.export.posterior import Draws

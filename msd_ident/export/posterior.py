@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident import seeds
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.fit import FitResult, fit
+from msd_ident.estimate import FitResult, fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.record import FloatArray, Record
-from msd_ident.saved import SavedModel
+from msd_ident.workflow.saved_model import SavedModel
 
 #: An explanation less likely than this is not drawn from.
 _RARE = 0.005

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import Initial, see
 from msd_ident.export.nearest import plain
 from msd_ident.export.target import Start
-from msd_ident.fit import Initial, see
-from msd_ident.record import FloatArray, Record
-from msd_ident.validation import simulated
+from msd_ident.workflow.validation import simulated
 
 if TYPE_CHECKING:
     from msd_ident.export.result import Export

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.export import header, laws, mujoco_replay, python_source
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
 from msd_ident.export.target import Start, Target
 from msd_ident.model.effects import Effect
-from msd_ident.record import FloatArray
 
 
 class PythonTarget(Target):

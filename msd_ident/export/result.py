@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from msd_ident.data.record import Record
 from msd_ident.errors import SetupError
 from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan
@@ -15,8 +16,7 @@ from msd_ident.export.proof import Proof, percent_text
 from msd_ident.export.saying import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
-from msd_ident.record import Record
-from msd_ident.saved import SavedModel
+from msd_ident.workflow.saved_model import SavedModel
 
 SCHEMA = "msd.export/1"
 

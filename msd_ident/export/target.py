@@ -10,11 +10,11 @@ from msd_ident.errors import UsageError
 from msd_ident.export.saying import Saying
 
 if TYPE_CHECKING:
+    from msd_ident.data.record import FloatArray, Record
+    from msd_ident.estimate import Initial
     from msd_ident.export.plan import Plan
-    from msd_ident.fit import Initial
     from msd_ident.model import Model
     from msd_ident.model.effects import Effect
-    from msd_ident.record import FloatArray, Record
 
 
 @dataclass(frozen=True)

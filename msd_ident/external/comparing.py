@@ -14,15 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident import pipeline, seeds
-from msd_ident.diagnose import Diagnosis
+from msd_ident import seeds
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate import FitResult, fit, see
+from msd_ident.estimate.formulation import Zero
 from msd_ident.external.difference import Difference, differences
 from msd_ident.external.simulations import Simulation
-from msd_ident.fit import FitResult, fit, see
-from msd_ident.fit.posing import Zero
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
-from msd_ident.record import FloatArray, Record
+from msd_ident.workflow import pipeline
 
 SCHEMA = "msd.external/1"
 #: Noise floors that the rig's structure may leave of a simulation; more, and the simulation is diagnosed too.

@@ -9,11 +9,11 @@ from typing import Literal
 
 import numpy as np
 
-from msd_ident.fit import FitResult
+from msd_ident.data.record import Record
+from msd_ident.estimate import FitResult
 from msd_ident.model import Model, Simulator
 from msd_ident.model.effects import spoken
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record
 
 #: Standard deviations from which on two values differ.
 SIGMAS = 3.0

@@ -11,10 +11,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError, UsageError
+from msd_ident.estimate import Initial
 from msd_ident.export import mujoco_replay, robot
-from msd_ident.fit import Initial
-from msd_ident.record import FloatArray, Record
 
 
 class Simulation(Protocol):

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from msd_ident.data.record import Record
 from msd_ident.features import oscillation
 from msd_ident.features.form import StandardForm
 from msd_ident.features.release import release
@@ -13,7 +14,6 @@ from msd_ident.features.response import SHORTEST, Noise, Response
 from msd_ident.features.rest import is_quiet, rest_value
 from msd_ident.features.swings import Extreme, extremes
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record
 
 #: Part of the record, at its end, that the rest value is read from.
 _TAIL = 0.15

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from msd_ident.data.record import Record
 from msd_ident.features.decay import free_decay
 from msd_ident.features.form import StandardForm, combine, combine_chain, pool
 from msd_ident.features.onsets import Onset, held_share, is_constant, levels, onsets
 from msd_ident.features.response import Noise, Response, noise_of, step_response, with_dead_width
-from msd_ident.record import Record
 
 #: A force that is held for less than this part of the time has no steps to speak of.
 _HELD = 0.5

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.record import FloatArray, Record
+from msd_ident.data.record import FloatArray, Record
 
 #: A step must be at least this part of the force's whole range.
 _SMALLEST_JUMP = 0.05

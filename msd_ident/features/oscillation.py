@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.optimize
 
+from msd_ident.data.record import FloatArray
 from msd_ident.features import equations
 from msd_ident.features.swings import Extreme
 from msd_ident.quantity import Quantity
-from msd_ident.record import FloatArray
 
 #: The way between two turning points counts while it is this many of its standard deviations.
 _SIGNIFICANT = 5.0

@@ -14,8 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.features.swings import Extreme
-from msd_ident.record import FloatArray, Record
 
 #: A hand carries at least this part of the force that the spring has at the greatest energy. Decays of measured rigs
 #: depart from their own law by 0.02 to 0.06 of it, hands by 0.3 to 1.

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident import quality
+from msd_ident.data import quality
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.features import equations, oscillation
 from msd_ident.features.form import StandardForm, gain_unit
 from msd_ident.features.onsets import Onset
@@ -15,7 +16,6 @@ from msd_ident.features.rest import FEWEST, is_quiet, rest_value
 from msd_ident.features.shape import Shape, fit_shape
 from msd_ident.features.swings import Extreme, extremes
 from msd_ident.quantity import Quantity
-from msd_ident.record import FloatArray, Record
 
 #: Part of a response, at its end, that its rest value is read from.
 _TAIL = 0.15

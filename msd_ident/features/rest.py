@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.quantity import Quantity
-from msd_ident.record import FloatArray
 
 #: Fewest samples that can show that the cart rests.
 FEWEST = 3

@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 import scipy.optimize
 
+from msd_ident.data.record import FloatArray
 from msd_ident.features.rest import run_lengths
 from msd_ident.quantity import Quantity
-from msd_ident.record import FloatArray
 
 #: Damping ratios that the search starts from.
 _STARTS = (0.3, 0.8, 1.5, 4.0)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.signal
 
+from msd_ident.data.record import FloatArray
 from msd_ident.features.rest import evidence
-from msd_ident.record import FloatArray
 
 #: A turning point stands out by this many noise floors, or by this part of the whole swing.
 _PROMINENCE_FLOORS, _PROMINENCE_SWING = 6.0, 0.01

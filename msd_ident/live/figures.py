@@ -11,8 +11,8 @@ import numpy.typing as npt
 from bokeh.models import Band, ColumnDataSource, Line, PanTool, Range1d, ResetTool, Span, WheelZoomTool
 from bokeh.plotting import figure
 
+from msd_ident.data.record import FloatArray
 from msd_ident.live.scope import Curve, Frame
-from msd_ident.record import FloatArray
 from msd_ident.report.numbers import Scale
 
 #: Names of the plots from top to bottom, with their heights [px].

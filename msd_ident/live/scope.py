@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from msd_ident.data.record import FloatArray, Hold
 from msd_ident.errors import MsdError
 from msd_ident.live.shadow import MODEL, POSITION, TIME, Beside, Shadow
 from msd_ident.live.thinning import held, thinned
 from msd_ident.live.track import Track
-from msd_ident.record import FloatArray, Hold
 
 #: Rows that are kept: a minute at 1 kHz and some more.
 CAPACITY = 80_000

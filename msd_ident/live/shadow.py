@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Hold, Record
 from msd_ident.errors import UsageError
 from msd_ident.live.track import Track
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, Effect
-from msd_ident.model.model import PLANT_PARAMETERS
+from msd_ident.model.plant import PLANT_PARAMETERS
 from msd_ident.model.simulator import Simulator
-from msd_ident.record import MINIMUM_SAMPLES, FloatArray, Hold, Record
 
 #: Effects that carry a state besides position and velocity: they are simulated from further back.
 REMEMBERING = frozenset({"actuator_lag", "hysteresis", "second_mode", "time_offset"})

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 #: Points that one pixel column needs at most.
 POINTS_A_COLUMN = 2

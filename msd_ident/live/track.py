@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 
 class Track:

@@ -7,7 +7,7 @@ record)`` computes the positions that an encoder would read under the record's f
 from __future__ import annotations
 
 from msd_ident.model.effects.base import Effect, Parameter
-from msd_ident.model.model import Model, Plant
+from msd_ident.model.plant import Model, Plant
 from msd_ident.model.simulator import Simulator, Trajectory, simulate, warm_up
 
 __all__ = ["Effect", "Model", "Parameter", "Plant", "Simulator", "Trajectory", "simulate", "warm_up"]

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident import stopping
+from msd_ident import cancellation
+from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
-from msd_ident.model.model import Model
-from msd_ident.record import Record
+from msd_ident.model.plant import Model
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -93,7 +93,7 @@ class Simulator:
     """A model's structure and a record's force, ready to be simulated many times.
 
     Calls are thread-safe and release the GIL. ``values`` are in the order of ``model.names``; values of the
-    model itself are not used. Each call asks first whether the work should stop (``msd_ident.stopping``).
+    model itself are not used. Each call asks first whether the work should stop (``msd_ident.cancellation``).
     """
 
     def __init__(self, model: Model, record: Record) -> None:
@@ -124,7 +124,7 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
-        stopping.check()
+        cancellation.check()
         row = self._row(values, initial_position, initial_velocity)
         out: FloatArray = np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, out, self._nothing)
@@ -134,7 +134,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
     ) -> FloatArray:
         """The same for several vectors in one call: values (r, p), initial states (r,) each; gives (r, n)."""
-        stopping.check()
+        cancellation.check()
         given = np.asarray(values, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != self._place.size:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
@@ -149,7 +149,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
-        stopping.check()
+        cancellation.check()
         row = self._row(values, initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, x, v)

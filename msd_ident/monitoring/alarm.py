@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 #: Shifts that are bet on, in standard deviations of the scatter, each either way and with the same stake.
 SHIFTS = (0.5, 1.0, 2.0, 4.0, 8.0)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 IntArray = npt.NDArray[np.intp]
 

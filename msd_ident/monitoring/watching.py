@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from msd_ident import seeds
+from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError, UsageError
 from msd_ident.monitoring.alarm import Detector, Ranks, Regression, rank_evidence, shift_evidence
 from msd_ident.monitoring.changes import Change, changes
-from msd_ident.record import FloatArray
 
 SCHEMA = "msd.watch/1"
 #: Parameters that are watched: those that every model has, so that a series has no gaps.

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from msd_ident.batching.row import CAUSES, PARAMETERS
+from msd_ident.data.provenance import versions
 from msd_ident.model.effects import spoken
-from msd_ident.provenance import versions
 from msd_ident.report.page import environment, shipped
 from msd_ident.report.writing import write_text
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from msd_ident.report import words
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose.calibration import Calibration, Row
-    from msd_ident.diagnose.candidates import Causes
+    from msd_ident.selection.calibration import Calibration, Row
+    from msd_ident.selection.hypothesis import Causes
 
 #: Columns of a table: what was said most often; all else together is one more.
 _MOST = 5

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from msd_ident.comparison.comparing import Comparison, Difference
+from msd_ident.report.headline_page import Told, save
 from msd_ident.report.numbers import number
 from msd_ident.report.plot import Panel, Plot, Role, Series
-from msd_ident.report.told_page import Told, save
 
 _PILLS = {
     "shared": "shared",

@@ -10,8 +10,8 @@ from msd_ident.report.tables import new_table
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.design.precision import Sharpened
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.design.parameter_design import Sharpened
+    from msd_ident.diagnosis import Diagnosis
 
 _SHOWN = 6
 

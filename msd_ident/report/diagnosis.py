@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.diagnosis import Diagnosis
     from msd_ident.quantity import Quantity
 
 _COLOURS = {

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.diagnose import Diagnosis
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
 from msd_ident.report import matplotlib_figure, verdict_figure
 from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.page import of_diagnosis, of_export, of_identification, of_validation
 from msd_ident.report.plot import Panel, Plot
 from msd_ident.report.plots import force_panel, identification_curves, line, noise_band
-from msd_ident.validation import Validation
+from msd_ident.workflow.validation import Validation
 
 if TYPE_CHECKING:
-    from msd_ident.identification import Identification
+    from msd_ident.workflow.identification import Identification
 
 
 def plots(found: Diagnosis | Identification | Validation | Export) -> tuple[Plot, ...]:

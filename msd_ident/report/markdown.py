@@ -7,8 +7,8 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msd_ident.datasheet import data_sheet
-from msd_ident.diagnose import Cause, Diagnosis
+from msd_ident.data.datasheet import data_sheet
+from msd_ident.diagnosis import Cause, Diagnosis
 from msd_ident.report import words
 from msd_ident.report.calibration import matrix
 from msd_ident.report.numbers import length_scale, number, with_band
@@ -16,10 +16,10 @@ from msd_ident.report.sections.parameters import Column, diagnosis_columns, iden
 from msd_ident.report.writing import write_text
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose.calibration import Calibration
-    from msd_ident.identification import Identification
-    from msd_ident.provenance import Provenance
-    from msd_ident.record import Record
+    from msd_ident.data.provenance import Provenance
+    from msd_ident.data.record import Record
+    from msd_ident.selection.calibration import Calibration
+    from msd_ident.workflow.identification import Identification
 
 _SPECIAL = str.maketrans({sign: f"\\{sign}" for sign in "\\`*_[]<>|#"})
 

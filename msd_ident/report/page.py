@@ -10,9 +10,9 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.diagnose import Diagnosis
+from msd_ident.data.provenance import versions
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
-from msd_ident.provenance import versions
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import Calibration
 from msd_ident.report.sections.causes import Causes
@@ -32,15 +32,15 @@ from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.trial import Trial
 from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
 from msd_ident.report.writing import write_text
-from msd_ident.validation import Validation
+from msd_ident.workflow.validation import Validation
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-    from msd_ident.identification import Identification
-    from msd_ident.provenance import Provenance
-    from msd_ident.record import FloatArray
+    from msd_ident.data.provenance import Provenance
+    from msd_ident.data.record import FloatArray
     from msd_ident.report.plot import Plot, Role
+    from msd_ident.workflow.identification import Identification
 
 #: A page is not larger than this, however many records it is about [bytes].
 LARGEST = 6_000_000

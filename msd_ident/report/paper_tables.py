@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from msd_ident.features.paper import Paper
-    from msd_ident.features.paper_models import Closest
+    from msd_ident.paper.method import Paper
+    from msd_ident.paper.models import Closest
 
 #: Name → (label, factor to the printed unit, unit).
 _ROWS = {

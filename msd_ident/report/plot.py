@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 #: What a series stands for; the renderers give it its colour, light and dark.
 Role = Literal["measured", "base", "extended", "law", "force", "noise", "paper"]

@@ -12,7 +12,7 @@ import numpy as np
 from msd_ident.report.plot import Panel, Plot, Series
 
 if TYPE_CHECKING:
-    from msd_ident.record import FloatArray
+    from msd_ident.data.record import FloatArray
 
 _GAP = 0.045
 

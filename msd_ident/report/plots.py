@@ -14,13 +14,13 @@ from msd_ident.report.plot import Panel, Plot, Role, Series
 from msd_ident.report.thinning import MAXIMUM_POINTS, spread, thinned
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Diagnosis
-    from msd_ident.diagnose.laws import Beyond
-    from msd_ident.diagnose.missing import MissingForce
-    from msd_ident.diagnose.ringdown import RingDown
-    from msd_ident.features.frequency import FrequencyResponse
-    from msd_ident.identification import Identification
-    from msd_ident.record import FloatArray, Record
+    from msd_ident.data.record import FloatArray, Record
+    from msd_ident.diagnosis import Diagnosis
+    from msd_ident.diagnosis.nonlinear_laws import Beyond
+    from msd_ident.model.frequency_response import FrequencyResponse
+    from msd_ident.residuals.disturbance import MissingForce
+    from msd_ident.residuals.ringdown import RingDown
+    from msd_ident.workflow.identification import Identification
 
 
 #: Points of curves and clouds of each kind that a page can carry.

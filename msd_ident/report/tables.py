@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from msd_ident.features import Response
     from msd_ident.features.oscillation import TwoPeaks
-    from msd_ident.identification import Identification, ModelFit
+    from msd_ident.workflow.identification import Identification, ModelFit
 
 #: Parameter → (words, symbol), design names in the order in which tables list them.
 WORDS = {

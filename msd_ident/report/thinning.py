@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.record import FloatArray
+from msd_ident.data.record import FloatArray
 
 #: Most points drawn per curve; beyond that the extremes of each bin are kept.
 MAXIMUM_POINTS = 4000

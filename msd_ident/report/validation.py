@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from msd_ident.validation import Validation
+    from msd_ident.workflow.validation import Validation
 
 
 def trial_table(found: Validation) -> Table:

@@ -14,7 +14,7 @@ from msd_ident.report.page import of_diagnosis
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.diagnosis import Diagnosis
 
 _SLUG = "verdict"
 

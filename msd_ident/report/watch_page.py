@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.monitoring.watching import Series as WatchedSeries
 from msd_ident.monitoring.watching import Watch
-from msd_ident.record import FloatArray
+from msd_ident.report.headline_page import Told, save
 from msd_ident.report.plot import Panel, Plot, Role, Series
-from msd_ident.report.told_page import Told, save
 
 _DAY = 86400.0
 

@@ -6,13 +6,13 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-from msd_ident.diagnose import verdict as said
+from msd_ident.diagnosis import verdict as said
 from msd_ident.model.effects import LIBRARY, by_name, spoken
-from msd_ident.model.model import PLANT_PARAMETERS
+from msd_ident.model.plant import PLANT_PARAMETERS
 from msd_ident.report.tables import WORDS
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.diagnosis import Diagnosis
 
 #: What each verdict means, in two or three words.
 VERDICTS = {

@@ -12,7 +12,7 @@ pytest.importorskip("fsspec", reason="the extra batch is not installed")
 
 from batchrigs import step_file  # noqa: E402
 
-from msd_ident.batching import batch, places, table  # noqa: E402
+from msd_ident.batching import batch, locations, table  # noqa: E402
 from msd_ident.batching.job import Job  # noqa: E402
 from msd_ident.batching.running import Link  # noqa: E402
 from msd_ident.errors import DataError, SetupError, UsageError  # noqa: E402
@@ -28,13 +28,13 @@ def test_a_folder_gives_its_bags_and_files(tmp_path: Path) -> None:
     for name in ("b.csv", "a.mcap", "deep/c.mat", ".hidden.csv", "notes.txt"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
-    assert names(places.records([tmp_path])) == ["a.mcap", "b.csv", "c.mat"]
-    assert names(places.records([tmp_path / "*.csv", tmp_path / "b.csv"])) == ["b.csv"]
-    assert names(places.records([BAGS])) == ["drag_steps", "paper_step", "release"]
+    assert names(locations.records([tmp_path])) == ["a.mcap", "b.csv", "c.mat"]
+    assert names(locations.records([tmp_path / "*.csv", tmp_path / "b.csv"])) == ["b.csv"]
+    assert names(locations.records([BAGS])) == ["drag_steps", "paper_step", "release"]
 
 
 def test_a_list_has_a_path_a_line() -> None:
-    assert places.listed("# today\n a.csv \n\nb.csv\n") == ("a.csv", "b.csv")
+    assert locations.listed("# today\n a.csv \n\nb.csv\n") == ("a.csv", "b.csv")
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +60,9 @@ def test_records_and_table_in_an_object_store(
     path = step_file(tmp_path / "one.csv")
     files.put_file(str(path), "lab/arm_1/one.csv")
     files.put(str(BAGS / "release"), "lab/arm_1/release", recursive=True)
-    found = places.records(["s3://lab"])
+    found = locations.records(["s3://lab"])
     assert found == ("s3://lab/arm_1/one.csv", "s3://lab/arm_1/release")
-    assert names(places.records(["s3://lab/*/*.csv"])) == ["one.csv"]
+    assert names(locations.records(["s3://lab/*/*.csv"])) == ["one.csv"]
     batch.run(found, Job(), link, batch.Plan("s3://lab/table.parquet"))
     rows = table.read("s3://lab/table.parquet").to_pylist()
     assert [(row["name"], row["robot"], row["error"]) for row in rows] == [
@@ -88,5 +88,5 @@ def test_stores_that_cannot_be_had_are_said(
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "x")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "x")
     monkeypatch.setenv("AWS_MAX_ATTEMPTS", "1")
-    with pytest.raises(error, match=says), places.local(path):
+    with pytest.raises(error, match=says), locations.local(path):
         pass

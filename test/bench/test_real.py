@@ -15,9 +15,9 @@ import pytest
 from bench.real import __main__ as table
 from bench.real.rigs import DRY, RIGS, Reference, Rig
 from bench.real.score import Row, judgement, line, refused, score, totals
-from msd_ident import pipeline
-from msd_ident.bag import SourceOptions
+from msd_ident.io import SourceOptions
 from msd_ident.model.effects import by_name
+from msd_ident.workflow import pipeline
 
 RIG = Rig(
     "real/cart.csv", SourceOptions(), acts=(DRY, frozenset({"force_offset"})), false=frozenset({"end_stop"}),

@@ -13,9 +13,9 @@ import pytest
 
 from bench.blind.cases import Case, Outcome, run
 from bench.blind.rigs import write
-from msd_ident import pipeline
-from msd_ident.bag import SourceOptions, read
+from msd_ident.io import SourceOptions, read
 from msd_ident.model.effects import spoken
+from msd_ident.workflow import pipeline
 from msd_sim import lottery
 
 #: Where the truth without the hidden effect leaves this many noise floors, the effect is there to be found.

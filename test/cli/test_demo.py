@@ -18,8 +18,8 @@ pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from graph import until  # noqa: E402
 
-from msd_ident import pipeline  # noqa: E402
-from msd_ident.bag import open_bag, read  # noqa: E402
+from msd_ident.io import open_bag, read  # noqa: E402
+from msd_ident.workflow import pipeline  # noqa: E402
 
 
 class Demo:
@@ -71,7 +71,7 @@ def demo(out: Path, *options: str) -> Iterator[Demo]:
 
 def all_up(running: Demo) -> bool:
     """Whether rig, recorder and identifier run."""
-    modules = {"msd_sim.node", "msd_ident.ros.recorder", "msd_ident.ros.identifier"}
+    modules = {"msd_sim.node", "msd_ident.ros.recorder.main", "msd_ident.ros.identifier.main"}
     return modules <= set(running.others()) or running.ended
 
 

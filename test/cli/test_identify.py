@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from badinputs import Outcome, run
 
-from msd_ident.bag import write_csv
-from msd_ident.features import paper
-from msd_ident.record import Record, from_samples
+from msd_ident.data.record import Record, from_samples
+from msd_ident.io import write_csv
+from msd_ident.paper import method
 from msd_sim.api import simulate
 
 
@@ -38,8 +38,8 @@ def process(*words: str | Path, expect: int = 0) -> subprocess.CompletedProcess[
 @pytest.fixture(scope="module")
 def once() -> Iterator[None]:
     """The paper's study, which is always the same, is made once for the tests here."""
-    made = paper.study()
-    with mock.patch.object(paper, "study", lambda progress: made):
+    made = method.study()
+    with mock.patch.object(method, "study", lambda progress: made):
         yield
 
 

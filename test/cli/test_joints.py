@@ -10,7 +10,7 @@ import pytest
 from badinputs import run
 from servos import geared, torque
 
-from msd_ident.bag import BagWriter, joints
+from msd_ident.io import BagWriter, joints
 
 JOINTS = "sensor_msgs/msg/JointState"
 START_NS = 1_700_000_000_000_000_000

@@ -37,7 +37,7 @@ def test_what_is_recorded_is_replayed(ros_domain: int, tmp_path: Path) -> None:
     from graph import graph, until
     from sensor_msgs.msg import JointState
 
-    from msd_ident.bag import iterate_messages
+    from msd_ident.io import iterate_messages
 
     sent = [joints(START_NS + index, [index * 1e-3]) for index in range(50)]
     with graph(ros_domain) as ros:

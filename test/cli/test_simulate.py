@@ -8,8 +8,8 @@ import sys
 import numpy as np
 import pytest
 
-from msd_ident.bag import read
 from msd_ident.cli.main import main
+from msd_ident.io import read
 
 
 @pytest.fixture

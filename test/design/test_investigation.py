@@ -12,8 +12,8 @@ from designrigs import LIMITS, STEP, Rig
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
-from msd_ident.investigation import Budget, Loop, Ran
-from msd_ident.report import story
+from msd_ident.report import investigation_page
+from msd_ident.workflow.investigation import Budget, Loop, Ran
 
 
 def test_the_truth_stands_after_one_more_experiment() -> None:
@@ -104,7 +104,9 @@ def test_the_story_shows_names_and_runs_none(tmp_path: Path) -> None:
         step, purpose=attack, profile=replace(step.profile, name=attack),
         ran=replace(step.ran, path=attack, stopped=attack), diagnosis=replace(step.diagnosis, summary=attack),
     )  # fmt: skip
-    story.save(replace(found, steps=(named,), sentence=attack, measurements=(attack,)), tmp_path / "story.html")
+    investigation_page.save(
+        replace(found, steps=(named,), sentence=attack, measurements=(attack,)), tmp_path / "story.html"
+    )
     page = (tmp_path / "story.html").read_text()
     assert page.count("&lt;script&gt;") >= 7 and "<script" not in page
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msd_ident.design import Limits, Profile, Segment, read_limits, read_profile, write_profile
-from msd_ident.design.family import Pace, family, why
+from msd_ident.design.library import Pace, family, why
 from msd_ident.design.limits import from_tree
 from msd_ident.design.profile_file import from_yaml, to_yaml
 from msd_ident.errors import DataError, UsageError

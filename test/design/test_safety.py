@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from designrigs import ECP, LIMITS, STEP, Rig
 
-from msd_ident import pipeline
+from msd_ident.data.record import Record
 from msd_ident.design import Limits
-from msd_ident.design.designing import Question, family_of, options
+from msd_ident.design.evaluation import Question, family_of, options
 from msd_ident.design.prediction import sensing
 from msd_ident.design.safety import caution
-from msd_ident.diagnose import Diagnosis
-from msd_ident.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.workflow import pipeline
 
 LARGEST = max(map(abs, STEP.extremes))
 

@@ -17,9 +17,9 @@ import ros_tables
 import signature
 
 from msd_ident.cli import main
-from msd_ident.diagnose.evidence import DECISIVE
-from msd_ident.features.paper_tables import Table1, derive
 from msd_ident.model.effects import LIBRARY, Effect
+from msd_ident.paper.tables import Table1, derive
+from msd_ident.selection.evidence import DECISIVE
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGES = REPOSITORY / "docs"
@@ -106,7 +106,7 @@ def test_numbers_are_written_for_people(value: object, text: str) -> None:
 
 def test_a_constant_that_is_gone_is_an_error() -> None:
     with pytest.raises(AttributeError, match="NO_SUCH"):
-        docs_values.filled("at most [[diagnose.evidence.NO_SUCH]] nats")
+        docs_values.filled("at most [[selection.evidence.NO_SUCH]] nats")
 
 
 def test_messages_are_read_whole() -> None:

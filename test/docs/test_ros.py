@@ -19,10 +19,10 @@ from graph import Graph, graph, until  # noqa: E402
 from rclpy.action import get_action_names_and_types  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.recorder_node import Recorder  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
+from msd_ident.ros.recorder.node import Recorder  # noqa: E402
 from msd_sim import names as rig_names  # noqa: E402
 from msd_sim.node.rig_node import RigNode  # noqa: E402
 

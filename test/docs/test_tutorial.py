@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 import transcript
 
-from msd_ident import pipeline
+from msd_ident.data.quality import Finding
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.proposal import Proposal
-from msd_ident.diagnose import Diagnosis
-from msd_ident.diagnose.calibration import Calibration, Row
-from msd_ident.diagnose.curves import Characteristics, Curve
-from msd_ident.quality import Finding
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.residuals.nonparametric import Characteristics, Curve
+from msd_ident.selection.calibration import Calibration, Row
+from msd_ident.workflow import pipeline
 
 PAGES = Path(__file__).resolve().parents[2] / "docs"
 CONTRACT = (PAGES / "json.md").read_text(encoding="utf-8")

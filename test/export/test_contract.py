@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from exportrigs import ALL, saved
 
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import Initial
 from msd_ident.export import TARGETS, Target
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import WORDS, rows
 from msd_ident.export.target import Start
-from msd_ident.fit import Initial
 from msd_ident.model import Simulator
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.record import FloatArray, Record
 
 BY_NAME = {target.name: target for target in TARGETS}
 ZERO = 0.003

@@ -14,13 +14,13 @@ import pytest
 import yaml
 from exportrigs import NOISE, measured, result, saved
 
+from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import Export, Options, export, into, target
 from msd_ident.export.mujoco_replay import averages
 from msd_ident.export.plan import force_power, scaled
 from msd_ident.model import Model, Plant
-from msd_ident.record import Record
-from msd_ident.saved import from_json_dict
+from msd_ident.workflow.saved_model import from_json_dict
 
 ROBOT = """<mujoco><worldbody><body><joint name="cart" type="slide" axis="1 0 0"/><geom size=".02" mass="0.4"/>
 <body><joint name="elbow" type="hinge" axis="0 1 0"/><geom size=".02" mass="1e-6"/></body></body>

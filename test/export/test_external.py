@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from exportrigs import measured, pushes, saved
 
+from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
 from msd_ident.external import Comparison, FunctionSimulation, MujocoSimulation, TableSimulation, compare
 from msd_ident.model import Model, Simulator
-from msd_ident.record import Record
 
 FUNCTION = """
 import numpy as np

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msd_ident.bag import SourceOptions, read
+from msd_ident.data.record import Record, from_samples
 from msd_ident.features import extract, pooled
 from msd_ident.features.shape import unit_step_response
+from msd_ident.io import SourceOptions, read
 from msd_ident.quantity import Quantity
-from msd_ident.record import Record, from_samples
 
 FREQUENCY, GAIN, FORCE = 27.0, 1.44e-3, 10.0
 

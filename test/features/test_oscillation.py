@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from steprigs import Rig, record
 
+from msd_ident.data.record import Record
 from msd_ident.features import extract
 from msd_ident.features.oscillation import dead_width, significant
 from msd_ident.features.rest import evidence, is_quiet, rest_value
 from msd_ident.features.swings import Extreme
-from msd_ident.record import Record
 
 
 def coulomb_turns(ratio: float, width: float, count: int = 9) -> list[Extreme]:

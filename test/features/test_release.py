@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msd_ident.bag import SourceOptions, read
+from msd_ident.data.record import Record
 from msd_ident.features import extract
-from msd_ident.preparing import prepared
-from msd_ident.record import Record
+from msd_ident.io import SourceOptions, read
+from msd_ident.workflow.preparation import prepared
 from msd_sim import api
 
 MASS, STIFFNESS, RATE = 1.0, 400.0, 500.0

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from steprigs import Rig, record
 
+from msd_ident.data.record import from_samples
 from msd_ident.features import Features, extract
-from msd_ident.record import from_samples
 
 RIG = Rig(frequency=27.0, ratio=0.0769, gain=1.44e-3)
 STAIRS = [(0.5, 4.0), (3.5, 10.0), (6.5, -5.0), (9.5, 0.0)]

@@ -17,10 +17,10 @@ from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
-from msd_ident import bag  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.live_demo import demo_graph  # noqa: E402
-from msd_ident.ros.live_node import LiveView  # noqa: E402
+from msd_ident import io  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.demo.live_demo import demo_graph  # noqa: E402
+from msd_ident.ros.live.node import LiveView  # noqa: E402
 from msd_interfaces.msg import Cause, Diagnosis  # noqa: E402
 from msd_interfaces.msg import Parameter as ParameterMessage  # noqa: E402
 
@@ -135,7 +135,7 @@ def test_buttons_do_what_they_say(browser: Browser, bench: Bench) -> None:
     visit.press("Stop")
     page.get_by_text("none lost").wait_for()
     (made,) = bench.bags
-    assert set(bag.read(made).force.tolist()) == {8.0, 0.0}
+    assert set(io.read(made).force.tolist()) == {8.0, 0.0}
     visit.press("Identify")
     page.get_by_text("identify: m = 0.").wait_for()
     visit.press("Diagnose")

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from msd_ident.data.record import Record
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.kernel.adams import _ONWARD, _V0, _V1, _X0, _X1, _sum, _weights
-from msd_ident.model.model import Model
-from msd_ident.record import Record
+from msd_ident.model.plant import Model
 
 PLANT = Plant(0.94, 3.9, 694.0)
 

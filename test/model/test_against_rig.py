@@ -11,11 +11,11 @@ import pytest
 from effect_examples import DAMPING, EXAMPLES, MASS, RIG, STIFFNESS, model, record
 from scipy.integrate import solve_ivp
 
+from msd_ident.data.record import Record
 from msd_ident.model import simulate
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.model.effects.bouc_wen import BoucWen
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
-from msd_ident.record import Record
 from msd_sim.rig import Rig
 from msd_sim.truth import Truth
 

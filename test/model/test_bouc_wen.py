@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from msd_ident.data.record import Record
 from msd_ident.model import Plant, Simulator
 from msd_ident.model.effects.bouc_wen import BoucWen
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.hysteresis import Hysteresis
-from msd_ident.record import Record
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

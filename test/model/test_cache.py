@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from msd_ident.data.record import Record
 from msd_ident.model import Plant, simulate, simulator, warm_up
 from msd_ident.model.kernel import cache
-from msd_ident.record import Record
 
 SIMULATE = """
 import numpy as np
 from msd_ident.model import Plant, simulate
-from msd_ident.record import Record
+from msd_ident.data.record import Record
 t = np.linspace(0.0, 1.0, 50)
 print(simulate(Plant(1.0, 1.0, 100.0), Record(time=t, position=t, force_time=t, force=t)).position[-1])
 """

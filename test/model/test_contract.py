@@ -14,7 +14,7 @@ from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.model.effects.base import KINDS
-from msd_ident.model.model import PLANT_PARAMETERS
+from msd_ident.model.plant import PLANT_PARAMETERS
 
 NAMES = tuple(effect.name for effect in LIBRARY)
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from effect_examples import EXAMPLES, model, plant
 
+from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.linear import physical, standard_form, transfer_function
-from msd_ident.record import Record
 
 
 def linear_response(whole: Model, rate: float) -> tuple[np.ndarray, np.ndarray]:

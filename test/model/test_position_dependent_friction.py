@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from msd_ident.data.record import Record
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
-from msd_ident.record import Record
 
 
 def free(duration: float, rate: float = 500.0) -> Record:

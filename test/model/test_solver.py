@@ -13,6 +13,7 @@ from effect_examples import EXAMPLES, example, model, plant, record
 from hypothesis import given
 from hypothesis import strategies as st
 
+from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.model import Plant, Simulator, simulate
 from msd_ident.model.effects.backlash import Backlash
@@ -23,7 +24,6 @@ from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
-from msd_ident.record import Record
 
 
 def driven(force: np.ndarray, rate: float, hold: str = "zero") -> Record:

@@ -14,7 +14,7 @@ import pytest
 from reportrigs import diagnosed, identified, with_everything
 from rich.console import Console
 
-from msd_ident.diagnose import Rival
+from msd_ident.diagnosis import Rival
 from msd_ident.quantity import Quantity
 from msd_ident.report.diagnosis import print_diagnosis
 from msd_ident.report.tables import print_identification

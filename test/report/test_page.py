@@ -11,11 +11,11 @@ import pytest
 from reportrigs import diagnosed, identified, provenance, with_everything
 
 from msd_ident.cli.run import jsonable
-from msd_ident.diagnose import Diagnosis
-from msd_ident.identification import Identification
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.model.effects import LIBRARY
 from msd_ident.report import markdown, page, plotly_figure
 from msd_ident.report.plots import Detail
+from msd_ident.workflow.identification import Identification
 
 pytestmark = pytest.mark.xdist_group("report")
 

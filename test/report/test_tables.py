@@ -9,11 +9,11 @@ import pytest
 from reportrigs import identified
 from rich.console import Console
 
-from msd_ident.bag import SourceOptions, read
-from msd_ident.identification import Identification
-from msd_ident.pipeline import identify
+from msd_ident.io import SourceOptions, read
 from msd_ident.report import figures, tables
 from msd_ident.report.thinning import spread, thinned
+from msd_ident.workflow.identification import Identification
+from msd_ident.workflow.pipeline import identify
 
 pytestmark = pytest.mark.xdist_group("report")
 

@@ -10,7 +10,7 @@ import pytest
 from reportrigs import diagnosed
 
 import msd_ident
-from msd_ident.diagnose.diagnosis import Verdict
+from msd_ident.diagnosis.result import Verdict
 from msd_ident.live import cards
 from msd_ident.report import diagnosis, words
 

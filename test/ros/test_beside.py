@@ -17,12 +17,12 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from servos import geared  # noqa: E402
 
 import msd_sim.api  # noqa: E402
-from msd_ident.bag import BagWriter, write_csv  # noqa: E402
-from msd_ident.record import Record  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.conversions import nanoseconds, time_message  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.parameters import overrides  # noqa: E402
+from msd_ident.data.record import Record  # noqa: E402
+from msd_ident.io import BagWriter, write_csv  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.conversions import nanoseconds, time_message  # noqa: E402
+from msd_ident.ros.common.parameters import overrides  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.action import Diagnose  # noqa: E402
 from msd_interfaces.srv import Identify  # noqa: E402
 

@@ -11,10 +11,10 @@ from bagmaker import START_NS, ringing, stamps  # noqa: E402
 from hypothesis import given  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
+from msd_ident.data.streams import from_stamps  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
-from msd_ident.ros.buffer import LiveBuffer, Ring  # noqa: E402
-from msd_ident.ros.watch import Watch  # noqa: E402
-from msd_ident.streams import from_stamps  # noqa: E402
+from msd_ident.ros.common.fault_log import Watch  # noqa: E402
+from msd_ident.ros.common.live_buffer import LiveBuffer, Ring  # noqa: E402
 
 chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
 

@@ -16,14 +16,15 @@ from graph import Graph, graph, until  # noqa: E402
 from rclpy.action import ActionClient  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
-from msd_ident.bag import SourceOptions, read  # noqa: E402
 from msd_ident.design import Limits, Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
 from msd_ident.errors import SetupError, UsageError  # noqa: E402
-from msd_ident.ros import conducting, names  # noqa: E402
-from msd_ident.ros.conducting import Conductor, Played  # noqa: E402
-from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
-from msd_ident.ros.recording import Recording  # noqa: E402
+from msd_ident.io import SourceOptions, read  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.experimenter import profile_player  # noqa: E402
+from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
+from msd_ident.ros.experimenter.profile_player import Conductor, Played  # noqa: E402
+from msd_ident.ros.recorder.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 
 LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
@@ -128,7 +129,7 @@ def test_nothing_moves_beyond_the_limits_or_without_a_rig(
     told = Forces(ros)
     with pytest.raises(UsageError, match="the limits allow -10 to 10; expected a profile within them"):
         play(ros, STEP.scaled(3.0), tmp_path / "bag")
-    monkeypatch.setattr(conducting, "ANSWER", 0.3)
+    monkeypatch.setattr(profile_player, "ANSWER", 0.3)
     with pytest.raises(SetupError, match="no rig answers"):
         play(ros, STEP, tmp_path / "bag")
     assert not any(told.all)

@@ -18,11 +18,11 @@ from rclpy.parameter import Parameter  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.parameters import overrides  # noqa: E402
-from msd_ident.ros.recorder_node import Recorder  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.parameters import overrides  # noqa: E402
+from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
+from msd_ident.ros.recorder.node import Recorder  # noqa: E402
 from msd_interfaces.action import Diagnose, RunExperiment  # noqa: E402
 from msd_interfaces.msg import EncoderBatch, ResultCode  # noqa: E402
 from msd_interfaces.srv import Identify, StartRecording  # noqa: E402

@@ -14,12 +14,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import Float64  # noqa: E402
 
-from msd_ident.bag import qos_from_yaml, qos_to_yaml  # noqa: E402
 from msd_ident.errors import DataError, SetupError, UsageError  # noqa: E402
+from msd_ident.io import qos_from_yaml, qos_to_yaml  # noqa: E402
 from msd_ident.quantity import Quantity  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.conversions import Signal, message_class, nanoseconds, time_message  # noqa: E402
-from msd_ident.ros.results import to_parameter  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.conversions import Signal, message_class, nanoseconds, time_message  # noqa: E402
+from msd_ident.ros.common.result_messages import to_parameter  # noqa: E402
 from msd_interfaces.msg import EncoderBatch  # noqa: E402
 
 

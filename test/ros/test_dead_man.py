@@ -22,12 +22,12 @@ from rclpy.publisher import Publisher  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
-from msd_ident.bag import read  # noqa: E402
 from msd_ident.design import Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.recorder_node import Recorder  # noqa: E402
-from msd_ident.ros.run import Spinner  # noqa: E402
+from msd_ident.io import read  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.node_runner import Spinner  # noqa: E402
+from msd_ident.ros.recorder.node import Recorder  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 from msd_sim.node.rig_node import RigNode  # noqa: E402
 
@@ -197,7 +197,7 @@ def test_who_shows_no_life_lets_go_and_who_does_holds(ros_domain: int) -> None:
 
 def test_a_killed_experimenter_leaves_no_force(lab: Lab, tmp_path: Path) -> None:
     arguments = ["--ros-args", "-p", f"bag_folder:={tmp_path}"]
-    process = subprocess.Popen([sys.executable, "-m", "msd_ident.ros.experimenter", *arguments])
+    process = subprocess.Popen([sys.executable, "-m", "msd_ident.ros.experimenter.main", *arguments])
     try:
         profile = to_yaml(Profile((Segment("step", 60.0, force=FORCE),), "long"))
         goal = RunExperiment.Goal(profile=profile, limits="{force: 10, travel: 0.05, duration: 90}")

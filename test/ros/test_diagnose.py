@@ -22,11 +22,11 @@ from rclpy.parameter import Parameter  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
 import msd_sim.api  # noqa: E402
-from msd_ident import bag  # noqa: E402
+from msd_ident import io  # noqa: E402
 from msd_ident.cli import main as command  # noqa: E402
-from msd_ident.record import Record  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
+from msd_ident.data.record import Record  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.action import Diagnose  # noqa: E402
 from msd_interfaces.msg import Diagnosis  # noqa: E402
 
@@ -162,7 +162,7 @@ def test_live_and_bag_and_command_line_agree_to_the_last_digit(
     ros: Graph, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     record = measured()
-    bag.write_bag(record, tmp_path / "bag")
+    io.write_bag(record, tmp_path / "bag")
     node = identifier(ros, tmp_path)
     fill(node, record)
     told: list[Diagnosis] = []
@@ -249,8 +249,8 @@ def test_a_goal_is_cancelled_within_a_second_in_the_middle_of_a_fit(ros: Graph, 
 
 
 def test_paths_of_a_goal_stand_for_themselves_or_together(ros: Graph, tmp_path: Path) -> None:
-    bag.write_bag(measured(), tmp_path / "one")
-    bag.write_bag(measured(rate=80.0), tmp_path / "two")
+    io.write_bag(measured(), tmp_path / "one")
+    io.write_bag(measured(rate=80.0), tmp_path / "two")
     identifier(ros, tmp_path)
     asked = Diagnose.Goal(bag_paths=["one", "nowhere", "two"], end=3.0)
     _, result = ros.goal(Diagnose, ACTION, asked)

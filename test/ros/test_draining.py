@@ -15,8 +15,8 @@ from rclpy.node import Node  # noqa: E402
 from std_msgs.msg import Int32  # noqa: E402
 
 from bench.idle import measure  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.draining import HANDFUL, Poller, subscribe, waiting  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.message_batching import HANDFUL, Poller, subscribe, waiting  # noqa: E402
 
 SENT = 2 * HANDFUL + 50
 

@@ -12,7 +12,7 @@ from graph import graph  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
 from msd_ident.errors import UsageError  # noqa: E402
-from msd_ident.ros.finding import namespace_of  # noqa: E402
+from msd_ident.ros.common.graph_discovery import namespace_of  # noqa: E402
 
 
 def test_a_rig_that_discovery_finds_late_is_found(ros_domain: int) -> None:

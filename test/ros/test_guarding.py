@@ -8,7 +8,7 @@ import time
 import pytest
 
 from msd_ident.design import Limits
-from msd_ident.ros.guarding import Guard
+from msd_ident.ros.experimenter.safety_monitor import Guard
 
 LIMITS = Limits((-10.0, 10.0), (-0.02, 0.03), 20.0, speed=0.5)
 

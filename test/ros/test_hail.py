@@ -13,7 +13,11 @@ pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from graph import graph, until  # noqa: E402
 
-NODES = {"rig": "msd_sim.node", "identifier": "msd_ident.ros.identifier", "recorder": "msd_ident.ros.recorder"}
+NODES = {
+    "rig": "msd_sim.node",
+    "identifier": "msd_ident.ros.identifier.main",
+    "recorder": "msd_ident.ros.recorder.main",
+}
 
 
 @pytest.mark.parametrize("kind", NODES)

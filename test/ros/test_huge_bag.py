@@ -16,10 +16,10 @@ from bagmaker import FLOAT, START_NS, encoder_messages, force_messages, stamps, 
 from graph import Graph, graph, until  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
-from msd_ident.bag import BagWriter, read  # noqa: E402
-from msd_ident.bag import reader as bag_reader  # noqa: E402
 from msd_ident.errors import DataError  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
+from msd_ident.io import BagWriter, read  # noqa: E402
+from msd_ident.io import reader as bag_reader  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.action import Diagnose  # noqa: E402
 
 #: Size of a message [bytes], and how many times its file is part of the bag.

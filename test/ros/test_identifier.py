@@ -26,9 +26,9 @@ from std_srvs.srv import Trigger  # noqa: E402
 
 import msd_sim.api  # noqa: E402
 from msd_ident.errors import UsageError  # noqa: E402
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.conversions import time_message  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.conversions import time_message  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.msg import Estimate  # noqa: E402
 from msd_interfaces.srv import Identify  # noqa: E402
 

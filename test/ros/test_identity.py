@@ -18,10 +18,11 @@ from graph import graph, until  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 
 import msd_sim.api  # noqa: E402
-from msd_ident import bag, pipeline  # noqa: E402
-from msd_ident.record import Record  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.results import to_estimate  # noqa: E402
+from msd_ident import io  # noqa: E402
+from msd_ident.data.record import Record  # noqa: E402
+from msd_ident.ros.common.result_messages import to_estimate  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
+from msd_ident.workflow import pipeline  # noqa: E402
 from msd_interfaces.msg import Estimate  # noqa: E402
 from msd_interfaces.srv import Identify  # noqa: E402
 
@@ -36,7 +37,7 @@ def write_batches(record: Record, folder: Path, size: int = 100) -> None:
     """The record as a bag whose position comes in batches."""
     ns = record.start_ns + np.rint(record.time * 1e9).astype(np.int64)
     period = int(ns[1] - ns[0])
-    with bag.BagWriter(folder) as writer:
+    with io.BagWriter(folder) as writer:
         writer.add_topic("/msd/force", WRENCH)
         writer.add_topic("/msd/encoder_batch", BATCH)
         for at, value in zip(record.force_time, record.force, strict=True):
@@ -57,7 +58,7 @@ def numbers(estimate: Estimate) -> dict[str, object]:
 def replayed(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
     """The bag played by a process of its own, twice as fast as it was recorded."""
     parameters = ["-p", f"bag:={folder}", "-p", "rate:=2.0", "-p", "wait:=60.0"]
-    command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *parameters]
+    command = [sys.executable, "-m", "msd_ident.ros.replayer.main", "--ros-args", *parameters]
     with subprocess.Popen(command) as process:
         try:
             yield process
@@ -66,7 +67,7 @@ def replayed(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
             process.kill()
 
 
-@pytest.mark.parametrize("write", [bag.write_bag, write_batches], ids=["single", "batches"])
+@pytest.mark.parametrize("write", [io.write_bag, write_batches], ids=["single", "batches"])
 def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     ros_domain: int, tmp_path: Path, write: Callable[[Record, Path], None]
 ) -> None:
@@ -89,6 +90,6 @@ def test_live_and_bag_and_pipeline_agree_to_the_last_digit(
     assert live.estimate.source == "live" and from_bag.estimate.source == str(folder)
     assert live.estimate.samples == record.samples
     assert numbers(live.estimate) == numbers(from_bag.estimate)
-    found = to_estimate(pipeline.identify([bag.read(folder)]), "msd identify", 0)
+    found = to_estimate(pipeline.identify([io.read(folder)]), "msd identify", 0)
     assert numbers(found) == numbers(live.estimate)
     assert part.success and numbers(part.estimate) == numbers(part_of_bag.estimate) != numbers(live.estimate)

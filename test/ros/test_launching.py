@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from msd_ident.errors import UsageError
-from msd_ident.ros.launching import LOG_LEVELS, Arguments
+from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
 
 
 def given(**texts: str) -> Arguments:

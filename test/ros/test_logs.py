@@ -16,9 +16,9 @@ from rcl_interfaces.msg import Log  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
-from msd_ident.ros import names  # noqa: E402
-from msd_ident.ros.conversions import time_message  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
+from msd_ident.ros.common import names  # noqa: E402
+from msd_ident.ros.common.conversions import time_message  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.srv import Identify  # noqa: E402
 from msd_sim.node.rig_node import RigNode  # noqa: E402
 

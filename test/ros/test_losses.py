@@ -8,8 +8,8 @@ pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from bagmaker import START_NS, joints, number, stamps  # noqa: E402
 
-from msd_ident.ros.conversions import is_stamped, raw_stamp  # noqa: E402
-from msd_ident.ros.losses import Holes, TopicCount  # noqa: E402
+from msd_ident.ros.common.conversions import is_stamped, raw_stamp  # noqa: E402
+from msd_ident.ros.common.missing_samples import Holes, TopicCount  # noqa: E402
 
 
 def test_holes_in_a_regular_train_of_stamps_are_counted() -> None:

@@ -19,7 +19,7 @@ import msd_sim.api  # noqa: E402
 from msd_ident.errors import SetupError  # noqa: E402
 from msd_ident.monitoring.history import History  # noqa: E402
 from msd_ident.monitoring.watching import Sample  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier, Request  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier, Request  # noqa: E402
 
 
 @pytest.fixture

@@ -25,12 +25,12 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import Float64  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from msd_ident import quality  # noqa: E402
-from msd_ident.bag import SourceOptions, iterate_messages, open_bag, read  # noqa: E402
+from msd_ident.data import quality  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
-from msd_ident.ros.losses import TopicCount  # noqa: E402
-from msd_ident.ros.recorder_node import Recorder  # noqa: E402
-from msd_ident.ros.recording import Recording  # noqa: E402
+from msd_ident.io import SourceOptions, iterate_messages, open_bag, read  # noqa: E402
+from msd_ident.ros.common.missing_samples import TopicCount  # noqa: E402
+from msd_ident.ros.recorder.node import Recorder  # noqa: E402
+from msd_ident.ros.recorder.recording import Recording  # noqa: E402
 from msd_interfaces.msg import EncoderBatch  # noqa: E402
 from msd_interfaces.srv import StartRecording  # noqa: E402
 
@@ -239,7 +239,7 @@ def test_no_sample_of_a_rig_is_lost_while_the_recorder_is_held_up(ros: Graph, tm
         except DataError:  # none yet
             return 0
 
-    started = process("msd_ident.ros.recorder", autostart="true", bag_folder=tmp_path, folder="rig")
+    started = process("msd_ident.ros.recorder.main", autostart="true", bag_folder=tmp_path, folder="rig")
     with started as node, process("msd_sim.node", rate=RATE, **NOISE):
         until(lambda: ros.node.count_subscribers("/encoder") == 2, "the recorder's subscription", 60.0)
         heard.clear()

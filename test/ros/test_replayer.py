@@ -19,10 +19,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile  # noqa: E402
 from rosgraph_msgs.msg import Clock  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
-from msd_ident.bag import BagWriter, OfferedQos, RawMessage, qos_to_yaml  # noqa: E402
 from msd_ident.errors import DataError, MsdError, SetupError, UsageError  # noqa: E402
-from msd_ident.ros.playing import Pace, Tick, with_ticks  # noqa: E402
-from msd_ident.ros.replayer_node import Replayer  # noqa: E402
+from msd_ident.io import BagWriter, OfferedQos, RawMessage, qos_to_yaml  # noqa: E402
+from msd_ident.ros.replayer.node import Replayer  # noqa: E402
+from msd_ident.ros.replayer.schedule import Pace, Tick, with_ticks  # noqa: E402
 
 
 @pytest.fixture

@@ -19,10 +19,10 @@ from std_srvs.srv import Trigger  # noqa: E402
 
 from msd_ident.design import Profile, Segment  # noqa: E402
 from msd_ident.design.profile_file import to_yaml  # noqa: E402
-from msd_ident.ros.experimenter_node import Experimenter  # noqa: E402
-from msd_ident.ros.identifier_node import Identifier  # noqa: E402
-from msd_ident.ros.parameters import overrides  # noqa: E402
-from msd_ident.ros.recorder_node import Recorder  # noqa: E402
+from msd_ident.ros.common.parameters import overrides  # noqa: E402
+from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
+from msd_ident.ros.identifier.node import Identifier  # noqa: E402
+from msd_ident.ros.recorder.node import Recorder  # noqa: E402
 from msd_interfaces.action import Diagnose, RunExperiment  # noqa: E402
 from msd_interfaces.srv import Identify, StartRecording  # noqa: E402
 
@@ -66,7 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def ros(folder: Path) -> Iterator[Graph]:
-    from msd_ident.ros.domain import private_domain
+    from msd_ident.ros.common.domain import private_domain
 
     given = overrides({"bag_folder": str(folder)})
     with private_domain() as domain, graph(domain) as made:
@@ -176,8 +176,8 @@ def test_no_parameter_that_a_path_hangs_on_can_be_moved(node: str, tmp_path: Pat
 @contextmanager
 def made_alone(node: str, folder: Path, domain: int) -> Iterator[tuple[Graph, Any]]:
     """One node of each kind, with a bag where it wants one."""
-    from msd_ident.ros.live_node import LiveView
-    from msd_ident.ros.replayer_node import Replayer
+    from msd_ident.ros.live.node import LiveView
+    from msd_ident.ros.replayer.node import Replayer
 
     kinds = {
         "identifier": Identifier,

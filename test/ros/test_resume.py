@@ -20,7 +20,7 @@ from graph import Graph, graph, until  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from msd_ident.bag import open_bag, repair  # noqa: E402
+from msd_ident.io import open_bag, repair  # noqa: E402
 from msd_interfaces.srv import StartRecording  # noqa: E402
 
 
@@ -32,7 +32,7 @@ def ros(ros_domain: int) -> Iterator[Graph]:
 
 @contextmanager
 def recorder(folder: Path, *more: str) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", "msd_ident.ros.recorder", "--ros-args", "-p", f"bag_folder:={folder}", *more]
+    command = [sys.executable, "-m", "msd_ident.ros.recorder.main", "--ros-args", "-p", f"bag_folder:={folder}", *more]
     with subprocess.Popen(command) as process:
         try:
             yield process
@@ -73,7 +73,7 @@ def test_a_killed_recorder_goes_on_in_a_new_bag(ros: Graph, tmp_path: Path) -> N
 
 @pytest.mark.parametrize("note", ["", "{", "[]", json.dumps({"topics": 3})])
 def test_a_note_that_makes_no_sense_is_none(tmp_path: Path, note: str) -> None:
-    from msd_ident.ros.resuming import Interrupted, Notebook
+    from msd_ident.ros.recorder.resuming import Interrupted, Notebook
 
     book = Notebook(tmp_path, "/msd/recorder")
     (tmp_path / ".recording.msd.recorder.json").write_text(note)

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="no ROS 2 here")
 
-from msd_ident.ros.steps import Settling, StepWatcher, has_settled  # noqa: E402
+from msd_ident.ros.identifier.step_detection import Settling, StepWatcher, has_settled  # noqa: E402
 
 RULE = Settling(seconds=0.5, band=0.02)
 STEP_NS = 1_000_000_000

@@ -10,7 +10,7 @@ from pathlib import Path
 from bench.reliability.nodes.faults import FAULTS
 from bench.reliability.nodes.soak import Found, soak
 from bench.reliability.nodes.world import world
-from msd_ident.ros.domain import private_domain
+from msd_ident.ros.common.domain import private_domain
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reliability.md"
 BEGIN, END = "<!-- soak: made by `make soak` -->", "<!-- end of soak -->"

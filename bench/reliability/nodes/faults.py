@@ -14,8 +14,8 @@ from std_msgs.msg import String
 
 from bench.reliability.nodes import labs, requests
 from bench.reliability.nodes.world import PERIOD_NS, RATE, World
-from msd_ident.ros import names
-from msd_ident.ros.conversions import time_message
+from msd_ident.ros.common import names
+from msd_ident.ros.common.conversions import time_message
 
 Do = Callable[[World, random.Random], None]
 

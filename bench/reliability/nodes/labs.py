@@ -17,10 +17,10 @@ from bench.reliability.nodes.world import World
 from msd_ident.design import Profile, Segment
 from msd_ident.design.profile_file import to_yaml
 from msd_ident.errors import UsageError
-from msd_ident.ros import names
-from msd_ident.ros.launching import LOG_LEVELS, Arguments
-from msd_ident.ros.recorder_node import Recorder
-from msd_ident.ros.run import Spinner
+from msd_ident.ros.common import names
+from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
+from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.recorder.node import Recorder
 from msd_interfaces.action import RunExperiment
 from msd_interfaces.srv import Identify, StartRecording
 from msd_sim.node.rig_node import RigNode
@@ -74,7 +74,7 @@ def dead_experimenter(world: World, rng: random.Random) -> None:
     spinner = Spinner(rig)
     arguments = ["--ros-args", "-r", f"__ns:={PLACE}", "-p", f"bag_folder:={world.bags}"]
     environment = {**os.environ, "ROS_DOMAIN_ID": str(world.domain)}
-    command = [sys.executable, "-m", "msd_ident.ros.experimenter", *arguments]
+    command = [sys.executable, "-m", "msd_ident.ros.experimenter.main", *arguments]
     client = ActionClient(world.tester, RunExperiment, f"{PLACE}/{names.RUN}")
     with subprocess.Popen(command, env=environment) as process:
         try:

@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from bench.reliability.nodes.world import PERIOD_NS, World
-from msd_ident.ros import names
+from msd_ident.ros.common import names
 from msd_interfaces.action import Diagnose
 from msd_interfaces.srv import Identify, StartRecording
 

@@ -16,11 +16,11 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
-from msd_ident.ros import names
-from msd_ident.ros.conversions import time_message
-from msd_ident.ros.identifier_node import Identifier
-from msd_ident.ros.recorder_node import Recorder
-from msd_ident.ros.run import Spinner
+from msd_ident.ros.common import names
+from msd_ident.ros.common.conversions import time_message
+from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.identifier.node import Identifier
+from msd_ident.ros.recorder.node import Recorder
 from msd_interfaces.srv import Identify
 from msd_sim import config
 from msd_sim.encoder import EncoderReader

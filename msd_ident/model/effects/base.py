@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     import numpy as np
     from typing_extensions import Self
 
-    from msd_ident.model.model import Model
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.model.plant import Model
 
 #: Names that a law may take as arguments besides parameter and memory names.
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")

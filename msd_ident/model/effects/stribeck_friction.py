@@ -14,8 +14,8 @@ from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 if TYPE_CHECKING:
     import numpy as np
 
-    from msd_ident.model.model import Model
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.model.plant import Model
 
 
 @dataclass(frozen=True)

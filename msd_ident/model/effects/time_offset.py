@@ -10,8 +10,8 @@ from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect, Parameter, Seen
 
 if TYPE_CHECKING:
-    from msd_ident.model.model import Model
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
+    from msd_ident.model.plant import Model
 
 
 @dataclass(frozen=True)

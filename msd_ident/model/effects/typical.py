@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from msd_ident.model.model import FloatArray, Model
-from msd_ident.record import Record
+from msd_ident.data.record import Record
+from msd_ident.model.plant import FloatArray, Model
 
 
 def amplitude(record: Record) -> float:

@@ -24,7 +24,7 @@ from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
-from msd_ident.model.model import PLANT_PARAMETERS
+from msd_ident.model.plant import PLANT_PARAMETERS
 
 #: Place of every parameter of the library in the kernel's one parameter vector.
 INDEX: dict[str, int] = {p.name: i for i, p in enumerate(PLANT_PARAMETERS)}

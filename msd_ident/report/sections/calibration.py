@@ -9,7 +9,7 @@ from msd_ident.report.calibration import matrix
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose.calibration import Calibration as Found
+    from msd_ident.selection.calibration import Calibration as Found
 
 
 class Calibration(Section):

@@ -14,7 +14,8 @@ from msd_ident.report.plots import probability_plot
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Cause, Contender, Diagnosis
+    from msd_ident.diagnosis import Cause, Diagnosis
+    from msd_ident.selection.candidate_models import Contender
 
 #: Causes in a picture: the likeliest, so many at most.
 _LIKELY, _MOST = 1e-3, 8

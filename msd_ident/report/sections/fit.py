@@ -11,7 +11,7 @@ from msd_ident.report.plots import Detail, ModelCurve, fit_plot
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.record import Record
+    from msd_ident.data.record import Record
 
 
 class Fit(Section):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.diagnose.laws import Beyond, beyond
+from msd_ident.diagnosis.nonlinear_laws import Beyond, beyond
 from msd_ident.report import words
 from msd_ident.report.numbers import length_scale
 from msd_ident.report.plot import Plot
@@ -14,7 +14,7 @@ from msd_ident.report.plots import Detail, missing_clouds, missing_time_plot, ri
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Diagnosis
+    from msd_ident.diagnosis import Diagnosis
 
 
 class MissingForce(Section):

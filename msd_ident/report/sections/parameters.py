@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.features import frequency
+from msd_ident.model import frequency_response
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, shown
@@ -16,11 +16,11 @@ from msd_ident.report.plots import bode_plot
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Diagnosis
-    from msd_ident.identification import Identification
+    from msd_ident.data.record import Record
+    from msd_ident.diagnosis import Diagnosis
     from msd_ident.model import Model
     from msd_ident.quantity import Quantity
-    from msd_ident.record import Record
+    from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class Parameters(Section):
     @cached_property
     def bode(self) -> Plot:
         """The linear parts over frequency, with the measured response."""
-        band = frequency.band(self._columns[-1].model)
-        curves = [(c.label, c.role, frequency.modelled(c.model, band)) for c in self._columns]
+        band = frequency_response.band(self._columns[-1].model)
+        curves = [(c.label, c.role, frequency_response.modelled(c.model, band)) for c in self._columns]
         record = self._records[0]
         units = (record.position_unit, record.force_unit)
-        return bode_plot(curves, frequency.measured(self._records, band), units)
+        return bode_plot(curves, frequency_response.measured(self._records, band), units)
 
     @property
     def plots(self) -> tuple[Plot, ...]:

@@ -13,7 +13,7 @@ from msd_ident.report.sections.verdict import Card
 from msd_ident.report.validation import sentences
 
 if TYPE_CHECKING:
-    from msd_ident.validation import Validation
+    from msd_ident.workflow.validation import Validation
 
 
 class Trial(Section):

@@ -13,8 +13,8 @@ from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
-    from msd_ident.diagnose import Diagnosis
-    from msd_ident.identification import Identification
+    from msd_ident.diagnosis import Diagnosis
+    from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,84 @@
+"""How a record begins: under a force that had acted before it, at rest, or in motion.
+
+A table has no line before its first. Where the cart rests under the force until it changes, it has acted before; where
+it moves at once, it stepped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.data.noise import encoder_step, noise_floor
+from msd_ident.data.record import MINIMUM_SAMPLES, Record
+
+#: A force below this part of its range is a rest and no push.
+_PUSH = 0.3
+#: Change of the force, in parts of its range, that ends its first level.
+_CHANGE = 0.05
+#: Motion per force under the first level, relative to that after the next change, below which the cart rests.
+_RESTS = 0.25
+#: Readings of a cart at rest stay within this many noise floors, and one encoder step, of their median.
+_STILL = 5.0
+
+
+def begins_pushed(record: Record) -> bool:
+    """Whether a force acts in the first sample and none is known before it."""
+    start = float(record.time[0])
+    before, first = record.force_at([np.nextafter(start, -np.inf), start])
+    return bool(before == 0.0 and first != 0.0)
+
+
+def rests_under_force(record: Record) -> bool:
+    """Whether the record begins pushed and the cart does not answer until the force changes."""
+    if not begins_pushed(record):
+        return False
+    start, span = float(record.time[0]), float(np.ptp(np.append(record.force, 0.0)))
+    first = float(record.force_at([start])[0])
+    later = record.force_time > start
+    changed = np.flatnonzero(later & (np.abs(record.force - first) > _CHANGE * span))
+    if abs(first) < _PUSH * span or not changed.size:
+        return False
+    change = float(record.force_time[changed[0]])
+    length = change - start
+    held = record.position[record.time < change]
+    after = record.position[(record.time >= change) & (record.time < change + length)]
+    if held.size < 5 or after.size < 5:
+        return False
+    height = abs(float(record.force_at([change])[0]) - first)
+    return float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+
+
+def since_before(record: Record) -> Record:
+    """The record with its first force acting since long before it."""
+    time = record.force_time.copy()
+    index = max(int(np.searchsorted(time, record.time[0], side="right")) - 1, 0)
+    earliest = float(record.time[0]) - max(record.duration, 1.0)
+    return replace(
+        record,
+        force_time=np.concatenate(([earliest], time[index + 1 :])),
+        force=record.force[index:],
+    )
+
+
+def rest_before(record: Record, settling: float) -> Record | None:
+    """The rest that a record begins with, before anything moves the cart; ``None`` where it is too short to tell.
+
+    Friction holds the cart while a hand begins to pull, so that the readings cannot tell when that was: what lies less
+    than ``settling`` before the first motion is left out.
+
+    Args:
+        record: as measured.
+        settling: time before the first motion that is no longer trusted to be free of a hand [s].
+
+    Returns:
+        The first part of the record, with its own stamps: the readings share their zero with what follows.
+    """
+    begin = float(np.median(record.position[:MINIMUM_SAMPLES]))
+    limit = _STILL * noise_floor(record) + encoder_step(record)
+    moved = np.flatnonzero(np.abs(record.position - begin) > limit)
+    end = (float(record.time[moved[0]]) - settling) if moved.size else float(record.time[-1])
+    if np.count_nonzero(record.time <= end) < MINIMUM_SAMPLES:
+        return None
+    return record.window(float(record.time[0]), end)

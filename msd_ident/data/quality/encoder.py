@@ -1,0 +1,113 @@
+"""What the encoder does to the motion: it sticks, clips, counts coarsely, is read too seldom, or jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from msd_ident.data.motion import Motion
+from msd_ident.data.quality.cleaning import Cleaned
+from msd_ident.data.quality.finding import Finding
+from msd_ident.data.record import Record
+
+#: Fewest samples an oscillation that is not a warning.
+_FEW_SAMPLES = 12
+
+
+def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Readings that stand still although the cart came in at speed: friction stops it gently."""
+    unit = record.position_unit
+    if motion.held > 0.05 * record.samples:
+        yield Finding(
+            "warning",
+            "held_samples",
+            f"the position changes only every {motion.held_size} samples "
+            f"({1e3 * record.period * motion.held_size:.3g} ms) while the cart moves: the encoder is read more slowly "
+            "than it is published",
+        )
+        return
+    if _samples_an_oscillation(record, motion) < _FEW_SAMPLES:
+        return
+    ends = (float(np.min(record.position)), float(np.max(record.position)))
+    clipped = [still for still in motion.standstills if still.value in ends]
+    stuck = [still for still in motion.standstills if still.value not in ends and still.size >= 8]
+    if clipped:
+        longest = max(clipped, key=lambda still: still.size)
+        times = "once" if len(clipped) == 1 else f"{len(clipped)} times"
+        yield Finding(
+            "warning",
+            "clipped_position",
+            f"the position stops dead at {longest.value:.4g} {unit}, the end of its range, {times}, the longest for "
+            f"{longest.size * record.period:.3g} s from {record.time[longest.first]:.3f} s on: the encoder is clipped "
+            "or the cart hits an end stop",
+        )
+    if stuck:
+        longest = max(stuck, key=lambda still: still.size)
+        yield Finding(
+            "warning",
+            "stuck_position",
+            f"the position stands still at {longest.value:.4g} {unit} for {longest.size * record.period:.3g} s from "
+            f"{record.time[longest.first]:.3f} s on, in the middle of a motion: the encoder is stuck or not read",
+        )
+
+
+def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Encoder steps [m or rad] too coarse for the motion: fewer than 20 over its whole span."""
+    if motion.still:
+        return
+    steps = motion.span / motion.step if motion.step else np.inf
+    if steps < 20:
+        yield Finding(
+            "warning",
+            "coarse_encoder",
+            f"the whole motion is only {steps:.0f} encoder steps of {motion.step:.3g} {record.position_unit}: "
+            "push harder or use a finer encoder",
+        )
+    elif motion.span < 30 * motion.floor:
+        yield Finding(
+            "warning",
+            "noisy_position",
+            f"the whole motion is only {motion.span / motion.floor:.0f} times the measurement noise of "
+            f"{motion.floor:.3g} {record.position_unit}: push harder or measure better",
+        )
+
+
+def rate(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Too few samples in an oscillation, whose period is twice the motion's half period [s]."""
+    samples = _samples_an_oscillation(record, motion)
+    if samples < _FEW_SAMPLES:
+        period = 2 * motion.half_period
+        yield Finding(
+            "warning",
+            "low_rate",
+            f"one oscillation of {period:.3g} s has only {samples:.1f} samples; expected {_FEW_SAMPLES} or more: "
+            f"sample at {_FEW_SAMPLES / period:.3g} Hz or faster",
+        )
+
+
+def _samples_an_oscillation(record: Record, motion: Motion) -> float:
+    return 2 * motion.half_period / record.period if motion.half_period else np.inf
+
+
+def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
+    """Wild readings that were left out, and jumps of the zero that were taken back."""
+    unit, wild = record.position_unit, cleaned.wild
+    if wild.size:
+        many = wild.size > 1
+        what, whose = ("single readings jump", "their") if many else ("single reading jumps", "its")
+        first = f"the first at {record.time[wild[0]]:.3f} s" if many else f"at {record.time[wild[0]]:.3f} s"
+        yield Finding(
+            "warning",
+            "outliers",
+            f"{wild.size} {what} away from {whose} neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left "
+            "out; check the encoder's cable",
+        )
+    for jump in cleaned.jumps:
+        at = cleaned.record.time[jump.index]
+        yield Finding(
+            "warning",
+            "zero_shift",
+            f"the position jumps by {jump.size:.4g} {unit} within one sample at {at:.3f} s and goes on with the same "
+            "speed: the encoder's zero moved; what follows was shifted back, check cable and coupling",
+        )

@@ -1,0 +1,100 @@
+"""Whether the force has anything to do with the motion: a record that no mass-spring-damper model can carry.
+
+A joint that a hand moves, or an effort that is no force, still fits some model, with absurd numbers. Before any model
+is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so that no
+reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed: what part of the force's
+variation the motion accounts for, at the length of window at which it accounts for most.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from msd_ident.data.motion import Motion
+from msd_ident.data.quality.finding import Finding
+from msd_ident.data.record import FloatArray, Record
+
+#: Part of the force's variation below which nothing is left to fit. Rigs with any effect of the library reach 0.5 (a
+#: second mode that takes the force upon itself) to 1, measured ones 0.85 to 1, the noise of a motor that is off 0.1.
+_UNRELATED = 0.2
+#: Windows in the record's duration: from the narrowest to the widest.
+_WINDOWS = (600, 200, 60)
+#: Points that are enough for the narrowest of them, and fewest of a record and of a window.
+_POINTS, _SHORTEST, _NARROWEST = 12_000, 240, 8
+#: Fewest windows with motion in them, and the part of its span by which the cart must move to count as in motion.
+_FEWEST, _MOVES = 40, 0.02
+#: Most stamps of a force that is commanded now and then, and held after the last one.
+_COMMANDS = 10
+#: A force whose windowed values vary by less than this part of its range is constant, as far as they show.
+_VARIES = 0.02
+
+
+def relation(record: Record, motion: Motion) -> Iterator[Finding]:
+    """A force that the motion does not account for."""
+    if motion.still or motion.force_span == 0.0:
+        return
+    share = accounted(record)
+    if share < _UNRELATED:
+        yield Finding(
+            "error",
+            "unrelated_force",
+            f"the motion accounts for {100.0 * max(share, 0.0):.0f} % of the force's variation, so that no mass, "
+            "damping and stiffness carry this record: a hand may move the cart, or the force be another quantity; "
+            "check --force, or give --force none and --start for a part without force",
+        )
+
+
+def accounted(record: Record) -> float:
+    """Part of the force's variation that the motion accounts for, at the best length of window; NaN if none tells."""
+    position, force = _even(record)
+    if position.size < _SHORTEST:
+        return math.nan
+    sizes = [position.size // windows for windows in _WINDOWS]
+    shares = [_share(position, force, size) for size in sizes if size >= _NARROWEST]
+    known = [share for share in shares if not math.isnan(share)]
+    return max(known, default=math.nan)
+
+
+def _even(record: Record) -> tuple[FloatArray, FloatArray]:
+    """Position and force, evenly spaced and averaged to so many points that the narrowest window has a few.
+
+    A force of more stamps than commands have is a signal, and only known as long as it was recorded.
+    """
+    begin, end = float(record.time[0]), float(record.time[-1])
+    if record.force.size > _COMMANDS:
+        begin, end = max(begin, float(record.force_time[0])), min(end, float(record.force_time[-1]))
+    period = record.duration / (record.samples - 1)
+    samples = int((end - begin) / period) + 1
+    count = math.ceil(samples / _POINTS)
+    time = begin + period * np.arange(samples // count * count)
+    pair = (np.interp(time, record.time, record.position), record.force_at(time))
+    position, force = (values.reshape(-1, count).mean(axis=1) for values in pair)
+    return position - np.mean(position), force
+
+
+def _share(position: FloatArray, force: FloatArray, size: int) -> float:
+    """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted."""
+    u = np.linspace(-1.0, 1.0, size + 2)[1:-1]
+    bump, slope = (1.0 - u**2) ** 3, -6.0 * u * (1.0 - u**2) ** 2
+    bend = -6.0 * (1.0 - u**2) ** 2 + 24.0 * u**2 * (1.0 - u**2)
+    x, v, a, f = (_windowed(*pair) for pair in ((position, bump), (position, -slope), (position, bend), (force, bump)))
+    swing = float(np.ptp(position))
+    if np.ptp(force) == 0.0:
+        return math.nan
+    moving = np.abs(v) > _MOVES * swing * float(np.sum(np.abs(slope))) / 2.0
+    if np.count_nonzero(moving) < _FEWEST or np.std(f[moving]) < _VARIES * np.ptp(force) * np.sum(bump):
+        return math.nan
+    columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x)))[moving]
+    columns = columns / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
+    left = f[moving] - columns @ np.linalg.lstsq(columns, f[moving], rcond=None)[0]
+    pieces = np.count_nonzero(moving) / 4.0  # neighbours overlap by three quarters
+    lost = pieces / max(pieces - columns.shape[1], 1.0)
+    return float(1.0 - lost * np.mean(left**2) / np.var(f[moving]))
+
+
+def _windowed(values: FloatArray, window: FloatArray) -> FloatArray:
+    """Sums over windows that begin every quarter of their length."""
+    return np.asarray(np.convolve(values, window[::-1], mode="valid")[:: max(window.size // 4, 1)], dtype=np.float64)

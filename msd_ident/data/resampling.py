@@ -1,0 +1,66 @@
+"""Force between its samples: a band-limited one, interpolated.
+
+A force that was filtered before it was sampled changes no faster than its samples tell, and is determined by them at
+every instant (Shannon 1949). It is interpolated to a multiple of its rate, and read as linear in between. Straight
+lines cut the tops: of a frequency f they leave 1 − (πf/r)²/3 at the rate r. The values are raised by as much
+beforehand, so that the impulse over each interval is right to fourth order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.signal
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.errors import DataError
+
+#: Force values per measured one. On the Silverbox benchmark (8 samples a swing) 4 leave 0.342 mV, 8 leave 0.341 mV.
+FACTOR = 4
+#: Kaiser window of the interpolation filter: its shape sets what is left of the images (-80 dB).
+_KAISER_BETA = 8.0
+#: Fewest samples that an interpolation filter makes sense of.
+_FEWEST = 20
+#: Intervals between force stamps may differ by this part of their median.
+_EVEN = 0.25
+
+
+def is_even(time: FloatArray) -> bool:
+    """Whether stamps (n,) [s] are evenly spaced but for jitter, as an interpolation filter needs them."""
+    intervals = np.diff(time)
+    period = float(np.median(intervals))
+    return bool(time.size >= _FEWEST and np.max(np.abs(intervals - period)) <= _EVEN * period)
+
+
+def band_limited(record: Record, factor: int = FACTOR) -> Record:
+    """The record with its force interpolated to ``factor`` values per measured one.
+
+    Raises:
+        DataError: the force has too few samples, or uneven ones.
+    """
+    if not is_even(record.force_time):
+        raise DataError(
+            f"the force has {record.force.size} samples that are not evenly spaced; expected at least {_FEWEST} even "
+            "ones for a band-limited force: use --hold linear"
+        )
+    count = (record.force.size - 1) * factor + 1
+    force = scipy.signal.resample_poly(record.force, factor, 1, window=("kaiser", _KAISER_BETA), padtype="line")
+    places = np.arange(count) / factor
+    force = _raised(force[:count])
+    time = np.interp(places, np.arange(record.force.size), record.force_time)
+    return replace(
+        record,
+        force_time=time,
+        force=force,
+        hold="linear",
+        hold_known=True,
+        upsampled=factor * record.upsampled,
+    )
+
+
+def _raised(force: FloatArray) -> FloatArray:
+    """Values (n,) whose straight lines have the mean of the smooth force: less a twelfth of the second difference."""
+    bend = np.zeros(force.size)
+    bend[1:-1] = np.diff(force, 2)
+    return np.asarray(force - bend / 12.0)

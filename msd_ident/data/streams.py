@@ -1,0 +1,149 @@
+"""Records from streams: samples with stamps, in the order in which they arrived."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Hold, Origin, Record, check_finite
+from msd_ident.errors import DataError
+
+#: A sample that comes later than this [s] behind a newer one was not merely overtaken on the way.
+LATEST_SECONDS = 1.0
+
+
+def from_stamps(
+    position_ns: npt.ArrayLike,
+    position: npt.ArrayLike,
+    force_ns: npt.ArrayLike,
+    force: npt.ArrayLike,
+    *,
+    hold: Hold = "zero",
+    force_unit: str = "N",
+    position_unit: str = "m",
+    name: str = "record",
+    notes: tuple[str, ...] = (),
+    origins: tuple[Origin, ...] = (),
+) -> Record:
+    """Record from two streams with absolute stamps [ns], in order of arrival: the one way from messages.
+
+    A live buffer and a bag with the same samples give the same record to the last bit. Time 0 is the first
+    position stamp. A few late samples are put in their place and of samples with one stamp the first is kept,
+    both with a note.
+
+    Raises:
+        DataError: as for ``Record``, and when the stamps of a stream run backwards.
+    """
+    found: list[str] = list(notes)
+    ns_x, x = _ordered("position", np.asarray(position_ns, dtype=np.int64), position, 1e-9, found)
+    ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found)
+    start = int(ns_x[0])
+    return Record(
+        # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
+        time=(ns_x - start) / 1e9,
+        position=x,
+        force_time=(ns_f - start) / 1e9,
+        force=f,
+        hold=hold,
+        force_unit=force_unit,
+        position_unit=position_unit,
+        name=name,
+        start_ns=start,
+        notes=tuple(found),
+        origins=origins,
+    )
+
+
+def from_seconds(
+    position_time: npt.ArrayLike,
+    position: npt.ArrayLike,
+    force_time: npt.ArrayLike,
+    force: npt.ArrayLike,
+    *,
+    hold: Hold = "zero",
+    hold_known: bool = True,
+    force_unit: str = "N",
+    position_unit: str = "m",
+    name: str = "record",
+    notes: tuple[str, ...] = (),
+) -> Record:
+    """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``.
+
+    ``hold_known`` is False where ``hold`` is a guess.
+    """
+    found: list[str] = list(notes)
+    t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
+    t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found)
+    return Record(
+        time=t_x - t_x[0],
+        position=x,
+        force_time=t_f - t_x[0],
+        force=f,
+        hold=hold,
+        hold_known=hold_known,
+        force_unit=force_unit,
+        position_unit=position_unit,
+        name=name,
+        notes=tuple(found),
+    )
+
+
+def batch_stamps(first_ns: int, period_ns: int, count: int) -> npt.NDArray[np.int64]:
+    """Stamps [ns] of ``count`` samples that were taken at a fixed period and sent as one message."""
+    return np.asarray(first_ns + period_ns * np.arange(count, dtype=np.int64), dtype=np.int64)
+
+
+Stamps = TypeVar("Stamps", npt.NDArray[np.int64], FloatArray)
+
+
+def _ordered(
+    what: str, stamps: Stamps, values: npt.ArrayLike, tick: float, notes: list[str]
+) -> tuple[Stamps, FloatArray]:
+    """Samples in rising order of their stamps (in units of ``tick`` seconds), one each; ``notes`` grows."""
+    data = np.asarray(values, dtype=np.float64)
+    if stamps.size != data.size:
+        raise DataError(f"{stamps.size} stamps for {data.size} {what} values; expected as many of each")
+    if stamps.size == 0:
+        raise DataError(f"no {what} samples; expected at least one: check that the {what} was published and recorded")
+    check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
+    late = _late(what, stamps, data, tick)
+    if late:
+        notes.append(f"{what}: {late} of {stamps.size} samples came late and were put in their place by their stamps.")
+    unique, first = np.unique(stamps, return_index=True)
+    dropped = stamps.size - unique.size
+    if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:
+        raise DataError(
+            f"{stamps.size} position samples have only {unique.size} different stamps; expected one each: check the "
+            "time column, or what stamps the messages"
+        )
+    if dropped:
+        other = int(np.count_nonzero(data != data[first][np.searchsorted(unique, stamps)]))
+        differ = f", {other} of them with another value" if other else ""
+        if other > stamps.size // 10 and unique.size > 1:
+            ticks = tick * float(np.median(np.diff(unique)))
+            differ += f": their clock ticks every {ticks:.3g} s, so force and position may be as far apart"
+        notes.append(f"{what}: {dropped} samples with duplicate stamps were dropped{differ}.")
+    return unique, data[first]
+
+
+def _late(what: str, stamps: Stamps, data: FloatArray, tick: float) -> int:
+    """Number of samples that are older than one before them.
+
+    Raises:
+        DataError: they are more than chance delays on the way explain, or one is late by more than
+            ``LATEST_SECONDS`` and no repetition of an earlier one.
+    """
+    behind = (np.maximum.accumulate(stamps) - stamps) * tick
+    late = np.flatnonzero(behind > 0)
+    far = late[behind[late] > LATEST_SECONDS]
+    fresh = [i for i in far[:100] if not np.any((stamps[:i] == stamps[i]) & (data[:i] == data[i]))]
+    if late.size > max(5, stamps.size // 100) or fresh:
+        i = int(late[np.argmax(behind[late] > LATEST_SECONDS)]) if far.size else int(late[0])
+        raise DataError(
+            f"{what} stamps run backwards: {behind[i]:.3f} s back at sample {i + 1} of {stamps.size} "
+            f"({late.size} samples in all); expected rising stamps: the recording was looped or its clock was "
+            "reset, use one pass of it"
+        )
+    return int(late.size)

@@ -1,0 +1,141 @@
+"""Judging profiles of a family: made as strong as the limits allow, predicted by every rival, and compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.design import discrimination, safety
+from msd_ident.design.discrimination import Parting
+from msd_ident.design.library import Pace, family
+from msd_ident.design.limits import Limits
+from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing, grid, instants
+from msd_ident.design.profile import Profile
+from msd_ident.parallel import each
+from msd_ident.selection.candidate_models import Contender
+
+#: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
+ENOUGH = 0.97
+#: What a longer experiment must add.
+WORTH = 0.01
+
+
+@dataclass(frozen=True)
+class Option:
+    """A profile, what each rival predicts for it, and how well it parts them.
+
+    ``shares`` (r, r) is the part of chi² that real refits leave; 1 as long as nobody looked.
+    """
+
+    profile: Profile
+    grid: Grid
+    predictions: tuple[Prediction, ...]
+    parting: Parting
+    travel: tuple[float, float]
+    peak_speed: float
+    shares: FloatArray
+
+    @property
+    def probability(self) -> float:
+        """Of a decision."""
+        return self.parting.probability
+
+    @property
+    def strength(self) -> float:
+        """How far the closest two of those that are found out at all are apart, as a logarithm of chi²."""
+        chi = self.parting.chi + np.diag(np.full(len(self.parting.chi), np.inf))
+        found_out = self.parting.decided >= 0.5
+        return float(np.log(np.maximum(chi[found_out].min(axis=1), 1e-9)).mean()) if found_out.any() else -np.inf
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be decided, on which rig.
+
+    ``cautions`` are no rivals; but what is played must be safe under them too.
+    """
+
+    predictors: tuple[Predictor, ...]
+    truths: FloatArray
+    sensing: Sensing
+    limits: Limits
+    period: float
+    cautions: tuple[Predictor, ...] = ()
+
+    @staticmethod
+    def of(
+        contenders: Sequence[Contender], truths: Sequence[float], seen: Sensing, limits: Limits,
+        records: Sequence[Record] = (),
+    ) -> Question:  # fmt: skip
+        """The question which of these is true, each with its probability, after ``records`` were measured."""
+        predictors = tuple(Predictor(one, 10.0 * seen.noise) for one in contenders)
+        stronger = safety.caution(contenders[0], records) if records else None
+        cautions = () if stronger is None else (Predictor(stronger, 10.0 * seen.noise),)
+        return Question(predictors, np.asarray(truths), seen, limits, period_of(contenders[0], limits), cautions)
+
+    @property
+    def contenders(self) -> tuple[Contender, ...]:
+        """The rivals."""
+        return tuple(one.contender for one in self.predictors)
+
+    def work(self, profile: Profile) -> float:
+        """Readings that are simulated to predict a profile by every rival, with the slopes of each."""
+        rows = sum(1 + len(one.places) + NUISANCES for one in self.predictors) + len(self.cautions)
+        return float(rows * instants(profile, self.period, self.sensing))
+
+
+def period_of(contender: Contender, limits: Limits) -> float:
+    """The plant's own period [s]; of an axis without spring, a part of what its damping or the limits allow."""
+    model = contender.model
+    if model.stiffness > 0.0:
+        return 2.0 * math.pi * math.sqrt(model.mass / model.stiffness)
+    decay = model.mass / model.damping if model.damping > 0.0 else math.inf
+    return min(2.0 * decay, limits.duration / 10.0)
+
+
+def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
+    """Every profile that has room within the limits, made as strong as they allow, and judged."""
+    return [found for found in each(partial(_option, question), profiles) if found is not None]
+
+
+def family_of(question: Question, unit: str = "N") -> list[Profile]:
+    """The family in the plant's own time, the shortest first."""
+    made = family(Pace(question.period, question.limits.duration), unit)
+    return sorted(made, key=lambda profile: profile.duration)
+
+
+def choose(found: Sequence[Option]) -> Option | None:
+    """The shortest of those that decide as well as any, or well enough."""
+    if not found:
+        return None
+    best = max(one.probability for one in found)
+    good = [one for one in found if one.probability >= min(best - WORTH, ENOUGH)]
+    return min(good, key=lambda one: one.profile.duration)
+
+
+def _option(question: Question, unit: Profile) -> Option | None:
+    imagined = (*question.predictors, *question.cautions)
+    strong = safety.fitted_in(unit, imagined, question.limits, question.period, question.sensing)
+    return None if strong is None else judge(question, strong)
+
+
+def judge(question: Question, profile: Profile) -> Option:
+    """What the rivals predict for a profile, and how well it parts them."""
+    on = grid(profile, question.period, question.sensing)
+    predictions = tuple(one.predict(on.record) for one in question.predictors)
+    parting = discrimination.part(question.predictors, predictions, on, question.sensing, question.truths)
+    low, high, speed = safety.extremes(question.predictors, predictions)
+    return Option(profile, on, predictions, parting, (low, high), speed, np.ones_like(parting.chi))
+
+
+def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
+    """The same option when real refits leave only this part (r, r) of what linear ones do."""
+    parting = discrimination.part(
+        question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
+    )
+    return replace(option, parting=parting, shares=kept)

@@ -1,0 +1,206 @@
+"""What could still hide: effects that the measured data would not show, as rivals of the explanation that stands.
+
+One step of one amplitude fits perfectly although the actuator's gain bends, the spring has play or a force offset acts:
+the plant's parameters take the blame. For each effect of the library this finds the size at which the data would just
+begin to object, with the plant refitted around it; those that may be of any size worth knowing become rivals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.design.discrimination import occam
+from msd_ident.design.nearest_rival import SILENT, Measured, settled
+from msd_ident.design.prediction import Predictor, Sensing, sensing
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.errors import UsageError
+from msd_ident.estimate.parameter_units import in_force_unit, magnitudes
+from msd_ident.model import Effect, Model
+from msd_ident.model.effects import LIBRARY
+from msd_ident.parallel import each
+from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.evidence import log_prior
+
+#: Sizes against the library's own guess that are worth a test.
+_SMALLEST = 0.1
+_SHRINKS = 4
+#: Rise of chi² from which on an effect does not hide at the smallest of these sizes either, by far.
+_HOPELESS = 100.0 * SILENT / _SMALLEST**2
+#: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
+_PLAYS = (1.0, 0.5, 0.25, 0.12)
+_SAMPLES = 1200
+
+
+def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
+    """The explanation that stands first, then one rival for each effect that may hide behind it; alone if none may."""
+    if not diagnosis.contenders:
+        return ()
+    lead = diagnosis.contenders[0]
+    data = _measured(diagnosis, seen)
+    found = each(lambda kind: _hiding(kind, lead, data), tuple(LIBRARY))
+    return (lead, *(rival for rival in found if rival is not None))
+
+
+def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
+    """The explanation that stands with one more effect, of the size given, the rest refitted around it.
+
+    Raises:
+        UsageError: the effect does not go with it.
+    """
+    seen = sensing(diagnosis.records, diagnosis.noise_floor)
+    return _refitted(diagnosis.contenders[0], effect, _measured(diagnosis, seen))[0]
+
+
+def _measured(diagnosis: Diagnosis, seen: Sensing) -> Measured:
+    lead = diagnosis.contenders[0]
+    records = tuple(_thin(record) for record in diagnosis.records)
+    told = Predictor(lead, 0.0)
+    readings = tuple(
+        told.readings(record, told.point[None, :], np.array([[was.position, was.zero]]), was.velocity)[0]
+        for record, was in zip(records, lead.initial, strict=True)
+    )
+    return Measured(records, readings, seen, magnitudes(records, lead.model.mass))
+
+
+def _thin(record: Record) -> Record:
+    stride = max(record.samples // _SAMPLES, 1)
+    return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
+
+
+def _hiding(kind: type[Effect], lead: Contender, data: Measured) -> Contender | None:
+    """The rival that this effect makes at its largest silent size; ``None`` when it cannot hide."""
+    shrinking = _shrinking(kind)
+    if shrinking is None or lead.model.has(kind.name):
+        return None
+    record = max(data.records, key=lambda one: float(np.ptp(one.position)))
+    best: tuple[float, Contender] | None = None
+    for guess in _guesses(kind, record, lead.model):
+        found = _largest(lead, guess, shrinking, data)
+        if found is not None and (best is None or found[0] > best[0]):
+            best = found
+    if best is None:
+        return _playing(kind, lead, record, shrinking, data)
+    return best[1]
+
+
+def _shrinking(kind: type[Effect]) -> str | None:
+    """Name of the parameter that makes the effect vanish at 0, if just one does; time may not drive it."""
+    zeros = [name for name, value in kind.neutral if value == 0.0]
+    return zeros[0] if len(zeros) == 1 and kind.steady else None
+
+
+def _guesses(kind: type[Effect], record: Record, model: Model) -> Sequence[Effect]:
+    try:
+        model + kind.guess(record, model)[0]
+    except (UsageError, IndexError):  # its family is taken, or there is no spring for it
+        return ()
+    return kind.guess(record, model)[:2]
+
+
+def _largest(lead: Contender, guess: Effect, shrinking: str, data: Measured) -> tuple[float, Contender] | None:
+    """Part of the guessed size at which the data is still silent, and the rival there."""
+    share = 1.0
+    for _ in range(_SHRINKS):
+        values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
+        effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
+        rival, rise = _refitted(lead, effect, data, _HOPELESS)
+        if rise <= SILENT:
+            return share, rival
+        share *= float(np.clip(0.9 * np.sqrt(SILENT / rise), 0.02, 0.7))
+        if share < _SMALLEST:
+            return None
+    return None
+
+
+def _refitted(lead: Contender, effect: Effect, data: Measured, hopeless: float = math.inf) -> tuple[Contender, float]:
+    """The rival with the lead's parameters refitted around the effect, and the rise of chi² that is left.
+
+    The lead's readings stand for the data, so that the rise is the effect's own, without the noise.
+    """
+    tries = [_around(lead, lead.model + effect, effect, data, hopeless)]
+    gain = _gain(effect, data.records)
+    if gain > 0.0 and gain != 1.0:  # another gain is another unit of force: no small step from one to the other
+        model = lead.model.with_values(in_force_unit(lead.model, gain)) + effect
+        tries.append(_around(lead, model, effect, data, hopeless))
+    return min(tries, key=lambda one: one[1])
+
+
+def _playing(kind: type[Effect], lead: Contender, record: Record, shrinking: str, data: Measured) -> Contender | None:
+    """The rival in which the cart began inside a play, of the size that the data allows; ``None`` without any.
+
+    The lead has taken half the play for a start away from rest, and the stiffness for less. There is a valley of its
+    own around the true size, and none of the smaller sizes leads there.
+    """
+    known = data.resting(lead)
+    found: list[tuple[Contender, float, FloatArray]] = []
+    for guess in _guesses(kind, record, lead.model)[:1]:
+        values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
+        least = values[shrinking]
+        for share in _PLAYS:
+            effect = kind.from_values(values | {shrinking: share * least})
+            trial = _resting(_trial(lead, lead.model + effect, effect, data))
+            wider = data.resting(trial)
+            if not any(spread > known[r] + 0.5 * share * least for r, spread in wider.items() if r in known):
+                return None  # the cart begins where it would without the effect
+            held = tuple(len(lead.free) + 2 * r for r in range(len(data.records)))
+            found.append(settled(lead, trial, len(lead.free), data, held, _HOPELESS))
+    if not found:
+        return None
+    nearest = min(found, key=lambda one: one[1])[0]
+    rival, rise, information = settled(lead, nearest, len(nearest.free), data, hopeless=_HOPELESS)
+    if rise > SILENT or rival.model[shrinking] < _SMALLEST * least:
+        return None
+    return _told(lead, rival, rise, information)
+
+
+def _resting(trial: Contender) -> Contender:
+    """Each record begins at rest in the middle, at the same reading."""
+    initial = tuple(
+        replace(one, position=0.0, zero=one.zero + one.position) if one.velocity == 0.0 else one
+        for one in trial.initial
+    )
+    return replace(trial, initial=initial)
+
+
+def _gain(effect: Effect, records: Sequence[Record]) -> float:
+    """What the effect makes of the largest force, in parts of it; 1 when it is none of the input's."""
+    law = effect.laws().get("input_map")
+    largest = max((float(np.max(np.abs(record.force))) for record in records), default=0.0)
+    return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0
+
+
+def _around(lead: Contender, model: Model, effect: Effect, data: Measured, hopeless: float) -> tuple[Contender, float]:
+    """The same from one start."""
+    trial, rise, information = settled(lead, _trial(lead, model, effect, data), len(lead.free), data, hopeless=hopeless)
+    return _told(lead, trial, rise, information), rise
+
+
+def _trial(lead: Contender, model: Model, effect: Effect, data: Measured) -> Contender:
+    """A rival yet to be fitted: the lead's parameters first, the effect's own last."""
+    own = tuple(p.name for p in effect.parameters if np.isfinite(model[p.name]))
+    free = tuple(dict.fromkeys((*lead.free, *own)))
+    sizes = dict(zip(lead.free, lead.scale, strict=True))
+    scale = np.array([sizes.get(p, data.typical.of(_unit(model, p))) for p in free])
+    return Contender(
+        causes=tuple(sorted({*lead.causes, effect.name})), probability=0.0, evidence=lead.evidence, chi=lead.chi,
+        model=model, free=free, scale=scale, information=np.zeros((len(free),) * 2), initial=lead.initial,
+    )  # fmt: skip
+
+
+def _told(lead: Contender, trial: Contender, rise: float, information: FloatArray) -> Contender:
+    """The rival with its information, and its evidence beside the lead's."""
+    trial = replace(trial, information=information)
+    complete = Predictor(trial, 0.0)
+    prior = log_prior(frozenset(trial.causes) - set(lead.causes))
+    evidence = lead.evidence + prior - 0.5 * rise + occam(complete, information)
+    evidence -= occam(Predictor(lead, 0.0), lead.information)
+    return replace(trial, evidence=float(evidence))
+
+
+def _unit(model: Model, name: str) -> str:
+    return next(p.unit for p in model.parameters if p.name == name)

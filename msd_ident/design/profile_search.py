@@ -1,0 +1,113 @@
+"""The search through the family: from short to long, until one experiment decides as well as anybody needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident import cancellation
+from msd_ident.data.record import FloatArray
+from msd_ident.design import rival_refits
+from msd_ident.design.evaluation import ENOUGH, WORTH, Option, Question, choose, judge_again, options
+from msd_ident.design.profile import Profile
+from msd_ident.design.rival_refits import Refitted
+
+#: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
+HOPELESS = 0.5
+_AT_ONCE, _CLOSER, _VAIN = 8, 5, 2
+#: Work after which no more profiles are screened, and that may go into closer looks then [readings simulated: one
+#: instant of one rival, as it is or with one parameter moved]. One core of 2026 does some 3 million a second; the same
+#: record must get the same profile on any machine, so that it is work that is counted and not time.
+_SCREENING, _LOOKING = 12e6, 6e6
+
+Refits = list[list[Refitted | None]]
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best experiment with its rivals' real refits, and all that were looked at."""
+
+    best: Option
+    refits: Refits
+    all: tuple[Option, ...]
+
+
+def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
+    """The first profile, in the order given, that decides well enough with rivals really refitted; else the best.
+
+    ``None`` when no profile has room within the limits.
+    """
+    work = 0.0
+    seen: list[Option] = []
+    closer: list[tuple[Option, Refits]] = []
+    for begin in range(0, len(profiles), _AT_ONCE):
+        cancellation.check()
+        if seen and work > _SCREENING:
+            break
+        batch = options(question, profiles[begin : begin + _AT_ONCE])
+        work += sum(question.work(profile) for profile in profiles[begin : begin + _AT_ONCE])
+        seen += batch
+        good = [one for one in batch if one.probability >= ENOUGH]
+        if good and len(closer) < _CLOSER:
+            closer.append(_closely(question, min(good, key=lambda one: one.profile.duration)))
+            work += _refitting(question, closer[-1][0].profile)
+            if closer[-1][0].probability >= ENOUGH:
+                return Found(*closer[-1], tuple(seen))
+    if not seen:
+        return None
+    question = _decidable(question, seen)
+    seen = [_asked(question, one) for one in seen]
+    closer = [(_asked(question, one), refits) for one, refits in closer]
+    known = {one.profile.name for one, _ in closer}
+    for pick in _promising(seen):
+        cancellation.check()
+        if closer and (_in_vain(closer) or work > _SCREENING + _LOOKING):
+            break
+        if pick.profile.name in known:
+            continue
+        closer.append(_closely(question, pick))
+        work += _refitting(question, pick.profile)
+        if closer[-1][0].probability >= ENOUGH:
+            break
+    best = choose([one for one, _ in closer])
+    return Found(*next(pair for pair in closer if pair[0] is best), tuple(seen))
+
+
+def _promising(seen: Sequence[Option]) -> list[Option]:
+    """What deserves a closer look: the shortest of the good ones, and those that part the rivals furthest."""
+    first = choose(seen)
+    best = max(one.probability for one in seen)
+    good = [one for one in seen if one.probability >= best - 0.05 and one is not first]
+    good.sort(key=lambda one: -one.strength)
+    return ([first] if first else []) + good[: _CLOSER - 1]
+
+
+def _decidable(question: Question, seen: Sequence[Option]) -> Question:
+    """The question without those that no profile can find out: they get a measurement instead."""
+    best = np.max([one.parting.decided for one in seen], axis=0)
+    truths: FloatArray = np.where(best < HOPELESS, 0.0, question.truths)
+    return replace(question, truths=truths) if truths.any() else question
+
+
+def _in_vain(closer: Sequence[tuple[Option, Refits]]) -> bool:
+    """Whether the last closer looks found nothing better than the ones before."""
+    probabilities = [one.probability for one, _ in closer]
+    return len(closer) > _VAIN and max(probabilities[-_VAIN:]) <= max(probabilities[:-_VAIN]) + WORTH
+
+
+def _asked(question: Question, option: Option) -> Option:
+    """The option with the probability that it answers this question, the rivals being as they were."""
+    return replace(option, parting=option.parting.asked(question.truths))
+
+
+def _refitting(question: Question, profile: Profile) -> float:
+    """Work of a closer look: every rival refitted to every other one's readings."""
+    return question.work(profile) * (len(question.predictors) - 1)
+
+
+def _closely(question: Question, option: Option) -> tuple[Option, Refits]:
+    """The option judged with rivals really refitted."""
+    kept, refits = rival_refits.shares(question.predictors, option.predictions, option.grid, question.sensing)
+    return judge_again(question, option, kept), refits

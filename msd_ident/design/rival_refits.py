@@ -1,0 +1,97 @@
+"""Rivals refitted for good: what is left when B's parameters really move, as far as the measured data lets them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.design.discrimination import prior, refit, weights
+from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
+from msd_ident.parallel import each
+
+_STEPS = 6
+_SETTLED = 0.02
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """B refitted to A's readings: what is left of chi², the readings (n,) [m] of both."""
+
+    chi: float
+    true: FloatArray
+    rival: FloatArray
+
+    @property
+    def difference(self) -> FloatArray:
+        """(n,) of the readings [m]."""
+        return np.asarray(self.true - self.rival)
+
+
+def refitted(
+    rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing, steps: int = _STEPS
+) -> Refitted:
+    """Levenberg–Marquardt on the rival's parameters, start position and zero; the measured data holds it back."""
+    weight = weights(true, on, seen)
+    before = prior(rival, seen.noise)
+    origin = np.concatenate([rival.point, [rival.start.position, rival.start.zero]])
+    lower, upper = _bounds(rival)
+    point, readings, jacobian = origin.copy(), own.position, own.jacobian
+    cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
+    for _ in range(steps):
+        normal = (jacobian * weight) @ jacobian.T + before
+        slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
+        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        scaled = normal / np.outer(size, size) + max(damping, 1e-12) * np.eye(size.size)
+        ahead = np.clip(point + np.linalg.solve(scaled, slope / size) / size, lower, upper)
+        free, start = ahead[:-NUISANCES], ahead[-NUISANCES:]
+        reading = rival.readings(on.record, free[None, :], start[None, :])[0]
+        reached = _cost(reading, true, weight, ahead - origin, before)
+        if reached >= cost:
+            damping = max(10.0 * damping, 1e-3)
+            continue
+        settled = cost - reached < _SETTLED * reached + 0.01
+        point, readings, cost, damping = ahead, reading, reached, 0.1 * damping
+        if settled:
+            break
+        _, jacobian = rival.linearised(on.record, free, start)
+    return Refitted(cost, true.position, readings)
+
+
+def _bounds(rival: Predictor) -> tuple[FloatArray, FloatArray]:
+    lower = [-np.inf] * (rival.point.size + NUISANCES)
+    upper = [np.inf] * (rival.point.size + NUISANCES)
+    for i, place in enumerate(rival.places):
+        parameter = rival.contender.model.parameters[place]
+        lower[i], upper[i] = parameter.lower, parameter.upper
+        if parameter.name in ("mass", "stiffness"):
+            lower[i] = 0.2 * float(rival.point[i])
+    return np.array(lower), np.array(upper)
+
+
+def _cost(readings: FloatArray, true: Prediction, weight: FloatArray, moved: FloatArray, before: FloatArray) -> float:
+    return float(weight @ (true.position - readings) ** 2 + moved @ before @ moved)
+
+
+def shares(
+    predictors: Sequence[Predictor], predictions: Sequence[Prediction], on: Grid, seen: Sensing
+) -> tuple[FloatArray, list[list[Refitted | None]]]:
+    """(r, r) part of chi² that real refits leave of what linear ones do (at most 1), and the refits themselves."""
+    count = len(predictors)
+    kept = np.ones((count, count))
+    found: list[list[Refitted | None]] = [[None] * count for _ in range(count)]
+    weighed = [weights(true, on, seen) for true in predictions]
+
+    def part(pair: tuple[int, int]) -> tuple[Refitted, float]:
+        a, b = pair
+        rival, own, true = predictors[b], predictions[b], predictions[a]
+        done = refitted(rival, own, true, on, seen)
+        linear = refit(own.jacobian, weighed[a], prior(rival, seen.noise)).left((true.position - own.position)[None, :])
+        return done, float(np.clip(done.chi / max(float(linear[0, 0]), 1e-9), 0.0, 1.0))
+
+    pairs = [(a, b) for a in range(count) for b in range(count) if a != b]
+    for (a, b), (done, share) in zip(pairs, each(part, pairs), strict=True):
+        found[a][b], kept[a, b] = done, share
+    return kept, found

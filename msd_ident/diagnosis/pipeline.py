@@ -1,0 +1,298 @@
+"""The diagnosis, step by step: is anything wrong, what is missing, which causes, does it predict, how sure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.data.quality import Finding
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import verdict
+from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
+from msd_ident.errors import UsageError
+from msd_ident.estimate import FitResult, see, see_reduction
+from msd_ident.estimate.base_fits import Shared
+from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.summary import conclude
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects import by_name
+from msd_ident.quantity import Quantity
+from msd_ident.residuals import dependence, noise_model, nonparametric
+from msd_ident.residuals.adequacy import judge
+from msd_ident.residuals.disturbance import MissingForce, missing_force
+from msd_ident.residuals.ringdown import RingDown
+from msd_ident.residuals.unexplained import TOLERANCE, remainders
+from msd_ident.selection import (
+    coarse_to_fine,
+    evidence,
+    gain_laws,
+    handover,
+    identities,
+    naming,
+    replication,
+    rest_constraint,
+    spread,
+)
+from msd_ident.selection.base_hypotheses import base_fit, shared_fits
+from msd_ident.selection.candidate_models import Contender, standing
+from msd_ident.selection.cause_assessment import noted, tried
+from msd_ident.selection.evidence import Ranking
+from msd_ident.selection.hypothesis import Experiment, Fitted
+from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
+
+_RIVALS = 8
+#: Explanations of an earlier diagnosis that are tried again.
+_REMEMBERED = 3
+#: Rivals with less than this probability are not worth a line.
+_RIVAL = 1e-4
+
+
+def silent(stage: str, fraction: float, cause: str) -> None:
+    """Report to nobody."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to diagnose.
+
+    Attributes:
+        records: one experiment, of one record or several.
+        sprung: whether the plant has a spring.
+        plant: mass, damping and stiffness that the data shows at a glance, to start from.
+        findings, warnings, ring_down: what is known about the data before any model; they go into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
+        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
+        calibrate: whether copies of the records are diagnosed too; else only where ``replicating`` finds it worth it.
+    """
+
+    records: tuple[Record, ...]
+    sprung: bool = True
+    plant: Model | None = None
+    findings: tuple[Finding, ...] = ()
+    warnings: tuple[str, ...] = ()
+    ring_down: RingDown | None = None
+    tolerance: float = TOLERANCE
+    rests: tuple[Record | None, ...] = ()
+    calibrate: bool = False
+
+    @property
+    def forced(self) -> bool:
+        """Whether any force acts."""
+        return any(bool(np.any(record.force_at(record.time))) for record in self.records)
+
+    @property
+    def gain_known(self) -> bool:
+        """Whether forces and positions are in units of mechanics."""
+        return (self.records[0].force_unit, self.records[0].position_unit) in (("N", "m"), ("N·m", "rad"))
+
+
+def diagnose_records(
+    records: Sequence[Record],
+    *,
+    sprung: bool = True,
+    plant: Model | None = None,
+    findings: Sequence[Finding] = (),
+    warnings: Sequence[str] = (),
+    ring_down: RingDown | None = None,
+    tolerance: float = TOLERANCE,
+    rests: Sequence[Record | None] = (),
+    calibrate: bool = False,
+    progress: Progress = silent,
+    earlier: Diagnosis | None = None,
+) -> Diagnosis:
+    """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
+
+    Args:
+        records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
+        sprung: False for a plain axis, whose stiffness is 0.
+        plant: what the data shows at a glance, to start from.
+        findings, warnings, ring_down: of earlier stages, to be carried into the result.
+        tolerance: part of the motion's rms that the lab does not care about [%].
+        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
+        calibrate: diagnose copies of the records too, and correct the probabilities by what they are called; it is done
+            unasked where the experiment is poor and the copies are cheap.
+        progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
+        earlier: of some of these records: its explanations are tried too, from where they stood.
+
+    Raises:
+        UsageError: no records.
+    """
+    if not records:
+        raise UsageError("no records to diagnose; expected at least one")
+    said = tuple(findings), tuple(warnings)
+    task = Task(tuple(records), sprung, plant, *said, ring_down, tolerance, tuple(rests), calibrate)
+    progress("base model", 0.02, "")
+    experiment = prepare(task)
+    shared = shared_fits(experiment, task.plant or experiment.base)
+    base, friction = base_fit(experiment, shared)
+    experiment = replace(experiment, base=base.model)
+    left = judge(base.residuals(), experiment.readings)
+    if left.consistent:
+        ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
+    else:
+        ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
+    return _conclude(task, experiment, base, ranking, shared, progress)
+
+
+def prepare(task: Task) -> Experiment:
+    """The data as evidence, and what the base model has fixed."""
+    fixed = set() if task.sprung else {"stiffness"}
+    if not task.forced:
+        fixed.add("mass")  # a free decay knows ratios only: the numbers are those of 1 kg
+    force = max(float(np.max(np.abs(record.force))) for record in task.records)
+    span = max(float(np.ptp(record.position)) for record in task.records)
+    duration = max(record.duration for record in task.records)
+    stiffness = (force or 1.0) / max(span, 1e-12)
+    mass = stiffness * (duration / 20.0) ** 2 if task.forced else 1.0
+    if not task.forced:
+        stiffness = (20.0 / duration) ** 2
+    model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
+    parts = noise_model.prepare(task.records)
+    rests = zip(task.rests, parts, strict=False)
+    quiet = tuple(noise_model.of_record(rest, part.noise, part.step) for rest, part in rests if rest is not None)
+    return Experiment(parts, model, frozenset(fixed), quiet)
+
+
+def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:
+    """What stood before, the likeliest first; a record that was not there begins at rest at its first reading."""
+    if earlier is None:
+        return []
+
+    def began(contender: Contender, record: Record) -> Initial:
+        for known, initial in zip(earlier.records, contender.initial, strict=True):
+            if np.array_equal(known.time, record.time) and np.array_equal(known.position, record.position):
+                return initial
+        return Initial(0.0, 0.0, float(record.position[0]))
+
+    return [
+        (frozenset(one.causes), one.model, tuple(began(one, record) for record in records))
+        for one in earlier.contenders[:_REMEMBERED]
+        if one.causes
+    ]
+
+
+def _conclude(
+    task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, shared: Shared, progress: Progress
+) -> Diagnosis:
+    progress("prediction of left-out data", 0.88, "")
+    ranking, best, heldout = naming.predicting(experiment, base, ranking)
+    ranking, matrix = replication.checked(experiment, base, ranking, task.calibrate, progress)
+    if matrix is not None and (ranking := naming.leading(ranking)).best is not best:
+        ranking, best, heldout = naming.predicting(experiment, base, ranking)
+    progress("verdict", 0.97, "")
+    base, shown = _resting(experiment, base), _resting(experiment, best)
+    left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
+    fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
+    causes = _causes(ranking, best, fits[1]) if best.causes else ()
+    missing, still = _missing(experiment, base), _still_missing(experiment, shown)
+    lacking = (_still_missing(experiment, base) if best.causes else still, still)
+    lacks = remainders(task.records, _floor(experiment), fits, lacking, left, task.tolerance)
+    decision = verdict.decide(causes, lacks)
+    characteristics = None
+    if lacks.exceeds:
+        characteristics = nonparametric.measure(experiment.readings, shown.model, shown.initial, fits[0].see)
+    scale = evidence.scale_from(list(ranking.sets), experiment.readings)
+    tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else [best]
+    alike = gain_laws.alike(experiment, best, scale)
+    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
+    said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
+    said += verdict.spread_sentence(moved) + fits[1].open_directions
+    return Diagnosis(
+        records=task.records,
+        findings=task.findings,
+        verdict=decision,
+        summary=verdict.summary(decision, causes, lacks, heldout, dependence.sentence(still)),
+        causes=causes,
+        base=fits[0],
+        extended=fits[1],
+        see_reduction_percent=see_reduction(fits[0].see, fits[1].see),
+        heldout=heldout,
+        noise_floor=_floor(experiment),
+        base_adequacy=left[0],
+        adequacy=left[1],
+        left=lacks,
+        missing=missing,
+        dependences=dependence.dependences(missing),
+        still_missing=still,
+        characteristics=characteristics,
+        spread=moved,
+        rivals=_rivals(ranking, best, experiment),
+        calibration=matrix,
+        warnings=tuple(dict.fromkeys(said)),
+        ring_down=_read(task.ring_down, causes),
+        contenders=standing(ranking, scale, experiment.readings),
+        tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
+    )
+
+
+def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:
+    """The ring-down, its sentences read with the causes that are named."""
+    named = {cause.name: next(iter(cause.parameters.values())).value for cause in causes if cause.parameters}
+    return ring_down and ring_down.read_with(named, {name for cause in causes for name in cause.tied_with})
+
+
+def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, ...]:
+    """The causes of a set, the one first without which most is left."""
+    found = []
+    for name in best.causes:
+        parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
+        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), naming.tied(ranking, name)))
+    without = {fitted.causes: fitted.chi for fitted in ranking.sets}
+    return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
+
+
+def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Without limits that stand at infinity, i.e. are not there."""
+    return {name: q for name, q in parameters.items() if math.isfinite(q.value)}
+
+
+def _resting(experiment: Experiment, fitted: Fitted) -> Fitted:
+    """The same set with what rest at the start says: where the samples leave it open, it decides."""
+    missed = see(fitted.residuals())  # a wrong model errs at rest too
+    known = tuple(replace(balance, spread=balance.spread + missed) for balance in rest_constraint.balances(fitted))
+    fitted = rest_constraint.settled(fitted, experiment.readings, known)
+    return replace(fitted, problem=replace(fitted.problem, balances=known))
+
+
+def _result(experiment: Experiment, fitted: Fitted, shared: Shared) -> FitResult:
+    """The model that is handed over: the set refitted by plain simulation error."""
+    return conclude(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
+
+
+def _floor(experiment: Experiment) -> float:
+    samples = sum(part.record.samples for part in experiment.readings)
+    return math.sqrt(sum(part.record.samples * part.noise**2 for part in experiment.readings) / samples)
+
+
+def _missing(experiment: Experiment, fitted: Fitted) -> tuple[MissingForce, ...]:
+    plant = (fitted.model.mass, fitted.model.damping, fitted.model.stiffness)
+    return tuple(
+        missing_force(part.record, plant, part.noise, state.zero)
+        for part, state in zip(experiment.readings, fitted.initial, strict=True)
+    )
+
+
+def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, ...]:
+    """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
+    plant = (best.model.mass, best.model.damping, best.model.stiffness)
+    found = []
+    for part, residual in zip(experiment.readings, best.residuals(), strict=True):
+        error = replace(part.record, position=-residual, force=np.zeros(part.record.force.size))
+        force = missing_force(error, plant, part.noise)
+        whole = missing_force(part.record, plant, part.noise)
+        found.append(replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied))
+    return tuple(found)
+
+
+def _rivals(ranking: Ranking, best: Fitted, experiment: Experiment) -> tuple[Rival, ...]:
+    pieces = experiment.evidence
+    found = [
+        Rival(tuple(sorted(fitted.causes)), p, math.sqrt(fitted.chi / pieces))
+        for fitted, p in zip(ranking.sets, ranking.probability, strict=True)
+        if fitted is not best
+    ]
+    kept = [rival for rival in found if rival.probability > _RIVAL]
+    return tuple(kept or found[:3])[:_RIVALS]

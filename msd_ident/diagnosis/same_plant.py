@@ -1,0 +1,42 @@
+"""Are several records of one rig? Asked where no explanation fits them together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.errors import DataError
+from msd_ident.features import extract, pooled
+
+#: Natural frequencies of one rig that differ by more than this factor are those of two rigs, or of a cause that makes
+#: them depend on the amplitude; such a cause would explain them.
+_ANOTHER = 1.25
+
+
+def doubt(records: Sequence[Record]) -> str:
+    """A sentence where natural frequencies are far apart, else an empty one, as for a single record."""
+    found = []
+    for record in records if len(records) > 1 else ():
+        form = pooled((extract(record),))
+        if form is not None and form.natural_frequency.known:
+            found.append((form.natural_frequency.value, record.name))
+    if len(found) < 2:
+        return ""
+    low, high = min(found), max(found)
+    if high[0] <= _ANOTHER * low[0]:
+        return ""
+    return (
+        f"{high[1]} swings at {high[0]:.3g} rad/s, {low[1]} at {low[0]:.3g}, and no explanation fits both; expected "
+        "records of one rig: leave the other one out"
+    )
+
+
+def check(diagnosis: Diagnosis) -> None:
+    """Refuse to go on from a diagnosis of records that cannot be of one rig.
+
+    Raises:
+        DataError: their natural frequencies are far apart, and nothing explains it.
+    """
+    if diagnosis.left.exceeds and (said := doubt(diagnosis.records)):
+        raise DataError(said)

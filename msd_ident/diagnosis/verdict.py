@@ -1,0 +1,101 @@
+"""The verdict, and its words: which causes act and how sure that is; how much is left, and whether that matters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from msd_ident.diagnosis.result import Cause, Verdict
+from msd_ident.model.effects import spoken
+from msd_ident.residuals.unexplained import Remainder, Remainders
+from msd_ident.selection.cross_validation import HeldOut
+from msd_ident.selection.naming import CERTAIN
+
+
+def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
+    """Which verdict, by the first rule that holds.
+
+    1. No cause is named: ``unexplained`` where more than the tolerance is left, else ``adequate``.
+    2. A named cause is tied, or is named with less probability than ``CERTAIN``: ``ambiguous``, whatever is left.
+    3. More than the tolerance is left: ``mostly_explained``. Else ``explained``.
+    """
+    if not causes:
+        return "unexplained" if left.exceeds else "adequate"
+    if any(cause.tied_with or cause.probability < CERTAIN for cause in causes):
+        return "ambiguous"
+    return "mostly_explained" if left.exceeds else "explained"
+
+
+def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, depends: str) -> str:
+    """The verdict in words; ``depends`` says what the force that is left goes with."""
+    if verdict == "adequate":
+        return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
+    if verdict == "unexplained":
+        return f"Something is missing that no cause of the library repairs. {_left('With m, b, k', left)} {depends}"
+    them = "it" if len(causes) == 1 else "them"
+    said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
+    if left.exceeds:
+        said.append(depends)
+    before = f"Without {them}, {percent(left.base.motion_percent)} of the motion is unexplained"
+    said.append(
+        f"{before}; left-out data is predicted {heldout.reduction_percent:.3g} % better "
+        f"({heldout.interval_percent[0]:.3g} to {heldout.interval_percent[1]:.3g} %)."
+    )
+    return " ".join(said)
+
+
+def force(left: Remainder, unit: str) -> str:
+    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``; what bounds it where none is seen."""
+    low, high = left.force_interval
+    if not left.seen:
+        return f"below {high:.2g} {unit} rms"
+    return f"{left.force:.2g} {unit} rms ({low:.2g} to {high:.2g})"
+
+
+def percent(value: float) -> str:
+    """Per cent in two digits, never in powers of ten."""
+    return f"{value:.0f} %" if value >= 10.0 else f"{value:.2g} %" if value >= 0.01 else "less than 0.01 %"
+
+
+def _left(lead: str, left: Remainders) -> str:
+    """How much is left, and whether that is more than the lab cares about."""
+    found, part = left.extended, _part(left)
+    if not found.seen:
+        missing = f"any slow missing force is {force(found, left.force_unit)}{part}"
+        return f"{lead}, nothing is left that this data can see: {missing}."
+    tolerance = f"{'more' if left.exceeds else 'less'} than the tolerance of {left.tolerance_percent:g} %"
+    return (
+        f"{lead}, {percent(found.motion_percent)} of the motion is still unexplained, {tolerance}: a missing force of "
+        f"{force(found, left.force_unit)}{part}. The noise is {percent(left.noise_percent)} of the motion."
+    )
+
+
+def _part(left: Remainders) -> str:
+    """The missing force as a part of another."""
+    share = left.extended.force_percent
+    return f", {percent(share)} of the {left.yardstick}" if share == share else ""
+
+
+def _named(causes: Sequence[Cause]) -> str:
+    words = [f"{spoken(cause.name)} (probability {min(cause.probability, 0.999):.3g})" for cause in causes]
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
+
+
+def _ties(causes: Sequence[Cause]) -> str:
+    """What this data cannot tell."""
+    ties = [f"{spoken(c.name)} from {' or '.join(map(spoken, c.tied_with))}" for c in causes if c.tied_with]
+    return f", but this data cannot tell {'; '.join(ties)}" if ties else ""
+
+
+def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
+    """A sentence where a cause may as well not act, though no other one stands in its place."""
+    doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability < CERTAIN]
+    return [f"Whether {' and '.join(doubts)} acts at all is not certain."] if doubts else []
+
+
+def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    """How far the numbers move between explanations, and laws of one cause, that the data does not tell apart."""
+    if not spread:
+        return ()
+    moved = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in spread.items())
+    said = "Between explanations, or laws of one cause, that the data does not tell apart the parameters move"
+    return (f"{said}, beyond their intervals: {moved}.",)

@@ -1,0 +1,62 @@
+"""The two fits that every look at a record begins with: all parameters beside dry friction, and the linear model.
+
+``identify`` hands them over and ``diagnose`` starts from them, so that neither ends worse than the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from msd_ident.data.record import Record
+from msd_ident.estimate.fitting import fit
+from msd_ident.estimate.formulation import Zero
+from msd_ident.estimate.objective import Loss
+from msd_ident.estimate.result import FitResult
+from msd_ident.model import Model
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.force_offset import ForceOffset
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Both fits of one experiment.
+
+    Attributes:
+        joint: m, b, k and Coulomb friction; on an axis without a spring also a force offset.
+        linear: m, b and k alone.
+    """
+
+    joint: FitResult
+    linear: FitResult
+
+
+def structure(plant: Model, sprung: bool) -> Model:
+    """The joint fit's model: a plain axis has an offset in place of a spring's zero."""
+    rubbing = plant + CoulombFriction(0.0)
+    return rubbing if sprung else rubbing + ForceOffset(0.0)
+
+
+def joint_fit(
+    records: tuple[Record, ...], plant: Model, sprung: bool, fixed: Mapping[str, float], loss: Loss = "linear"
+) -> FitResult:
+    """All parameters of plant and Coulomb friction by simulation error.
+
+    Args:
+        records: one experiment.
+        plant: where to start from.
+        sprung: whether a spring acts; without one its stiffness stands in ``fixed`` as 0.
+        fixed: parameters that keep these values, by name.
+        loss: as in ``fit``.
+    """
+    zero: Zero = "free" if sprung else "known"
+    return fit(structure(plant, sprung), records, fixed=fixed, zero=zero, loss=loss)
+
+
+def linear_fit(records: tuple[Record, ...], joint: FitResult, loss: Loss = "linear") -> FitResult:
+    """The linear model by simulation error, from the joint fit's values too: a careless start ends anywhere."""
+    start = joint.model.without("coulomb_friction", "force_offset")
+    fixed = {name: joint.model[name] for name in ("mass", "damping", "stiffness") if name not in joint.free}
+    near = fit(start, records, fixed=fixed, loss=loss, search="near")
+    wide = fit(start, records, fixed=fixed, loss=loss)
+    return min(near, wide, key=lambda found: found.see)

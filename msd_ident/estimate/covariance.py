@@ -1,0 +1,157 @@
+"""Covariance of fitted parameters when residuals are correlated, uneven and quantised.
+
+The estimate is ordinary least squares; its covariance is the sandwich A⁻¹ M A⁻¹ with A = JᵀJ and M = JᵀΓJ, where Γ
+is the covariance of the errors (White 1980, Newey and West 1987). Γ has two parts:
+
+* an autoregression fitted to the residual (Yule–Walker, order by BIC), scaled by the residual's local size: a model
+  that is slightly wrong leaves an error that rings with the motion, and 3 000 such samples are few pieces of evidence;
+* one common error for every stretch in which the cart rests: there an encoder repeats the same rounding error, which
+  no number of samples averages away unless noise dithers it (Widrow 1961).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.signal
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.windows import breadths
+
+_MAX_ORDER = 30
+_REST_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """One record's part: residual (n,), its Jacobian (p, n), model positions (n,), encoder step [m] (0: unknown)."""
+
+    residual: FloatArray
+    jacobian: FloatArray
+    position: FloatArray
+    encoder_step: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """JᵀΓJ (p, p) of one record and the number of independent residuals that its samples are worth."""
+
+    meat: FloatArray
+    effective_samples: float
+
+
+def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
+    """Stretches in which the model moves less than a quarter of an encoder step."""
+    if encoder_step <= 0.0:
+        return []
+    still = np.abs(np.diff(position)) < 1e-3 * encoder_step
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], still.view(np.int8), [0]))))
+    spans = [slice(int(a), int(b) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [
+        span
+        for span in spans
+        if span.stop - span.start >= _REST_SAMPLES and np.ptp(position[span]) < 0.25 * encoder_step
+    ]
+
+
+def rounding_variance(encoder_step: float, noise: float) -> float:
+    """Variance of the rounding error that rest does not average away, given the noise [m] ahead of the encoder.
+
+    Fourier series of the saw-tooth q/(πj)·sin, each harmonic damped by the noise's characteristic function.
+    """
+    order = np.arange(1, 40)
+    damping = np.exp(-((2.0 * np.pi * order * noise / encoder_step) ** 2))
+    return float(np.sum(0.5 * (encoder_step / (np.pi * order)) ** 2 * damping))
+
+
+def evidence(sensed: Sensed) -> Evidence:
+    """The middle of the sandwich for one record. Uses the Jacobian up, to keep to one of them in memory."""
+    residual, step = sensed.residual, sensed.encoder_step
+    rests = [span for span in rest_phases(sensed.position, step) if abs(float(np.mean(residual[span]))) < step]
+    moving = np.ones(residual.size, dtype=bool)
+    for span in rests:
+        moving[span] = False
+    common = 0.0
+    if rests:
+        white = float(np.var(np.diff(residual))) / 2.0
+        common = rounding_variance(step, np.sqrt(max(white - step**2 / 12.0, 0.0)))
+    if common < 1e-3 * step**2 or np.count_nonzero(moving) < 5 * _MAX_ORDER:
+        moving[:] = True
+    size = _local_size(residual)
+    coefficients, variance = autoregression(np.where(moving, residual / size, 0.0), int(np.count_nonzero(moving)))
+    meat = np.zeros((sensed.jacobian.shape[0],) * 2)
+    for span in rests if common > 0.0 else []:
+        total = sensed.jacobian[:, span].sum(axis=1)
+        meat += common * np.outer(total, total)
+    meat += _coloured(sensed.jacobian, size, coefficients, variance)
+    return Evidence(meat, residual.size * _independence(coefficients))
+
+
+def _local_size(residual: FloatArray) -> FloatArray:
+    """Running root mean square over a fifteenth of the record, never below a twentieth of the overall one."""
+    reach = max(residual.size // 15, 20) // 2
+    squares = np.cumsum(residual**2)
+    sums = np.concatenate((np.zeros(reach + 1), squares, np.full(reach, squares[-1])))
+    mean = sums[2 * reach + 1 :] - sums[: -2 * reach - 1]
+    mean /= breadths(residual.size, reach) + 1.0
+    floor = 0.0025 * float(squares[-1]) / residual.size or 1e-300
+    return np.asarray(np.sqrt(np.maximum(mean, floor, out=mean), out=mean))
+
+
+def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
+    """Yule–Walker autoregression, order by BIC: ``([1, a1, …], variance of the innovation)``.
+
+    ``count`` is the number of values that are not blanked to zero.
+    """
+    top = min(_MAX_ORDER, values.size // 10)
+    covariance = np.array([values[: values.size - lag] @ values[lag:] for lag in range(top + 1)]) / max(count, 1)
+    best = (np.ones(1), float(covariance[0]))
+    if covariance[0] <= 0.0:
+        return best
+    least = count * np.log(covariance[0])
+    polynomial, variance = np.ones(1), float(covariance[0])
+    for order in range(1, top + 1):
+        reflection = -float(polynomial @ covariance[order:0:-1]) / variance
+        if not abs(reflection) < 1.0:
+            break
+        extended = np.append(polynomial, 0.0)
+        polynomial = extended + reflection * extended[::-1]
+        variance *= 1.0 - reflection**2
+        score = count * np.log(variance) + order * np.log(count)
+        if score < least:
+            least, best = score, (polynomial, variance)
+    return best
+
+
+def _coloured(jacobian: FloatArray, size: FloatArray, coefficients: FloatArray, variance: float) -> FloatArray:
+    """JᵀΓJ for an autoregressive Γ = σ² L⁻¹L⁻ᵀ (L⁻ᵀJ is J filtered backwards in time); ``size`` scales samples."""
+    jacobian *= size
+    if coefficients.size > 1:
+        for row in jacobian:
+            row[:] = scipy.signal.lfilter([1.0], coefficients, row[::-1])
+    return np.asarray(variance * (jacobian @ jacobian.T))
+
+
+def _independence(coefficients: FloatArray) -> float:
+    """Independent pieces of evidence a sample: (∫S)²/∫S² of the autoregression's spectrum S."""
+    if coefficients.size == 1:
+        return 1.0
+    spectrum = 1.0 / np.abs(np.fft.rfft(coefficients, 4096)) ** 2
+    return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
+
+
+def unit_diagonal(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A normal matrix scaled to unit diagonal, so that units do not decide what is null, and the scale (p,)."""
+    diagonal = np.diag(matrix)
+    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    return np.asarray(matrix / np.outer(size, size)), np.asarray(size)
+
+
+def inverse_beside(matrix: FloatArray, null: FloatArray) -> FloatArray:
+    """Inverse of a normal matrix (p, p) on all that is not spanned by the ``null`` directions (p, q)."""
+    scaled, size = unit_diagonal(matrix)
+    whole, _ = np.linalg.qr(null * size[:, None], mode="complete")
+    rest = whole[:, null.shape[1] :]
+    inverse = rest @ np.linalg.pinv(rest.T @ scaled @ rest, rcond=1e-15, hermitian=True) @ rest.T
+    return np.asarray(inverse / np.outer(size, size))

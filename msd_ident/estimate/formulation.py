@@ -1,0 +1,205 @@
+"""Posing the problem: what is free, what each record adds, and the vectors that a search starts from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from msd_ident.data import quality
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.errors import UsageError
+from msd_ident.estimate.objective import SquaredError
+from msd_ident.estimate.problem import Balance, Initial, Nuisance, Problem, build
+from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
+from msd_ident.model import Model
+from msd_ident.model.effects.base import Effect
+
+Zero = Literal["free", "known"]
+
+#: Range of noise in its standard deviations, of up to 200 readings.
+_WIDEST_NOISE = 7.0
+
+#: Parameters that hold the cart away from the balance of forces.
+_HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
+
+
+def pose(
+    model: Model, records: tuple[Record, ...], fixed: Mapping[str, float] | Collection[str] = (), zero: Zero = "free"
+) -> Problem:
+    """The problem that ``fit`` solves: what is free, and each record's own entries."""
+    if not records:
+        raise UsageError("no records to fit; expected at least one")
+    if isinstance(fixed, Mapping):
+        model = model.with_values(fixed)
+    unbounded = [name for name, value in zip(model.names, model.values, strict=True) if math.isinf(value)]
+    held = frozenset(name for effect in model.effects for name in effect.held)
+    kept = frozenset(fixed) | held | frozenset(unbounded)  # an infinite limit is no limit: nothing to fit
+    if zero not in ("free", "known"):
+        raise UsageError(f"zero is {zero!r}; expected 'free' or 'known'")
+    # Without a force that depends on where the cart is, a zero is just another start position.
+    springless = "stiffness" in kept and model["stiffness"] == 0.0 and not any(e.placed() for e in model.effects)
+    nuisances = []
+    at_rest = [starts_at_rest(record) for record in records]
+    for i, rests in enumerate(at_rest):
+        nuisances.append(Nuisance(i, "initial position"))
+        if not rests:
+            nuisances.append(Nuisance(i, "initial velocity"))
+        if zero == "free" and not springless:
+            nuisances.append(Nuisance(i, "zero"))
+    if kept >= set(model.names):
+        raise UsageError("every parameter is fixed; expected at least one to fit")
+    resting = [r for r, record in enumerate(records) if starts_unpushed(record, at_rest[r])]
+    problem = build(model, records, kept, tuple(nuisances))
+    if zero == "known" or springless or not resting:
+        return problem
+    floors = [floor for floor in (quality.noise_floor(records[r]) for r in resting) if floor > 0.0]
+    return balanced(problem, model, max([*floors, 1e-4 * problem.typical.length]), resting)
+
+
+def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int]) -> Problem:
+    """The problem with the balance of forces at rest before the first push, as far as this model's friction holds."""
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    holding = sum(values.get(name, 0.0) for name in _HOLDING) / max(values["stiffness"], 1e-300) / math.sqrt(3.0)
+    length = problem.typical.length
+    spread = min(holding + values.get("backlash_half_width", 0.0), 1e3 * length) + max(noise, 1e-4 * length)
+    return replace(problem, balances=tuple(Balance(r, spread, noise) for r in resting))
+
+
+def starts_unpushed(record: Record, at_rest: bool) -> bool:
+    """Whether the record begins at rest with no force on the cart, or at the very instant of its first push."""
+    pushes = np.flatnonzero(record.force)
+    if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
+        return False
+    if at_rest:
+        return True
+    early = record.force_time[pushes[0]] <= record.time[0] + record.period
+    count = max(4, min(record.samples // 500, 40))
+    _, velocity = starting_state(record, count)
+    span = float(record.time[count - 1] - record.time[0])
+    noise = float(np.std(np.diff(record.position[: 5 * count], 2))) / math.sqrt(6.0)
+    uncertain = 14.0 * noise / math.sqrt(count)  # of a parabola's slope at its end, times its span
+    return early and abs(velocity) * span < 0.002 * float(np.ptp(record.position)) + 3.0 * uncertain
+
+
+def starts_at_rest(record: Record) -> bool:
+    """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
+
+    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope. Noise
+    is told by second differences, which a swing hardly has: its top has no slope either.
+    """
+    count = max(10, min(record.samples // 100, 200))
+    head = record.position[:count]
+    spread = float(np.ptp(head))
+    if spread <= 1e-4 * float(np.ptp(record.position)) or np.unique(head).size <= 2:
+        return True
+    time = record.time[:count] - record.time[:count].mean()
+    slope = float(time @ head) / float(time @ time)
+    scatter = float(np.std(np.diff(head, 2))) / math.sqrt(6.0)
+    if spread > _WIDEST_NOISE * scatter + 2.0 * quality.encoder_step(record):
+        return False
+    bend = float(np.mean(head[: count // 2]) - np.mean(head[count // 2 :]))
+    return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)
+
+
+def regressed(problem: Problem) -> list[Start]:
+    """Starts by linear regression, one for each smoothing width."""
+    given = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
+    free = {problem.model.names[i] for i in problem.free}
+    zero_free = any(n.kind == "zero" for n in problem.nuisances)
+    resting = {balance.record for balance in problem.balances}
+    relaxed = tuple(r in resting for r in range(len(problem.records)))
+    return candidates(problem.records, Regression(given, free, zero_free, relaxed))
+
+
+def wide_vectors(problem: Problem, models: Sequence[Model], starts: Sequence[Start]) -> list[FloatArray]:
+    """Vectors to start from: each model's values, those that are linear as each of the regressions tells."""
+    vectors = []
+    for model in models:
+        own = _values_of(model)
+        vectors += [_vector(problem, Start({**own, **_linear(problem, start)}, start.initial)) for start in starts]
+    return vectors
+
+
+def own_vectors(problem: Problem, model: Model, starts: Sequence[Start]) -> list[FloatArray]:
+    """A model's very own values, with the states and zeros of each regression, and with the first readings."""
+    states = [*(start.initial for start in starts), _first_readings(problem)]
+    return [_vector(problem, Start(_values_of(model), initial)) for initial in states]
+
+
+def _values_of(model: Model) -> dict[str, float]:
+    return dict(zip(model.names, model.values.tolist(), strict=True))
+
+
+def _own(effect: Effect) -> dict[str, float]:
+    return dict(zip((p.name for p in effect.parameters), effect.values, strict=True))
+
+
+def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
+    """``best`` with each effect of the model in turn replaced by the guesses that it makes from the data."""
+    model = problem.model.with_values(problem.values(best))
+    vectors = []
+    for effect in model.effects:
+        for record in problem.records:
+            for guess in effect.guess(record, model.without(effect.name)):
+                guessed = _own(guess)
+                vector = best.copy()
+                for place, index in enumerate(problem.free):
+                    value = guessed.get(model.names[index], math.nan)
+                    if math.isfinite(value):  # an infinite limit is none, and nothing to start from
+                        vector[place] = value
+                vectors.append(vector)
+    return vectors
+
+
+def _linear(problem: Problem, start: Start) -> dict[str, float]:
+    free = {problem.model.names[i] for i in problem.free}
+    return {name: start.values[name] for name in LINEAR if name in free and name in start.values}
+
+
+def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start]) -> list[FloatArray]:
+    """``best`` with an effect in a valley next to its own, each record begun anew: in a wrong one their states went
+    along.
+    """
+    model = problem.model.with_values(problem.values(best))
+    values, states = _values_of(model), _states(problem, starts)
+    free = [effect for effect in model.effects if not {p.name for p in effect.parameters}.isdisjoint(problem.names)]
+    others = [_own(other) for effect in free for other in effect.neighbours(problem.records)]
+    vectors = [_vector(problem, Start({**values, **other}, states)) for other in others]
+    # What is fixed keeps its value, so that some may be one and the same.
+    return [one for i, one in enumerate(vectors) if not any(np.array_equal(one, other) for other in vectors[:i])]
+
+
+def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:
+    """Position, velocity and zero of each record at its first sample, as the regression tells or the first reading."""
+    return _states(problem, regressed(problem))
+
+
+def _states(problem: Problem, starts: Sequence[Start]) -> tuple[tuple[float, float, float], ...]:
+    return starts[0].initial if starts else _first_readings(problem)
+
+
+def _first_readings(problem: Problem) -> tuple[tuple[float, float, float], ...]:
+    return tuple((float(record.position[0]), 0.0, 0.0) for record in problem.records)
+
+
+def _vector(problem: Problem, start: Start) -> FloatArray:
+    return problem.vector(start.values, [Initial(*state) for state in start.initial])
+
+
+def regression_start(records: Record | Sequence[Record], model: Model, *, fixed: Collection[str] = ()) -> Model:
+    """The model with starting values by linear regression on smoothed derivatives with sign(v).
+
+    Several smoothing widths are tried and the one whose simulation fits best is kept. Parameters that do not enter
+    linearly, or stand in ``fixed``, keep the model's values; so do all when the regression makes no sense.
+    """
+    group = (records,) if isinstance(records, Record) else tuple(records)
+    problem = pose(model, group, fixed)
+    objective = SquaredError(problem)
+    starts = regressed(problem)
+    vectors = wide_vectors(problem, [model], starts) or own_vectors(problem, model, starts)
+    best = min(vectors, key=objective.cost)
+    return model.with_values(problem.values(best))

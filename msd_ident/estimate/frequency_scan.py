@@ -1,0 +1,139 @@
+"""Starts for harmonic terms: A·sin(s·y + φ) with a scanned frequency or pitch.
+
+The error surface has a valley for every line of the spectrum, but amplitude and phase enter linearly while they are
+small. So the rest of the model is fitted without the term; for each trial frequency (pitch) the simulated response to a
+small sine and a small cosine is projected on what that fit leaves; and the trials that explain most become starts
+("variable projection", Golub and Pereyra 1973).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.least_squares import Limits, minimise
+from msd_ident.estimate.objective import SquaredError
+from msd_ident.estimate.problem import Problem
+from msd_ident.model.effects import typical
+
+#: Harmonic terms of the library: names of amplitude, of what is scanned, and of the phase.
+_TERMS = (
+    ("disturbance_amplitude", "disturbance_frequency", "disturbance_phase"),
+    ("cogging_amplitude", "cogging_pitch", "cogging_phase"),
+)
+_LINES = 40
+_PITCHES = 160
+_KEPT = 3
+_MOST_VALUES = 2_000_000
+
+
+@dataclass(frozen=True)
+class _Term:
+    """Places of a harmonic term's amplitude, scanned parameter and phase in the vector."""
+
+    amplitude: int
+    scanned: int
+    phase: int
+
+
+def harmonic_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
+    """Starts around ``best`` for each harmonic term of the model whose three parameters are free."""
+    vectors = []
+    for names in _TERMS:
+        if all(name in problem.names for name in names):
+            term = _Term(*(problem.names.index(name) for name in names))
+            trials = _frequencies if names[1] == "disturbance_frequency" else _pitches
+            base = _without(problem, best, term)
+            vectors += _scan(problem, base, term, trials(problem, base))
+    return vectors
+
+
+def _without(problem: Problem, best: FloatArray, term: _Term) -> FloatArray:
+    """The best fit with the amplitude held at zero."""
+    upper = problem.upper.copy()
+    upper[term.amplitude] = 0.0
+    start = best.copy()
+    start[term.amplitude] = 0.0
+    return minimise(SquaredError(problem), start, Limits(problem.lower, upper, problem.scale, 40)).point
+
+
+def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
+    """The strongest lines [rad/s] of what the base leaves, over all records."""
+    period = min(record.period for record in problem.records)
+    size = 4 * max(record.samples for record in problem.records)
+    power = np.zeros(size // 2 + 1)
+    for r, record in enumerate(problem.records):
+        uniform = np.interp(
+            record.time[0] + period * np.arange(int(record.duration / period)), record.time, problem.residual(base, r)
+        )
+        spectrum = np.fft.rfft((uniform - uniform.mean()) * np.hanning(uniform.size), size)
+        power += np.abs(spectrum) ** 2
+    omega = 2.0 * np.pi * np.fft.rfftfreq(size, period)
+    # A force of frequency w moves the mass by 1/w²: weigh that out, or slow lines win always.
+    weighed = power * (omega**2 + omega[8] ** 2)
+    peaks = np.flatnonzero((weighed[1:-1] >= weighed[:-2]) & (weighed[1:-1] > weighed[2:])) + 1
+    strongest = peaks[np.argsort(weighed[peaks])[::-1][:_LINES]]
+    return np.asarray(omega[strongest])
+
+
+def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
+    span = 2.0 * max(typical.amplitude(record) for record in problem.records)
+    return np.asarray(np.geomspace(0.02 * span, 2.0 * span, _PITCHES))
+
+
+def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:
+    """The trials that explain most of the base's residual, as vectors with their amplitude and phase."""
+    others = np.array([e for e in range(problem.size) if e not in (term.amplitude, term.scanned, term.phase)])
+    normal = SquaredError(problem).linearise(base)
+    held = np.linalg.pinv(normal.matrix[np.ix_(others, others)], rcond=1e-12, hermitian=True)
+    small = 1e-3 * problem.typical.force
+    found = []
+    for trial, (gram, cross, right) in zip(trials, _responses(problem, base, term, trials, small), strict=True):
+        reduced = gram - cross[others].T @ held @ cross[others]
+        target = -(right - cross[others].T @ held @ normal.gradient[others])
+        solution = np.linalg.lstsq(reduced, target, rcond=1e-9)[0]
+        vector = base.copy()
+        vector[others] -= held @ (normal.gradient[others] + cross[others] @ solution)
+        vector[term.amplitude] = max(float(np.hypot(*solution)), 1e-6 * problem.typical.force)
+        vector[term.scanned] = trial
+        vector[term.phase] = math.atan2(solution[1], solution[0])
+        found.append((float(solution @ target), np.clip(vector, problem.lower, problem.upper)))
+    gains = np.array([gain for gain, _ in found])
+    padded = np.concatenate(([-np.inf], gains, [-np.inf]))
+    local = (gains >= padded[:-2]) & (gains >= padded[2:]) if term_is_ordered(trials) else np.ones(gains.size, bool)
+    order = [int(i) for i in np.argsort(gains)[::-1] if local[i]]
+    return [found[i][1] for i in order[:_KEPT]]
+
+
+def term_is_ordered(trials: FloatArray) -> bool:
+    """Whether neighbouring trials are neighbours in value, so that only local maxima are worth a start."""
+    return bool(np.all(np.diff(trials) > 0.0))
+
+
+def _responses(
+    problem: Problem, base: FloatArray, term: _Term, trials: FloatArray, small: float
+) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+    """For each trial CᵀC (2, 2), JᵀC (p, 2) and Cᵀr (2,), C the responses to a unit sine and cosine."""
+    sums = [(np.zeros((2, 2)), np.zeros((problem.size, 2)), np.zeros(2)) for _ in trials]
+    steps = problem.steps(SquaredError(problem).linearise(base).matrix)
+    for r, record in enumerate(problem.records):
+        residual, jacobian = problem.linearised(base, r, steps)
+        entries = problem.entries(r)
+        batch = max(1, _MOST_VALUES // (2 * record.samples))
+        for first in range(0, trials.size, batch):
+            chosen = range(first, min(first + batch, trials.size))
+            points = np.repeat(base[None, :], 2 * len(chosen), axis=0)
+            points[:, term.amplitude] = small
+            points[:, term.scanned] = np.repeat(trials[chosen.start : chosen.stop], 2)
+            points[:, term.phase] = np.tile([0.0, 0.5 * np.pi], len(chosen))
+            responses = (problem.residuals(points, r) - residual) / small
+            for place, trial in enumerate(chosen):
+                pair = responses[2 * place : 2 * place + 2]
+                gram, cross, right = sums[trial]
+                gram += pair @ pair.T
+                cross[entries] += jacobian @ pair.T
+                right += pair @ residual
+    return sums

@@ -1,0 +1,188 @@
+"""What the data leaves open: directions of the parameter space along which no residual changes, in words.
+
+Directions come from the scaled Jacobian (its Gram matrix and the covariance), not from a table of known cases; the
+table only supplies the advice on what to measure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.covariance import unit_diagonal
+
+#: A parameter takes part in an open direction when it moves by this part of itself, the largest by its whole size.
+_SHARE = 0.01
+#: Below this eigenvalue of the unit-diagonal Gram matrix a direction is exactly null (finite differences leave 1e-13).
+NULL = 1e-10
+
+#: Parameters whose forces all scale with the force's gain.
+FORCES = frozenset(
+    {
+        "mass",
+        "damping",
+        "stiffness",
+        "coulomb_force",
+        "static_force",
+        "drag_coefficient",
+        "cubic_stiffness",
+        "quadratic_stiffness",
+        "offset_force",
+        "hysteresis_force",
+        "disturbance_amplitude",
+        "cogging_amplitude",
+        "stop_stiffness",
+        "second_mass",
+        "second_stiffness",
+        "second_damping",
+    }
+)
+
+#: Advice by parameter: what to measure so that the data decides it.
+_ADVICE = {
+    "gain_slope": "push with a second amplitude in both directions, and release the cart by hand once",
+    "force_limit": "push harder, until the force stops growing",
+    "offset_force": "read the encoder with the spring relaxed, or turn the rig round and repeat",
+    "stribeck_velocity": "add slow reversals: a sweep or a slow ramp in both directions",
+    "static_force": "ramp the force slowly from rest, in both directions",
+    "coulomb_force": "let it ring down from a larger amplitude until it stops",
+    "damping": "let it ring down over amplitudes of at least 3:1",
+    "drag_coefficient": "let it ring down from a three times larger amplitude, or sweep through resonance",
+    "cubic_stiffness": "release it from two displacements about 3:1 apart",
+    "quadratic_stiffness": "push it in both directions with the same force",
+    "backlash_half_width": "ramp the force slowly through zero in both directions",
+    "stop_position": "drive it into the stop",
+    "stop_stiffness": "drive it into the stop",
+    "lag_time": "add a sweep to well above resonance",
+    "time_offset": "add a sweep to well above resonance",
+    "hysteresis_length": "ramp the force slowly up and down with small reversals",
+    "stiffness_drift_rate": "repeat the first record last",
+    "sensor_drift_rate": "take a reading at rest before and after",
+    "mass": "weigh the moving mass, or shake it at high frequency",
+    "stiffness": "hold a constant force until it rests",
+    "second_mass": "sweep through both resonances",
+    "second_stiffness": "sweep through both resonances",
+    "second_damping": "sweep through both resonances",
+}
+_DEFAULT_ADVICE = "add an experiment in which this effect is stronger"
+
+
+@dataclass(frozen=True)
+class OpenDirection:
+    """Parameters that only hang together: by how much each moves (in its unit) along the direction, and a sentence."""
+
+    shares: tuple[tuple[str, float], ...]
+    sentence: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters that take part."""
+        return tuple(name for name, _ in self.shares)
+
+
+def null_directions(matrix: FloatArray, reference: FloatArray, pinned: FloatArray) -> list[FloatArray]:
+    """Exactly null directions (p,) of a Gauss–Newton matrix, in units of ``reference``, each with few entries.
+
+    ``pinned`` is the information (p, p) that comes from elsewhere than the samples; a direction along which it
+    fixes the parameters to better than their size is not null.
+    """
+    scaled, size = unit_diagonal(matrix)
+    values, vectors = np.linalg.eigh(scaled)
+    null = vectors[:, values <= NULL * max(float(values[-1]), 1e-300)] / (size * reference)[:, None]
+    if not null.shape[1]:
+        return []
+    null = null / np.abs(null).max(axis=0)
+    known = null.T @ (pinned * np.outer(reference, reference)) @ null
+    strength, mixture = np.linalg.eigh(known)
+    return _sparse((null @ mixture[:, strength < 1.0]).T)
+
+
+def _sparse(basis: FloatArray) -> list[FloatArray]:
+    """Reduced row-echelon form with full pivoting: the same space, each direction with as few entries as possible."""
+    rows = np.array(basis, dtype=np.float64)
+    for i in range(len(rows)):
+        rows[i:] /= np.maximum(np.abs(rows[i:]).max(axis=1, keepdims=True), 1e-300)
+        pivot = int(np.argmax(np.abs(rows[i])))
+        rows[i] /= rows[i, pivot]
+        others = np.arange(len(rows)) != i
+        rows[others] -= np.outer(rows[others, pivot], rows[i])
+    return [row / np.abs(row).max() for row in rows]
+
+
+def describe(
+    direction: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray, forced: bool
+) -> OpenDirection | None:
+    """An open direction in words; None when only initial states take part (they do not matter to anybody).
+
+    Args:
+        direction: (p,) in units of ``reference``.
+        names: parameter names; a record's own entries contain `` of ``.
+        values: (p,) fitted values.
+        forced: whether any force acts in the data.
+    """
+    change = direction * reference
+    own = np.where(values != 0.0, np.abs(values), reference)
+    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= _SHARE * own[i]]
+    physical = [name for name, _ in shares if " of " not in name]
+    if not physical:
+        return None
+    zeros = [name for name, _ in shares if name.startswith("zero of")]
+    common = _common_factor(change, values, names)
+    return OpenDirection(tuple(shares), _sentence(physical, zeros, common, forced))
+
+
+def motionless(names: tuple[str, ...]) -> OpenDirection:
+    """All parameters, where nothing moves."""
+    sentence = f"Nothing moves in this data, so {', '.join(names)} are open: push hard enough to move the cart."
+    return OpenDirection(tuple((name, 1.0) for name in names), sentence)
+
+
+def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool) -> str:
+    listed = ", ".join(physical)
+    if "offset_force" in physical and zeros and len(physical) == 1:
+        return (
+            "offset_force and the position's zero shift the rest position alike, so only their sum is known "
+            f"(F0/k + zero): {_ADVICE['offset_force']}."
+        )
+    if common and not forced:
+        return (
+            f"{listed} are known only up to a common factor, as no force acts in this data; their ratios are known: "
+            "push with a known force, or weigh the moving mass."
+        )
+    if common:
+        return f"{listed} are known only up to a common factor: push with a known force, or weigh the moving mass."
+    if "gain_slope" in physical and len(physical) > 1:
+        return (
+            f"gain_slope cannot be told from the scale of {', '.join(n for n in physical if n != 'gain_slope')}, as "
+            f"the force has one size only: {_ADVICE['gain_slope']}."
+        )
+    advice = next((_ADVICE[name] for name in reversed(physical) if name in _ADVICE), _DEFAULT_ADVICE)
+    if len(physical) == 1:
+        tail = " and the position's zero" if zeros else ""
+        return f"{listed}{tail} is left open by this data: {advice}."
+    return f"{listed} cannot be told apart by this data; only a combination of them is known: {advice}."
+
+
+def _common_factor(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> bool:
+    """Whether the direction scales all forces by one factor."""
+    forces = np.array([name in FORCES for name in names])
+    known = forces & (values != 0.0)
+    if np.count_nonzero(known) < 2:
+        return False
+    factor = change[known] / values[known]
+    middle = float(np.median(factor))
+    others = [i for i, name in enumerate(names) if not forces[i] and " of " not in name]
+    still = all(abs(change[i]) <= 0.05 * abs(middle * values[i]) or values[i] == 0.0 for i in others)
+    return still and middle != 0.0 and bool(np.all(np.abs(factor / middle - 1.0) < 0.1))
+
+
+def loose(names: tuple[str, ...], values: FloatArray, std: FloatArray, reference: FloatArray) -> list[OpenDirection]:
+    """Single parameters that the data decides so badly that even their size is open."""
+    found = []
+    for name, value, deviation, size in zip(names, values, std, reference, strict=True):
+        if " of " not in name and deviation > max(abs(value), size):
+            advice = _ADVICE.get(name, _DEFAULT_ADVICE)
+            found.append(OpenDirection(((name, 1.0),), f"{name} is left open by this data: {advice}."))
+    return found

@@ -1,0 +1,244 @@
+"""Where to start, and which of several valleys to believe.
+
+Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
+whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
+first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
+valley too, and is then the end. If not, the other starts are explored; then the parameters of dry friction and backlash
+jump, for their surface has a valley for every number of half-swings, and hop to the next where these lie close; and
+where even the best fits badly, the horizon is grown: over the first few swings a wrong frequency cannot yet slip by a
+whole cycle. Exploring is rough: long records are thinned for it, and a valley that others undercut is not followed to
+its bottom.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.least_squares import Limits, Outcome, minimise
+from msd_ident.estimate.objective import SquaredError, motion_weights
+from msd_ident.estimate.problem import Problem
+
+_REFINED = 3
+_FIRST = 6
+_SHORT = 12
+_LONG = 120
+#: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
+_EXPLORED = 25
+_WORTH = 1e-5
+#: Samples that are enough to tell valleys apart, all records together.
+_ENOUGH = 5_000
+#: This many noise floors: the right valley of the right model.
+_AT_FLOOR = 1.3
+_BLOCKS = (8, 32)
+#: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
+_COARSE = 100.0
+#: A kinked parameter known worse than this (part of its value) may have another valley as good within reach.
+_VAGUE = 0.01
+#: More than this part of the motion's spread left: phase has slipped somewhere.
+_SLIPPED = 0.2
+_HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
+#: From this horizon on only the best starts are followed.
+_DECIDED = 0.12
+#: Parameters that give the cart many places to rest in, so that a small error sends it to another one.
+_MULTISTABLE = ("cogging_amplitude", "second_mass")
+#: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
+_KINKED = ("coulomb_force", "static_force", "backlash_half_width", "stop_position")
+_JUMPS = (0.55, 0.8, 1.25, 1.8)
+_MOST_HOPS = 4
+
+
+def limits(problem: Problem, iterations: int = _LONG) -> Limits:
+    """Bounds and sizes of a problem for the solver."""
+    return Limits(problem.lower, problem.upper, problem.scale, iterations)
+
+
+@dataclass(frozen=True)
+class Valleys:
+    """Search over the valleys of one problem; ``floor`` is the records' noise floor [m], NaN when unknown."""
+
+    problem: Problem
+    plain: SquaredError
+    weighted: SquaredError
+    rough: SquaredError
+    floor: float
+
+    def deepest(
+        self,
+        starts: Sequence[FloatArray],
+        given: Sequence[Sequence[FloatArray]],
+        guesses: Callable[[FloatArray], Sequence[FloatArray]],
+        neighbours: Callable[[FloatArray], Sequence[FloatArray]],
+    ) -> Outcome:
+        """The deepest valley found.
+
+        Args:
+            starts: vectors to start from, of which only the most likely are followed.
+            given: for each model that the caller gave, its values with several initial states, the best of which is
+                always followed.
+            guesses: further starts around the best found so far.
+            neighbours: where the valleys next to the best are looked for.
+        """
+        own = [min(variants, key=self.weighted.cost) for variants in given]
+        likely = sorted([*starts, *own], key=self.weighted.cost)[:_REFINED]
+        first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
+        if not self.at_floor(best):
+            others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
+            best = self._deepest_of(best, [*others, *guesses(best.point)])
+        best = self._hop(self._jump(best, all_entries=not self.at_floor(best)), neighbours)
+        if self._relative(best) > _SLIPPED:
+            best = _deeper(best, self._grow(likely))
+        return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
+
+    def _deepest_of(self, best: Outcome, others: Sequence[FloatArray]) -> Outcome:
+        """The best of what was found and of what the other starts lead to."""
+        if set(_MULTISTABLE) & set(self.problem.names):
+            best = _deeper(best, self._grow(others))
+            if self.at_floor(best):
+                return best
+        for outcome in self._race(others):
+            best = _deeper(best, self._explore(outcome.point, self._roughly()))
+            if self.at_floor(best):
+                break
+        return best
+
+    def _roughly(self) -> Limits:
+        return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
+
+    def _race(self, starts: Sequence[FloatArray]) -> list[Outcome]:
+        """A few iterations from every start; the leaders."""
+        outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
+        return sorted(outcomes, key=_cost)[:_REFINED]
+
+    def _explore(self, start: FloatArray, until: Limits) -> Outcome:
+        """From a start down its valley, rests weighted down first."""
+        down = minimise(self.rough, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
+        return minimise(self.plain, down.point, until)
+
+    def at_floor(self, outcome: Outcome) -> bool:
+        """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
+        if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
+            return False
+        weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
+        moving = (self.problem.residual(outcome.point, r)[weight == 1.0] for r, weight in enumerate(weights))
+        return all(
+            _rounding(part, step) or _patternless(part)
+            for part, step in zip(moving, self.problem.encoder_steps, strict=True)
+        )
+
+    def _jump(self, best: Outcome, all_entries: bool) -> Outcome:
+        """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
+        kinked = [entry for entry, name in enumerate(self.problem.names) if name in _KINKED]
+        if not kinked:
+            return best
+        if not all_entries:
+            matrix = self.plain.linearise(best.point).matrix
+            inverse = np.linalg.pinv(matrix, rcond=1e-14, hermitian=True)
+            spread = self._spread(best) * np.sqrt(np.maximum(np.diag(inverse), 0.0))
+            kinked = [entry for entry in kinked if spread[entry] > _VAGUE * abs(best.point[entry])]
+        for entry in kinked:
+            best = self._jump_one(best, entry)
+        return best
+
+    def _hop(self, best: Outcome, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
+        """From valley to valley, as long as it leads down and there is something left to find."""
+        for _ in range(_MOST_HOPS):
+            before, near = best.cost, neighbours(best.point)
+            if not near or self.at_floor(best):
+                break
+            for vector in near:
+                best = _deeper(best, minimise(self.plain, vector, self._roughly()))
+            if best.cost > 0.9 * before:
+                break
+        return best
+
+    def _jump_one(self, best: Outcome, entry: int) -> Outcome:
+        problem = self.problem
+        matrix = self.weighted.linearise(best.point).matrix
+        others = np.arange(problem.size) != entry
+        follow = np.linalg.lstsq(matrix[np.ix_(others, others)], -matrix[others, entry], rcond=1e-12)[0]
+        near = []
+        for factor in _JUMPS:
+            change = np.zeros(problem.size)
+            change[entry] = (factor - 1.0) * best.point[entry]
+            change[others] = follow * change[entry]
+            near.append(minimise(self.rough, best.point + change, limits(problem, _SHORT)))
+        for outcome in sorted(near, key=_cost)[:2]:
+            best = _deeper(best, minimise(self.plain, outcome.point, self._roughly()))
+        return best
+
+    def _grow(self, starts: Sequence[FloatArray]) -> Outcome:
+        """Fit the first swings from every start, then go on with the two best over more and more of the records."""
+        points = list(starts)
+        for horizon in _HORIZONS:
+            part = SquaredError(self.rough.problem.shortened(horizon), coarse=_COARSE)
+            outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
+            kept = 2 if horizon >= _DECIDED else len(points)
+            points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
+        best = self._explore(points[0], self._roughly())
+        for point in [] if self.at_floor(best) else points[1:]:
+            best = _deeper(best, self._explore(point, self._roughly()))
+        return best
+
+    def _spread(self, outcome: Outcome) -> float:
+        samples = sum(record.samples for record in self.problem.records)
+        return math.sqrt(2.0 * outcome.cost / samples)
+
+    def _relative(self, outcome: Outcome) -> float:
+        return self._spread(outcome) / self.problem.typical.length
+
+
+def _rounding(residual: FloatArray, step: float) -> bool:
+    """Whether a residual is no more than the encoder's rounding, which has a pattern of its own in slow motion."""
+    return residual.size > 0 and float(np.quantile(np.abs(residual), 0.98)) <= 0.75 * step
+
+
+def _patternless(residual: FloatArray) -> bool:
+    """Whether block sums of a residual scatter as independent samples would (within four standard deviations)."""
+    variance = float(residual @ residual) / max(residual.size, 1)
+    for block in _BLOCKS:
+        count = residual.size // block
+        if count < 4 or variance == 0.0:
+            continue
+        sums = residual[: count * block].reshape(count, block).sum(axis=1)
+        if float(sums @ sums) / (count * block * variance) > 1.0 + 4.0 * math.sqrt(2.0 / count):
+            return False
+    return True
+
+
+def _cost(outcome: Outcome) -> float:
+    return outcome.cost
+
+
+def _deeper(one: Outcome, other: Outcome) -> Outcome:
+    return one if one.cost <= other.cost else other
+
+
+def valleys(problem: Problem, floor: float) -> Valleys:
+    """The search over a problem's valleys."""
+    steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
+    plain, weighted = SquaredError(problem), _weighted(problem, steps)
+    thin = problem.thinned(_ENOUGH)
+    return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)
+
+
+def _weighted(problem: Problem, steps: Sequence[float]) -> SquaredError:
+    """Squared error with rests weighted down, differentiated by wide steps; ``steps`` are the encoders' [m]."""
+    pairs = zip(problem.records, steps, strict=True)
+    weights = tuple(motion_weights(record.position, step, _part_of_a_swing(problem, record)) for record, step in pairs)
+    resting = any(bool(np.any(weight < 1.0)) for weight in weights)
+    return SquaredError(problem, weights if resting else (), coarse=_COARSE)
+
+
+def _part_of_a_swing(problem: Problem, record: Record) -> int:
+    """Samples of a tenth of a swing, at least 10 and at most a tenth of the record."""
+    return max(10, min(round(0.6 * problem.typical.time / record.period), record.samples // 10))
+
+
+def robust(problem: Problem, start: Outcome, softness: float) -> Outcome:
+    """Refine with soft-L1 loss: residuals beyond ``softness`` [m] count by their size, not its square."""
+    return minimise(SquaredError(problem, soft=softness), start.point, limits(problem))

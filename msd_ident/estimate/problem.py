@@ -1,0 +1,319 @@
+"""The fitting problem: which parameters are free, what each record adds, residuals and their Jacobian.
+
+The vector that the solver moves holds the free parameters of the model, shared by all records, and then, for each
+record, its own initial position, initial velocity and zero where these are free. Residual = model − data (eq. 14).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.data import quality
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.errors import UsageError
+from msd_ident.estimate.bounds import bounds
+from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
+from msd_ident.model import Model, Simulator
+
+NuisanceKind = Literal["initial position", "initial velocity", "zero"]
+
+#: Effects of a finite-difference step on the position, as a part of the motion: far above rounding, far below bends.
+_RELATIVE_STEP = 1e-5
+#: Beyond this many samples a second Jacobian beside the first would be too much memory.
+_LONG_RECORD = 200_000
+#: Fewest samples a swing, and altogether, that a thinned record keeps.
+_FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
+#: A simulation that blows up counts as an error of this many amplitudes.
+_BLOWN_UP = 1e6
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One free entry that belongs to one record."""
+
+    record: int
+    kind: NuisanceKind
+
+
+@dataclass(frozen=True)
+class Initial:
+    """State of a record at its first sample, and the reading at which the spring is relaxed."""
+
+    position: float = 0.0
+    velocity: float = 0.0
+    zero: float = 0.0
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What rest before the first push says: the spring's force and the offset cancel, within what friction holds.
+
+    A pseudo-observation ``x0 + F0/k = 0 ± spread`` [m] of one record, beside samples with ``noise`` [m]. It decides
+    nothing but what the samples leave open: the scale of a record with one constant force and an unknown zero.
+    """
+
+    record: int
+    spread: float
+    noise: float
+
+    @property
+    def weight(self) -> float:
+        """Its weight beside a sample that counts 1."""
+        return (self.noise / self.spread) ** 2
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A model, records, and what may move.
+
+    Attributes:
+        model: structure, and the values of the parameters that are fixed.
+        free: indices of the free parameters in ``model.names``.
+        nuisances: the free entries of single records, after the free parameters in the vector.
+        initial: per record, the values of the entries that are not free.
+        typical: yardsticks of force, length and time.
+        scale, lower, upper: natural size and bounds (p,) of the vector's entries.
+        balances: what rest at the start of a record says besides its samples.
+    """
+
+    model: Model
+    records: tuple[Record, ...]
+    simulators: tuple[Simulator, ...]
+    free: tuple[int, ...]
+    nuisances: tuple[Nuisance, ...]
+    initial: tuple[Initial, ...]
+    typical: Magnitudes
+    scale: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    balances: tuple[Balance, ...] = ()
+
+    @cached_property
+    def encoder_steps(self) -> tuple[float, ...]:
+        """The encoder's step in each record [m], 0 where none is seen."""
+        return tuple(quality.encoder_step(record) for record in self.records)
+
+    @property
+    def size(self) -> int:
+        """Entries of the vector."""
+        return len(self.free) + len(self.nuisances)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each entry of the vector."""
+        own = tuple(f"{n.kind} of {self.records[n.record].name}" for n in self.nuisances)
+        return tuple(self.model.names[i] for i in self.free) + own
+
+    def vector(self, values: Mapping[str, float], initial: Sequence[Initial]) -> FloatArray:
+        """The vector for these parameter values and initial states."""
+        shared = [values[self.model.names[i]] for i in self.free]
+        return np.array(shared + [_get(initial[n.record], n.kind) for n in self.nuisances])
+
+    def values(self, vector: FloatArray) -> FloatArray:
+        """Values of all the model's parameters (in the order of ``model.names``)."""
+        values = self.model.values.copy()
+        values[self._places] = vector[: len(self.free)]
+        return np.asarray(values)
+
+    @cached_property
+    def _places(self) -> npt.NDArray[np.intp]:
+        """``free`` as an index."""
+        return np.array(self.free, dtype=np.intp)
+
+    def initials(self, vector: FloatArray) -> tuple[Initial, ...]:
+        """Initial state and zero of each record."""
+        states = [[start.position, start.velocity, start.zero] for start in self.initial]
+        for nuisance, value in zip(self.nuisances, vector[len(self.free) :], strict=True):
+            states[nuisance.record][_KINDS.index(nuisance.kind)] = float(value)
+        return tuple(Initial(*state) for state in states)
+
+    def entries(self, record: int) -> npt.NDArray[np.intp]:
+        """Indices of the vector's entries that this record depends on."""
+        return self._entries[record]
+
+    @cached_property
+    def _entries(self) -> tuple[npt.NDArray[np.intp], ...]:
+        """``entries`` of each record."""
+        shared = range(len(self.free))
+        return tuple(np.array([*shared, *(entry for _, entry in own)], dtype=np.intp) for own in self._own)
+
+    def residual(self, vector: FloatArray, record: int) -> FloatArray:
+        """Model − data (n,) of one record; large but finite where the simulation blows up."""
+        return np.asarray(self.residuals(vector[None, :], record)[0])
+
+    def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's).
+
+        The Jacobian is the simulation's own buffer, so that a million samples need it once and no more.
+        """
+        entries = self.entries(record)
+        points = np.repeat(vector[None, :], 1 + entries.size, axis=0)
+        places = np.arange(entries.size)
+        points[1 + places, entries] += steps[entries]
+        zero = entries[-1] >= len(self.free) and self.nuisances[entries[-1] - len(self.free)].kind == "zero"
+        if zero:  # the last entry of its record where it is free; it needs no simulation but a row of its own
+            points[-1] = vector
+        rows = self.residuals(points, record)
+        jacobian = rows[1:]
+        jacobian -= rows[0]
+        jacobian /= steps[entries][:, None]
+        if zero:
+            jacobian[-1] = 1.0
+        return rows[0], jacobian
+
+    def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residual and Jacobian by central differences (one-sided at a bound, and for very long records)."""
+        residual, ahead = self.linearised(vector, record, np.where(vector + steps > self.upper, -steps, steps))
+        if self.records[record].samples > _LONG_RECORD:
+            return residual, ahead
+        _, behind = self.linearised(vector, record, np.where(vector - steps < self.lower, steps, -steps))
+        ahead += behind
+        ahead *= 0.5
+        return residual, ahead
+
+    def shortened(self, share: float) -> Problem:
+        """The same problem over the first part of each record (at least 40 samples)."""
+        records = tuple(
+            record.window(record.time[0], record.time[min(max(int(share * record.samples), 40), record.samples) - 1])
+            for record in self.records
+        )
+        simulators = tuple(Simulator(self.model, record) for record in records)
+        return replace(self, records=records, simulators=simulators)
+
+    def thinned(self, enough: int) -> Problem:
+        """The same problem on every n-th sample, with the mean force in between; itself where that would lose much.
+
+        At least ``enough`` samples stay, and so many a swing that a step of the solver is still a small part of it.
+        """
+        every = sum(record.samples for record in self.records) // enough
+        records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
+        if all(few is record for few, record in zip(records, self.records, strict=True)):
+            return self
+        simulators = tuple(Simulator(self.model, record) for record in records)
+        return replace(self, records=records, simulators=simulators)
+
+    def _spare(self, record: Record) -> int:
+        """Samples of a record within a hundredth of a swing."""
+        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
+
+    def first_steps(self) -> FloatArray:
+        """Finite-difference steps before anything is known about the Jacobian."""
+        return _RELATIVE_STEP * self.scale
+
+    def steps(self, matrix: FloatArray) -> FloatArray:
+        """Steps that move the positions by ``_RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
+        samples = sum(record.samples for record in self.records)
+        effect = np.sqrt(np.maximum(matrix.diagonal(), 1e-300) / samples)
+        first = self.first_steps()
+        steps = np.minimum(np.maximum(_RELATIVE_STEP * self.typical.length / effect, 1e-3 * first), 1e3 * first)
+        return np.asarray(steps)
+
+    def imbalance(self, vector: FloatArray, balance: Balance) -> tuple[float, FloatArray]:
+        """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
+        gradient = np.zeros(vector.size)
+        start = len(self.free) + self.nuisances.index(Nuisance(balance.record, "initial position"))
+        gradient[start] = 1.0
+        if "offset_force" not in self.model.names:
+            return float(vector[start]), gradient
+        values = dict(zip(self.model.names, self.values(vector).tolist(), strict=True))
+        stiffness, offset = max(values["stiffness"], 1e-9), values["offset_force"]
+        slopes = {"offset_force": 1.0 / stiffness, "stiffness": -offset / stiffness**2}
+        for place, index in enumerate(self.free):
+            gradient[place] = slopes.get(self.model.names[index], 0.0)
+        return float(vector[start]) + offset / stiffness, gradient
+
+    def residuals(self, points: FloatArray, record: int) -> FloatArray:
+        """Residuals (q, n) of one record at several points (q, p)."""
+        values = np.empty((len(points), self.model.values.size))
+        values[:] = self.model.values
+        values[:, self._places] = points[:, : len(self.free)]
+        start = self.initial[record]
+        states = np.empty((len(points), 3))
+        states[:] = start.position, start.velocity, start.zero
+        for column, entry in self._own[record]:
+            states[:, column] = points[:, entry]
+        rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
+        rows -= self.records[record].position
+        if states[:, 2].any():
+            rows += states[:, 2:]
+        self._tame(rows)
+        return rows
+
+    @cached_property
+    def _own(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """For each record: place in (position, velocity, zero) and in the vector, of each of its free entries."""
+        places = [(n.record, (_KINDS.index(n.kind), len(self.free) + j)) for j, n in enumerate(self.nuisances)]
+        return tuple(tuple(place for r, place in places if r == record) for record in range(len(self.records)))
+
+    def _tame(self, rows: FloatArray) -> None:
+        worst = _BLOWN_UP * self.typical.length
+        # No entry is greater than the root of the squares, which cost less than a search; false for NaN.
+        if np.vdot(rows, rows) <= worst**2 or (rows.max() <= worst and rows.min() >= -worst):
+            return
+        np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
+        np.clip(rows, -worst, worst, out=rows)
+
+
+def _thinned(record: Record, every: int) -> Record:
+    """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
+    count = record.samples // every if every > 1 else 0
+    if count < _FEWEST_SAMPLES:
+        return record
+    stop = count * every
+    time, position = record.time[:stop:every], record.position[:stop:every]
+    if record.force_time.size < count // 4:
+        return replace(record, time=time, position=position)
+    if not record.shared_clock or record.hold != "zero":
+        return record
+    force = record.force[:stop].reshape(count, every).mean(axis=1)
+    return replace(record, time=time, position=position, force_time=time, force=force)
+
+
+_KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")
+
+
+def _get(initial: Initial, kind: NuisanceKind) -> float:
+    return (initial.position, initial.velocity, initial.zero)[_KINDS.index(kind)]
+
+
+def build(
+    model: Model,
+    records: Sequence[Record],
+    fixed: frozenset[str],
+    nuisances: tuple[Nuisance, ...],
+    typical: Magnitudes | None = None,
+) -> Problem:
+    """A problem with every parameter free that is not in ``fixed``; entries of a record that are not free are 0.
+
+    ``typical`` are the yardsticks of these records, where they are known already.
+
+    Raises:
+        UsageError: a fixed name that the model does not have.
+    """
+    unknown = sorted(fixed - set(model.names))
+    if unknown:
+        raise UsageError(f"no parameter {unknown[0]!r} to fix; this model has {', '.join(model.names)}")
+    free = tuple(i for i, name in enumerate(model.names) if name not in fixed)
+    group = tuple(records)
+    typical = typical or magnitudes(group, model["mass"])
+    own = {"initial velocity": typical.length / typical.time}
+    sizes = [typical.of(model.parameters[i].unit) for i in free]
+    lower, upper = bounds(model, free, len(nuisances), typical, group)
+    return Problem(
+        model=model,
+        records=group,
+        simulators=tuple(Simulator(model, record) for record in group),
+        free=free,
+        nuisances=nuisances,
+        initial=(Initial(),) * len(group),
+        typical=typical,
+        scale=np.array(sizes + [own.get(n.kind, typical.length) for n in nuisances]),
+        lower=lower,
+        upper=upper,
+    )

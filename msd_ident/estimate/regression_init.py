@@ -1,0 +1,257 @@
+"""Starting values by linear regression: no simulation, no local minimum.
+
+The equation of motion is linear in most parameters once x, v and a are known. Multiplied by a smooth bump φ and
+integrated by parts over the bump, it needs no noisy second derivative (Shinbrot 1957; "weak form"):
+
+    m ∫φ''x − b ∫φ'x + k ∫φx + Fc ∫φ sign(v) + c ∫φ = ∫φF
+
+One equation for each place of the bump; least squares gives the parameters. Every column is smoothed by the same bump,
+so the smoothing itself leaves no bias. The bump's width trades noise against detail; several are tried, and the caller
+keeps the one whose simulation fits best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.windows import breadths
+
+#: Parameters that enter the equation of motion linearly through something that x and v tell.
+LINEAR = (
+    "mass",
+    "damping",
+    "stiffness",
+    "coulomb_force",
+    "offset_force",
+    "drag_coefficient",
+    "cubic_stiffness",
+    "quadratic_stiffness",
+    "stop_stiffness",
+)
+#: Those of them that every regression has: the integrals of x by parts, and the constant.
+_MOTION = ("mass", "damping", "stiffness", "offset_force")
+_NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient", "stop_stiffness")
+_WIDTHS = (6, 16, 42, 110, 290)
+_MOST_PLACES = 2000
+
+
+@dataclass(frozen=True)
+class Start:
+    """Values by parameter name, and for each record its initial position, velocity and zero."""
+
+    values: Mapping[str, float]
+    initial: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Regression rows of one record: a column for each linear parameter, the constant, and the force."""
+
+    columns: dict[str, FloatArray]
+    constant: FloatArray
+    force: FloatArray
+
+
+@dataclass(frozen=True)
+class Regression:
+    """What to regress.
+
+    Attributes:
+        given: value of every parameter of the model; fixed ones keep it.
+        free: names of the parameters to estimate.
+        zero_free: whether each record has an unknown zero, which shows as a constant force of its own.
+        relaxed: per record, whether it begins at rest without force, so that its first reading is about its zero.
+    """
+
+    given: Mapping[str, float]
+    free: Collection[str]
+    zero_free: bool
+    relaxed: tuple[bool, ...]
+
+
+def candidates(records: tuple[Record, ...], regression: Regression) -> list[Start]:
+    """One start for each bump width that the records allow; empty when the regression has nothing to say."""
+    shortest = min(record.samples for record in records)
+    steady = regression.zero_free and all(_steady(record) for record in records)
+    # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
+    held = [steady and relaxed for relaxed in regression.relaxed]
+    levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
+    grids = [
+        record.kept(("grid", level), partial(_uniform, record, level))
+        for record, level in zip(records, levels, strict=True)
+    ]
+    states = [record.kept("starting state", partial(starting_state, record)) for record in records]
+    names = [name for name in LINEAR if name in regression.given]
+    found = []
+    for half in _WIDTHS:
+        if 2 * half + 1 > shortest // 3:
+            break
+        stop = regression.given.get("stop_position", 0.0)
+        smoothed = [
+            record.kept(("means", level, half), partial(_Means, grid, half))
+            for record, grid, level in zip(records, grids, levels, strict=True)
+        ]
+        values = _regress([means.rows(names, stop) for means in smoothed], regression, held)
+        if values is None:
+            continue
+        zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
+        initial = tuple((x - zero, v, zero) for (x, v), zero in zip(states, zeros, strict=True))
+        shared = {name: values.get(name, value) for name, value in regression.given.items()}
+        found.append(Start(shared, initial))
+    return found
+
+
+def _steady(record: Record) -> bool:
+    """Whether one constant force acts but for the first fiftieth of the record."""
+    return float(np.ptp(record.force_at(record.time[record.samples // 50 + 2 :]))) == 0.0
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Position (less a level) and force of a record on uniform instants."""
+
+    period: float
+    position: FloatArray
+    force: FloatArray
+
+
+def _uniform(record: Record, level: float) -> _Grid:
+    """A record on a uniform grid; a held force counts half before and half after its step."""
+    period = record.duration / (record.samples - 1)
+    time = record.time[0] + period * np.arange(record.samples)
+    position = np.interp(time, record.time, record.position) - level
+    if record.hold == "linear":
+        return _Grid(period, position, record.force_at(time))
+    force = 0.5 * (record.force_at(time + 1e-3 * period) + record.force_at(time - 1e-3 * period))
+    return _Grid(period, position, force)
+
+
+def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
+    """Central differences over ``span`` samples either side, shorter at the ends."""
+    span = min(span, position.size - 1)
+    held = np.concatenate((np.full(span, position[0]), position, np.full(span, position[-1])))
+    way: FloatArray = held[2 * span :] - held[: -2 * span]
+    way /= period * breadths(position.size, span)
+    return way
+
+
+class _Means:
+    """A record's signals times a smooth bump, summed at places where the cart moves: columns (r,) of a regression.
+
+    Attributes:
+        constant, force: of 1 and of the force.
+    """
+
+    def __init__(self, grid: _Grid, half: int) -> None:
+        period, position = grid.period, grid.position
+        self._grid, self._half = grid, half
+        self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
+        slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
+        self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
+        s = np.linspace(-1.0, 1.0, 2 * half + 1)
+        self._bump = bump = (1.0 - s**2) ** 3
+        # Derivatives of the bump as differences: then the sums by parts hold exactly for the differences of x.
+        padded = np.concatenate(([0.0], bump, [0.0]))
+        slope = (padded[2:] - padded[:-2]) / (2.0 * period)
+        bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
+        self._stride = max(half // 2, -(-position.size // _MOST_PLACES))
+        # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
+        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > 0.7 * float(bump.sum())
+        motion = self._over(position, bend, -slope, bump)[self._moving]
+        self.constant = np.full(motion.shape[0], float(bump.sum()))
+        self.force = self._over(grid.force, bump)[self._moving, 0]
+        self._columns = {("mass", 0.0): motion[:, 0], ("damping", 0.0): motion[:, 1], ("stiffness", 0.0): motion[:, 2]}
+        self._columns["offset_force", 0.0] = self.constant
+
+    def _over(self, signal: FloatArray, *weights: FloatArray) -> FloatArray:
+        windows = sliding_window_view(signal, 2 * self._half + 1)[:: self._stride]
+        return np.asarray(windows @ np.stack(weights, axis=1))
+
+    def column(self, name: str, stop: float) -> FloatArray:
+        """Of what a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
+        key = name, stop if name == "stop_stiffness" else 0.0
+        if key not in self._columns:
+            signal = _signal(name, self._grid.position, self._velocity, self._direction, stop)
+            self._columns[key] = self._over(signal, self._bump)[self._moving, 0]
+        return self._columns[key]
+
+    def rows(self, names: Collection[str], stop: float) -> _Rows:
+        """The rows of a regression on these parameters."""
+        return _Rows({name: self.column(name, stop) for name in (*_MOTION, *names)}, self.constant, self.force)
+
+
+def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float) -> FloatArray:
+    """What a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
+    if name == "coulomb_force":
+        return direction
+    if name == "drag_coefficient":
+        return velocity * np.abs(velocity)
+    if name == "stop_stiffness":
+        return np.asarray(np.sign(position) * np.maximum(np.abs(position) - stop, 0.0))
+    return position**3 if name == "cubic_stiffness" else position**2
+
+
+def _regress(rows: list[_Rows], regression: Regression, held: list[bool]) -> dict[str, float] | None:
+    """Least squares over all rows; values by name, and ``constant i`` for that of a record i that is not held."""
+    given = regression.given
+    names = [name for name in LINEAR if name in given and name in regression.free]
+    constants = [i for i in range(len(rows)) if regression.zero_free and not held[i] and "offset_force" not in names]
+    right = np.concatenate([part.force for part in rows])
+    if not any(_pushes(part.force, i in constants or "offset_force" in names) for i, part in enumerate(rows)):
+        names = [name for name in names if name != "mass"]  # nothing sets the scale, so the mass keeps its value
+    for name in LINEAR:
+        if name in given and name not in names:
+            right = right - given[name] * np.concatenate([part.columns[name] for part in rows])
+    matrix = [np.concatenate([part.columns[name] for part in rows]) for name in names]
+    for i in constants:
+        parts = [part.constant if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
+        matrix.append(np.concatenate(parts))
+    labels = names + [f"constant {i}" for i in constants]
+    if not labels or right.size < 2 * len(labels):
+        return None
+    return _solve(np.stack(matrix, axis=1), right, labels, given)
+
+
+def _pushes(force: FloatArray, constant: bool) -> bool:
+    """Whether the force differs from nothing, or from a constant where one is free."""
+    if not force.size:
+        return False
+    change = float(np.ptp(force)) if constant else float(np.max(np.abs(force)))
+    return change > 1e-3 * float(np.max(np.abs(force)))
+
+
+def _solve(
+    matrix: FloatArray, right: FloatArray, labels: list[str], given: Mapping[str, float]
+) -> dict[str, float] | None:
+    """Least squares with unit columns; dissipative forces that come out negative are zeroed and the rest redone."""
+    size = np.linalg.norm(matrix, axis=0)
+    size[size == 0.0] = 1.0
+    solution = np.linalg.lstsq(matrix / size, right, rcond=1e-10)[0] / size
+    values = dict(zip(labels, (float(value) for value in solution), strict=True))
+    negative = [name for name in _NOT_NEGATIVE if values.get(name, 0.0) < 0.0]
+    if negative:
+        keep = [i for i, name in enumerate(labels) if name not in negative]
+        rest = _solve(matrix[:, keep], right, [labels[i] for i in keep], given) if keep else {}
+        return None if rest is None else {**rest, **dict.fromkeys(negative, 0.0)}
+    if values.get("mass", 1.0) <= 0.0 or values.get("stiffness", 1.0) <= 0.0:
+        return None
+    return {**{name: given[name] for name in ("stiffness",) if name in given}, **values}
+
+
+def _zeros(values: Mapping[str, float], count: int) -> list[float]:
+    stiffness = values.get("stiffness", 0.0)
+    return [-values.get(f"constant {i}", 0.0) / stiffness if stiffness > 0.0 else 0.0 for i in range(count)]
+
+
+def starting_state(record: Record, count: int = 15) -> tuple[float, float]:
+    """Position and velocity at the first sample, from a parabola through the first ``count`` samples."""
+    count = min(count, record.samples)
+    time = record.time[:count] - record.time[0]
+    _, velocity, position = np.polyfit(time / time[-1], record.position[:count], 2)
+    return float(position), float(velocity) / float(time[-1])

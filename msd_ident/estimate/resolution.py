@@ -1,0 +1,60 @@
+"""Where a law's inner parameters make sense on given data: within what its samples can resolve.
+
+A pitch finer than the noise, a frequency above half the sampling rate or a stop out of reach can be anything; a search
+that wanders there finds nothing and pays for it with very short solver steps. Each effect knows its own ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Problem
+from msd_ident.model import Model
+from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.base import Seen
+
+
+def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
+    """Range of each inner parameter by name, in the records' units; ``plant`` is roughly the base model."""
+    shown = seen(records, plant)
+    return {name: limits for effect in LIBRARY for name, limits in effect.resolvable(shown).items()}
+
+
+def seen(records: Sequence[Record], plant: Model) -> Seen:
+    """What the records show of a plant that is roughly the given one."""
+    mass, stiffness = plant.mass, plant.stiffness
+    span = max(float(np.ptp(record.position)) for record in records)
+    duration = max(record.duration for record in records)
+    rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
+    force = max(float(np.max(np.abs(record.force))) for record in records)
+    return Seen(
+        mass=mass,
+        stiffness=stiffness,
+        reach=max(float(np.max(np.abs(record.position))) for record in records),
+        span=span,
+        duration=duration,
+        period=min(record.period for record in records),
+        speed=max(_top_speed(record) for record in records),
+        rate=rate,
+        force=force or mass * span * rate**2,
+        driven=force > 0.0,
+    )
+
+
+def _top_speed(record: Record) -> float:
+    stretch = max(record.samples // 300, 1)
+    rise = np.abs(record.position[stretch:] - record.position[:-stretch])
+    return float(np.max(rise / (record.time[stretch:] - record.time[:-stretch])))
+
+
+def within(problem: Problem, limits: dict[str, tuple[float, float]]) -> Problem:
+    """The problem with its bounds narrowed to these ranges."""
+    lower, upper = problem.lower.copy(), problem.upper.copy()
+    for place, index in enumerate(problem.free):
+        low, high = limits.get(problem.model.names[index], (-np.inf, np.inf))
+        lower[place], upper[place] = max(lower[place], low), min(upper[place], high)
+    return replace(problem, lower=lower, upper=upper)

@@ -1,0 +1,85 @@
+"""FitResult: what a fit found, how well it is known, and what the data leaves open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.identifiability import OpenDirection
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model
+from msd_ident.quantity import Quantity
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """A fitted model with honest intervals.
+
+    Attributes:
+        model: the model with the fitted values.
+        quantities: every parameter of the model by name: value, standard deviation, unit on this rig. Fixed ones
+            have std 0, those that the data leaves open NaN.
+        free: names of the fitted parameters, in the order of ``covariance``.
+        covariance: (p, p) of the free parameters; along open directions it holds no information (see ``open``).
+        residuals: model − data (n,) of each record, in the position unit.
+        see: standard error of estimate over all records, eq. 14.
+        noise_floor: what no model can beat, in the position unit; NaN when the records do not tell.
+        initial: state and zero of each record at its first sample.
+        effective_samples: independent pieces of evidence that the residuals are worth.
+        open: directions of the parameter space that the data leaves open.
+        open_directions: the same as sentences, with what to measure instead.
+        converged: whether the solver settled and the result is finite.
+        message: one sentence on how the fit ended.
+    """
+
+    model: Model
+    quantities: Mapping[str, Quantity]
+    free: tuple[str, ...]
+    covariance: FloatArray
+    residuals: tuple[FloatArray, ...]
+    see: float
+    noise_floor: float
+    initial: tuple[Initial, ...]
+    effective_samples: float
+    open: tuple[OpenDirection, ...]
+    open_directions: tuple[str, ...]
+    converged: bool
+    message: str
+
+    @property
+    def samples(self) -> int:
+        """Position samples of all records."""
+        return sum(residual.size for residual in self.residuals)
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation matrix (p, p) of the free parameters."""
+        size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
+        return np.asarray(self.covariance / np.outer(size, size))
+
+    def derived(self, formula: Callable[[Mapping[str, float]], float], unit: str) -> Quantity:
+        """A quantity computed from the parameters, with the interval that follows (first order).
+
+        ``formula`` takes the values by name, e.g. ``lambda p: p["stiffness"] / p["mass"]``. What changes along an
+        open direction is itself open (std NaN); a ratio that does not is known even where its parts are not.
+        """
+        values = {name: quantity.value for name, quantity in self.quantities.items()}
+        value = formula(values)
+        gradient = np.array([_slope(formula, values, name) for name in self.free])
+        for direction in self.open:
+            shares = dict(direction.shares)
+            parts = np.array([shares.get(name, 0.0) for name in self.free]) * gradient
+            if abs(parts.sum()) > 1e-3 * np.abs(parts).sum():
+                return Quantity(value, math.nan, unit)
+        return Quantity(value, math.sqrt(max(float(gradient @ self.covariance @ gradient), 0.0)), unit)
+
+
+def _slope(formula: Callable[[Mapping[str, float]], float], values: Mapping[str, float], name: str) -> float:
+    step = 1e-6 * (abs(values[name]) or 1.0)
+    above = formula({**values, name: values[name] + step})
+    below = formula({**values, name: values[name] - step})
+    return (above - below) / (2.0 * step)

@@ -1,0 +1,161 @@
+"""From the point where the solver ended to a result: intervals, open directions, sentences."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate import covariance as uncertainty
+from msd_ident.estimate import identifiability
+from msd_ident.estimate.formulation import balanced
+from msd_ident.estimate.least_squares import Outcome
+from msd_ident.estimate.objective import SquaredError, gram
+from msd_ident.estimate.parameter_units import unit_in
+from msd_ident.estimate.problem import Problem
+from msd_ident.estimate.result import FitResult
+from msd_ident.estimate.see import see
+from msd_ident.quantity import Quantity
+
+#: Force and position units in which mass, damping and stiffness are absolute.
+_ABSOLUTE = (("N", "m"), ("N·m", "rad"))
+
+
+@dataclass(frozen=True)
+class _Sandwich:
+    """Sums over all records: JᵀJ, JᵀΓJ, what comes from elsewhere than samples, residuals, pieces of evidence."""
+
+    bread: FloatArray
+    meat: FloatArray
+    pinned: FloatArray
+    residuals: tuple[FloatArray, ...]
+    effective: float
+
+
+def conclude(problem: Problem, outcome: Outcome, floor: float, soft: float = 0.0) -> FitResult:
+    """The result of a fit that ended at ``outcome``.
+
+    ``floor`` is the records' noise floor, ``soft`` the residual [m] where soft-L1 loss takes over (0: plain squares).
+    """
+    sums = _sandwich(problem, outcome, soft)
+    found, null = _open(problem, outcome.point, sums)
+    if not _moves(problem, floor):
+        found = [identifiability.motionless(problem.names[: len(problem.free)])]
+    inverse = uncertainty.inverse_beside(sums.bread, null)
+    effective = sums.effective
+    freedom = effective / max(effective - min(problem.size, 0.5 * effective), 1.0)
+    covariance = freedom * inverse @ sums.meat @ inverse
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    named = {name for direction in found for name in direction.names}
+    loose = identifiability.loose(problem.names, outcome.point, std, problem.scale)
+    found += [direction for direction in loose if direction.names[0] not in named]
+    count = len(problem.free)
+    covariance = covariance[:count, :count]
+    covariance.setflags(write=False)
+    return FitResult(
+        model=problem.model.with_values(problem.values(outcome.point)),
+        quantities=_quantities(problem, outcome.point, std, found),
+        free=problem.names[:count],
+        covariance=covariance,
+        residuals=sums.residuals,
+        see=see(sums.residuals),
+        noise_floor=floor,
+        initial=problem.initials(outcome.point),
+        effective_samples=effective,
+        open=tuple(found),
+        open_directions=tuple(direction.sentence for direction in found) + _gain_sentence(problem),
+        converged=outcome.converged and _finite(outcome, sums.residuals),
+        message=outcome.message,
+    )
+
+
+def _moves(problem: Problem, floor: float) -> bool:
+    """Whether any record shows more than noise and one encoder step."""
+    still = max(10.0 * floor if np.isfinite(floor) else 0.0, max(problem.encoder_steps))
+    return any(float(np.ptp(record.position)) > still for record in problem.records)
+
+
+def _finite(outcome: Outcome, residuals: tuple[FloatArray, ...]) -> bool:
+    return bool(np.isfinite(outcome.cost)) and all(bool(np.all(np.isfinite(residual))) for residual in residuals)
+
+
+def _sandwich(problem: Problem, outcome: Outcome, soft: float) -> _Sandwich:
+    point = outcome.point
+    matrix = outcome.matrix if outcome.matrix is not None else SquaredError(problem).linearise(point).matrix
+    steps = 10.0 * problem.steps(matrix)
+    size = problem.size
+    bread, meat, pinned = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
+    residuals, pulls, effective = [], [], 0.0
+    for r, record in enumerate(problem.records):
+        residual, jacobian = problem.central(point, r, steps)
+        entries = np.ix_(problem.entries(r), problem.entries(r))
+        weight = 1.0 / np.sqrt(1.0 + (residual / soft) ** 2) if soft > 0.0 else None
+        pull = residual if weight is None else weight * residual
+        sensed = uncertainty.Sensed(pull, jacobian, residual + record.position, problem.encoder_steps[r])
+        bread[entries] += gram(jacobian, None if weight is None else weight**3)  # the slope of the loss, not its weight
+        found = uncertainty.evidence(sensed)
+        meat[entries] += found.meat
+        residual.setflags(write=False)
+        residuals.append(residual)
+        pulls.append(pull)
+        effective += found.effective_samples
+    if problem.balances:
+        fitted = problem.model.with_values(problem.values(point))
+        resting = [balance.record for balance in problem.balances]
+        for balance in balanced(problem, fitted, see(pulls), resting).balances:
+            _, slope = problem.imbalance(point, balance)
+            bread += balance.weight * np.outer(slope, slope)
+            meat += (balance.weight * balance.spread) ** 2 * np.outer(slope, slope)
+            pinned += np.outer(slope, slope) / balance.spread**2
+    return _Sandwich(bread, meat, pinned, tuple(residuals), effective)
+
+
+def _open(
+    problem: Problem, point: FloatArray, sums: _Sandwich
+) -> tuple[list[identifiability.OpenDirection], FloatArray]:
+    """What no sample decides: as sentences (initial states left out), and as directions (p, q)."""
+    reference = np.maximum(np.abs(point), problem.scale)
+    forced = any(bool(np.any(record.force)) for record in problem.records)
+    directions = identifiability.null_directions(sums.bread, reference, sums.pinned)
+    described = [identifiability.describe(one, problem.names, point, reference, forced) for one in directions]
+    null = np.array([direction * reference for direction in directions]).reshape(len(directions), problem.size).T
+    return [direction for direction in described if direction is not None], null
+
+
+def _quantities(
+    problem: Problem, point: FloatArray, std: FloatArray, found: list[identifiability.OpenDirection]
+) -> dict[str, Quantity]:
+    """Every parameter; what is fixed has no spread, what is open no interval."""
+    unknown = {name for direction in found for name in direction.names}
+    spread = dict(zip(problem.names, std.tolist(), strict=True))
+    quantities = {}
+    for parameter, value in zip(problem.model.parameters, problem.values(point), strict=True):
+        deviation = math.nan if parameter.name in unknown else spread.get(parameter.name, 0.0)
+        quantities[parameter.name] = Quantity(float(value), deviation, unit_in(parameter.unit, problem.records[0]))
+    return quantities
+
+
+def _gain_sentence(problem: Problem) -> tuple[str, ...]:
+    record = problem.records[0]
+    if (record.force_unit, record.position_unit) in _ABSOLUTE:
+        return ()
+    names = ", ".join(problem.model.names[i] for i in problem.free if problem.model.names[i] in identifiability.FORCES)
+    said = []
+    if record.force_unit not in ("N", "N·m"):
+        said.append(
+            f"The force is in {record.force_unit} and its gain in newtons is unknown, so {names} are known only "
+            "up to that gain: measure the force of one input with a spring balance, or weigh the moving mass."
+        )
+    if record.position_unit not in ("m", "rad"):
+        said.append(
+            f"The position is in {record.position_unit} and its scale in metres is unknown, so {names} are known only "
+            "up to that scale: measure a known travel, and give --position-scale and --position-unit m."
+        )
+    if not said:
+        said.append(
+            f"The force is in {record.force_unit} and the position in {record.position_unit}, so {names} are known "
+            "only up to the lever arm between them: give --force-scale or --position-scale."
+        )
+    return tuple(said)

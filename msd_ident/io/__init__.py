@@ -1,0 +1,41 @@
+"""Bags, CSV and MAT files in and out, without ROS."""
+
+from msd_ident.io.bag import Bag, iterate_messages, open_bag
+from msd_ident.io.covariates import covariates
+from msd_ident.io.csv_file import write_csv
+from msd_ident.io.describe import BagInfo, TopicInfo, describe
+from msd_ident.io.joints import Joint, joints, source_of
+from msd_ident.io.qos import OfferedQos, qos_from_yaml, qos_to_yaml
+from msd_ident.io.read import each_run, read, read_all
+from msd_ident.io.record_writer import write_bag
+from msd_ident.io.repair import Repair, repair
+from msd_ident.io.source_options import SourceOptions
+from msd_ident.io.topics import RawMessage, Topic
+from msd_ident.io.writer import BagWriter
+
+__all__ = [
+    "Bag",
+    "BagInfo",
+    "BagWriter",
+    "Joint",
+    "OfferedQos",
+    "RawMessage",
+    "Repair",
+    "SourceOptions",
+    "Topic",
+    "TopicInfo",
+    "covariates",
+    "describe",
+    "each_run",
+    "iterate_messages",
+    "joints",
+    "open_bag",
+    "qos_from_yaml",
+    "qos_to_yaml",
+    "read",
+    "read_all",
+    "repair",
+    "source_of",
+    "write_bag",
+    "write_csv",
+]

@@ -1,0 +1,249 @@
+"""Files of columns, CSV or MAT: to a Record and back."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.data.streams import from_seconds
+from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.io import even_stamps, runs, units
+from msd_ident.io.columns import Columns, open_columns
+from msd_ident.io.source_options import SourceOptions
+
+_TIME_NAMES = ("time", "t", "stamp", "timestamp")
+_FORCE_NAMES = ("force",)
+_POSITION_NAMES = ("position",)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Places of the columns that are read.
+
+    Attributes:
+        time: ``None`` where the sampling rate is given instead.
+        force: ``None`` for a free decay.
+        position: of the position.
+        counter: of the number of the sample, where there is one.
+    """
+
+    time: int | None
+    force: int | None
+    position: int
+    counter: int | None
+
+
+def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
+    """Record from a file of columns; see ``msd_ident.io.read``. An empty cell means that there is no sample in it."""
+    table = runs.select(open_columns(Path(path)), options.run, str(path))
+    chosen = choose_columns(table, str(path), options)
+    places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
+    read = dict(zip(places, table.columns(places), strict=True))
+    notes: list[str] = []
+    time, there = _times(table, chosen, read, options, str(path), notes)
+    position = read[chosen.position][there]
+    x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
+    t_x, x = _samples(time, position)
+    x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
+    if chosen.force is None:
+        f_unit, t_f, f = "N·m" if x_unit == "rad" else "N", time[:1], np.zeros(1)
+    else:
+        f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
+        t_f, f = _samples(time, read[chosen.force][there])
+        f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
+    return from_seconds(
+        t_x,
+        x,
+        t_f,
+        f,
+        hold=options.record_hold,
+        hold_known=options.hold != "auto" or chosen.force is None,
+        force_unit=options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m")),
+        position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
+        name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
+        notes=tuple(notes),
+    )
+
+
+def choose_columns(table: Columns, name: str, options: SourceOptions) -> Chosen:
+    """Places of the columns to read.
+
+    Raises:
+        DataError: one of them is not there.
+        UsageError: two of them are the same.
+    """
+    time = choose_time(table, name, options)
+    force, position = _signals(table, name, options)
+    columns = [column for column in (time, position, force) if column is not None]
+    twice = next((column for column in columns if columns.count(column) > 1), None)
+    if twice is not None:
+        raise UsageError(
+            f"{name}: column {table.header[twice]} is taken twice; expected columns of their own for time, force and "
+            "position: correct --time, --force or --position"
+        )
+    counters = [
+        place
+        for place, heading in enumerate(table.header)
+        if units.stem(heading) in even_stamps.COUNTERS and place not in columns
+    ]
+    return Chosen(time, force, position, counters[0] if counters and time is not None else None)
+
+
+def _signals(table: Columns, name: str, options: SourceOptions) -> tuple[int | None, int]:
+    position = _column(table.header, name, options.position, _POSITION_NAMES, "--position COLUMN")
+    if options.no_force:
+        return None, position
+    hint = "--force COLUMN, or --force none for a free decay"
+    return _column(table.header, name, options.force, _FORCE_NAMES, hint), position
+
+
+def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None:
+    """Place of the column with the time; ``None`` where the sampling rate is given instead.
+
+    Raises:
+        DataError: it is not there.
+    """
+    if options.rate is not None:
+        return None
+    hint = "--time COLUMN, or the sampling rate with --rate HZ where there is no time"
+    return _column(table.header, name, options.time, _TIME_NAMES, hint)
+
+
+def _times(
+    table: Columns,
+    chosen: Chosen,
+    read: Mapping[int, FloatArray],
+    options: SourceOptions,
+    name: str,
+    notes: list[str],
+) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """Stamps [s] of the lines that are there, and which lines (n,) these are; ``notes`` grows."""
+    position = read[chosen.position]
+    if chosen.time is None:
+        assert options.rate is not None
+        notes.append(f"the stamps are those of {options.rate:g} samples a second, as --rate says.")
+        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool)
+    heading, time = table.header[chosen.time], read[chosen.time]
+    there = np.isfinite(time)
+    if lost := int(np.count_nonzero(~there & np.isfinite(position))):
+        raise DataError(
+            f"{name}: {lost} lines have no {heading}; expected a time on every line: repair or remove them, or give "
+            "the sampling rate with --rate HZ"
+        )
+    time = time[there]
+    scale = _scale(options.time_scale, units.time_factor(heading), heading, notes)
+    even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
+    if even is not None:
+        evidence = "the stamps stay within one rounding of even ones"
+        if even.counted and chosen.counter is not None:
+            evidence = f"{table.header[chosen.counter]} numbers the samples"
+        notes.append(
+            f"{heading} is rounded to {even.tick * scale:.3g} s, and {evidence}: the true times are rebuilt, "
+            f"{1.0 / (even.period * scale):.5g} Hz."
+        )
+        time = even.time
+    return time * scale, there
+
+
+def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+    """Write a record so that ``read_csv`` gives the same samples to the last bit.
+
+    The columns are ``time_s``, the force and the position with their units. Where force and position have stamps
+    of their own, a line has only the one that was sampled then and leaves the other cell empty.
+
+    Raises:
+        UsageError: the file exists and ``overwrite`` is not set.
+        SetupError: the disk does not take it.
+    """
+    target = Path(path)
+    if target.exists() and not overwrite:
+        raise UsageError(f"{target} exists; expected a new name: give another one, or --overwrite to replace it")
+    header = f"time_s,force{_suffix(record.force_unit)},position{_suffix(record.position_unit)}\n"
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with target.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(header)
+            file.writelines(_lines(record))
+    except OSError as error:
+        raise SetupError(f"cannot write {target}: {error.strerror or error}; expected a writable place") from None
+
+
+def _lines(record: Record) -> list[str]:
+    """Lines with the shortest digits that give the same number again."""
+    if record.shared_clock:
+        rows = zip(record.time.tolist(), record.force.tolist(), record.position.tolist(), strict=True)
+        return [f"{t!r},{f!r},{x!r}\n" for t, f, x in rows]
+    force = dict(zip(record.force_time.tolist(), record.force.tolist(), strict=True))
+    position = dict(zip(record.time.tolist(), record.position.tolist(), strict=True))
+    stamps = np.union1d(record.time, record.force_time).tolist()
+    return [f"{t!r},{_cell(force.get(t))},{_cell(position.get(t))}\n" for t in stamps]
+
+
+def _cell(value: float | None) -> str:
+    return "" if value is None else repr(value)
+
+
+def _suffix(unit: str) -> str:
+    """Ending of a column's name that ``units`` understands."""
+    plain = {"N·m": "nm", "count": "counts"}.get(unit, unit.lower())
+    return f"_{plain}" if plain.isalpha() else ""
+
+
+def _column(header: Sequence[str], name: str, wanted: str, default: Collection[str], hint: str) -> int:
+    folded = [column.strip().lower() for column in header]
+    if not wanted:
+        found = [i for i, column in enumerate(header) if units.stem(column) in default]
+        if len(found) == 1:
+            return found[0]
+        problem = f"{len(found)} columns" if found else "no column"
+        problem = f"{name} has {problem} called {next(iter(default))}"
+    elif wanted in header:
+        return list(header).index(wanted)
+    elif wanted.lower() in folded:
+        return folded.index(wanted.lower())
+    elif len(alike := [i for i, column in enumerate(header) if wanted.lower() in _short(column)]) == 1:
+        return alike[0]
+    else:
+        problem = f"{name} has no column {wanted}"
+    raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")
+
+
+def _short(column: str) -> tuple[str, ...]:
+    """Shorter names that a heading goes by: without its unit, and without its run."""
+    name, _ = runs.split(column.strip())
+    return name.lower(), units.stem(name)
+
+
+def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
+    """Unit and factor that a heading says; those that the user gave where it names something else."""
+    try:
+        return of(column)
+    except DataError:
+        if given:
+            return given, 1.0
+        raise
+
+
+def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lines that have a value."""
+    there = ~np.isnan(values)
+    return (time, values) if there.all() else (time[there], values[there])
+
+
+def _scale(given: float | None, named: float, column: str, notes: list[str]) -> float:
+    if given is not None:
+        return given
+    if named != 1.0:
+        notes.append(f"column {column} was multiplied by {named:g}, as its unit says.")
+    return named
+
+
+def _scaled_unit(unit: str, scale: float | None, si: tuple[str, str]) -> str:
+    """Unit after the user's scale: the SI one, as nobody scales to counts or volts."""
+    return unit if scale is None or unit in si else si[0]

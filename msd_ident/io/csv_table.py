@@ -1,0 +1,221 @@
+"""A CSV file as named columns of numbers, whatever its separator, marks and encoding.
+
+Numbers are parsed by numpy's C reader. Only when that stumbles is the file gone through line by line, which
+understands empty cells and names the line that cannot be read.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.errors import DataError
+
+#: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
+MOST_MEGABYTES = 500
+_SEPARATORS = (";", "\t", ",")
+_COMMENTS = ("#", "%", "//")
+#: Characters behind the first line of numbers that are looked at for a decimal comma.
+_AHEAD = 2000
+#: A matrix in MATLAB's notation: brackets around the numbers, a semicolon at the end of each line.
+_MATRIX = re.compile(r"^[ \t]*\[([^\[\]]*)\]\s*;?\s*$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the numbers of a file are.
+
+    Attributes:
+        header: names of the columns.
+        first: index of the first line of numbers, 0 for the first line of the file.
+        separator: between cells, ``None`` for white space.
+        decimal_comma: numbers are written like ``0,15``.
+    """
+
+    header: tuple[str, ...]
+    first: int
+    separator: str | None
+    decimal_comma: bool
+
+
+class Table:
+    """The columns of a file; empty cells are NaN and marked as such.
+
+    Raises:
+        DataError: the file cannot be read, is empty, or has no header or no numbers.
+    """
+
+    kind = "CSV file"
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._text = _MATRIX.sub(lambda found: found.group(1).replace(";", " "), _read_text(path))
+        self.layout = self._find_layout()
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return self.layout.header
+
+    @property
+    def lines(self) -> int:
+        """Number of lines below the header, empty ones and comments included."""
+        return len(self._body().splitlines())
+
+    def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
+        """The columns as numbers, each (n,); NaN in empty cells.
+
+        Raises:
+            DataError: a line that has too few or too many cells, or a cell that is no number, with its number.
+        """
+        wanted = sorted(set(indices))
+        numbers = self._at_once(wanted)
+        if numbers is None:
+            return self._line_by_line(indices)
+        return tuple(np.ascontiguousarray(numbers[:, wanted.index(index)]) for index in indices)
+
+    def _at_once(self, wanted: Sequence[int]) -> FloatArray | None:
+        """Columns (n, wanted) of a file with nothing odd in it; ``None`` when line by line must have the last word."""
+        text = self._body().rstrip()
+        separator = self.layout.separator
+        # loadtxt skips the cells that it is not asked for, and so does not see that a line has too few or too many.
+        lines = text.count("\n") + 1
+        if not text or separator is None or text.count(separator) != lines * (len(self.header) - 1):
+            return None
+        try:
+            numbers = np.loadtxt(StringIO(text), delimiter=separator, usecols=wanted, comments=None, ndmin=2)
+        except ValueError:
+            return None
+        return numbers if bool(np.all(np.isfinite(numbers))) else None
+
+    def _body(self) -> str:
+        """Text behind the header, decimal commas turned into points."""
+        position = 0
+        for _ in range(self.layout.first):
+            position = self._text.index("\n", position) + 1
+        body = self._text[position:]
+        return body.replace(",", ".") if self.layout.decimal_comma else body
+
+    def _line_by_line(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
+        width = len(self.layout.header)
+        rows: list[list[float]] = []
+        for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
+            text = line.partition("#")[0].strip(" \r")
+            if not text.strip() or text.lstrip().startswith(_COMMENTS):
+                continue
+            cells = text.split(self.layout.separator)
+            if len(cells) == width + 1 and not cells[-1].strip():
+                cells.pop()  # a separator at the end of each line
+            if len(cells) != width:
+                raise self._ragged(number, len(cells))
+            rows.append([self._number(cells[index], number, index) for index in indices])
+        if not rows:
+            raise DataError(f"{self._path} has a header and no numbers; expected at least one line of them")
+        return tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
+
+    def _ragged(self, line: int, cells: int) -> DataError:
+        width, names = len(self.header), ", ".join(self.header)
+        doubled = self.layout.separator == "," and cells == 2 * width
+        advice = "write decimal points, or semicolons between the cells" if doubled else "repair or remove that line"
+        return DataError(
+            f"{self._path} line {line} has {cells} cells; expected {width} as in the header ({names}): {advice}"
+        )
+
+    def _number(self, cell: str, line: int, index: int) -> float:
+        text = cell.strip().strip('"')
+        if not text:
+            return math.nan
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise DataError(
+                f"{self._path} line {line}, column {self.layout.header[index]} holds {text[:40]!r}; expected a finite "
+                "number: repair or remove that line"
+            )
+        return value
+
+    def _find_layout(self) -> Layout:
+        """Read the header and the first line of numbers."""
+        header = comment = ""
+        position = number = 0
+        while position < len(self._text):
+            end = self._text.find("\n", position)
+            end = len(self._text) if end < 0 else end
+            line = self._text[position:end].strip()
+            position = end + 1
+            if line.startswith(_COMMENTS):
+                comment = "" if header else line.lstrip("".join(_COMMENTS)).strip()
+            elif line and not header and comment and _is_number(_cells(line)[0]):
+                return self._layout(
+                    comment, line, number, self._text[position : position + _AHEAD]
+                )  # numpy.savetxt comments its header
+            elif line and header:
+                return self._layout(header, line, number, self._text[position : position + _AHEAD])
+            elif line:
+                header = line
+            number += 1
+        if not header:
+            raise DataError(f"{self._path} is empty; expected a header like time_s,force_n,position_m and numbers")
+        raise DataError(f"{self._path} has one line; expected a header like time_s,force_n,position_m and numbers")
+
+    def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
+        separator = next((mark for mark in _SEPARATORS if mark in header), None)
+        names = _cells(header)
+        if separator is None and len(names) != len(first.split()):
+            names = tuple(re.split(r"\s{2,}", header.strip()))  # names with spaces in them
+        if len(names) < 2:
+            raise DataError(
+                f"{self._path} begins with one cell, {names[0][:40]!r}; expected the names of several columns, such as "
+                "time_s,force_n,position_m: is it a CSV file?"
+            )
+        if all(_is_number(name) for name in names):
+            raise DataError(
+                f"{self._path} begins with numbers; expected a header that names the columns, such as "
+                "time_s,force_n,position_m: add one"
+            )
+        numbers = [line for line in (first, *rest.split("\n")) if not line.lstrip().startswith(_COMMENTS)]
+        comma = separator != "," and any("," in line for line in numbers)
+        return Layout(names, first_at, separator, decimal_comma=comma)
+
+
+def _cells(line: str) -> tuple[str, ...]:
+    separator = next((mark for mark in _SEPARATORS if mark in line), None)
+    if separator is not None and '"' in line:
+        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
+    return tuple(cell.strip().strip('"') for cell in line.split(separator))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _read_text(path: Path) -> str:
+    try:
+        if (size := path.stat().st_size) > MOST_MEGABYTES * 10**6:
+            raise DataError(
+                f"{path} has {size / 1e6:.0f} MB; expected at most {MOST_MEGABYTES}: cut it, or make it a bag"
+            )
+        data = path.read_bytes()
+    except OSError as error:
+        raise DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read") from None
+    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    controls = sum(data[:1000].count(code) for code in range(32)) - sum(data[:1000].count(c) for c in b"\t\n\r\f")
+    if (b"\0" in data[:1000] or controls > 0.02 * len(data[:1000])) and not wide:
+        raise DataError(f"{path} is not text; expected a CSV file: is it another kind of file?")
+    text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

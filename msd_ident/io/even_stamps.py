@@ -1,0 +1,96 @@
+"""Stamps that were rounded when they were written: the true times are rebuilt where the file shows them.
+
+A data logger samples at a fixed rate and writes the time with three decimals. At 887 Hz the intervals are then 1 ms and
+2 ms, and look like lost samples. What shows the truth is a counter column, or stamps that stay within one rounding of a
+straight line over the whole record: no lost sample and no jitter could do that. A counter also shows a clock that
+drifts: then the stamps stay within one rounding of their own running straight line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.signal
+
+from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray
+
+#: Headings of a counter, without unit and in lower case.
+COUNTERS = ("sample", "samples", "sample number", "index", "counter", "seq", "sequence", "no", "no.", "nr", "#", "n")
+#: A rounding below this part of the sampling interval does no harm; above this part of the record it hides everything.
+_COARSE, _COARSEST = 0.01, 0.02
+#: Stamps may leave the straight line by this many roundings, from the lowest to the highest.
+_SPAN = 1.1
+#: The same for a running straight line, which cuts the corners of a clock that drifts.
+_BENT_SPAN = 1.5
+#: Samples of a running straight line, and the part of the period by which a drifting clock may change it.
+_RUNNING, _DRIFT = 401, 0.01
+#: Decimal places that are looked for, from thousands to nanos.
+_DECIMALS = range(3, -10, -1)
+
+
+@dataclass(frozen=True)
+class Rebuilt:
+    """Even stamps in place of rounded ones.
+
+    Attributes:
+        time: (n,) as even as the counter is, in the unit of the stamps.
+        tick: what the stamps were rounded to.
+        period: mean interval between samples.
+        counted: whether a counter is the evidence.
+    """
+
+    time: FloatArray
+    tick: float
+    period: float
+    counted: bool
+
+
+def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | None:
+    """Times of the samples from rounded stamps.
+
+    Args:
+        time: (n,) stamps in any unit, in the order of the lines.
+        counter: (n,) numbers of the samples, where the file has them; without, the lines are counted.
+
+    Returns:
+        The times, or ``None`` where the stamps are not rounded, or are no evenly sampled ones.
+    """
+    if time.size < MINIMUM_SAMPLES or not np.all(np.isfinite(time)):
+        return None
+    counted = counter is not None and _counts(counter)
+    number = counter - counter[0] if counter is not None and counted else np.arange(float(time.size))
+    duration = float(time[-1] - time[0])
+    tick = _tick(time)
+    if duration <= 0.0 or not _COARSE * duration / number[-1] < tick < _COARSEST * duration:
+        return None
+    period, start = np.polyfit(number, time, 1)
+    line = start + period * number
+    off = time - line
+    if period <= 0.0 or float(np.max(np.abs(off))) < 1e-3 * tick:
+        return None
+    if float(np.ptp(off)) > _SPAN * tick:
+        if not counted or time.size < _RUNNING:
+            return None
+        running = scipy.signal.savgol_filter(off, _RUNNING, 1)
+        drift = np.diff(running) / (period * np.diff(number))
+        if float(np.ptp(off - running)) > _BENT_SPAN * tick or float(np.max(np.abs(drift))) > _DRIFT:
+            return None
+        line = line + running
+    return Rebuilt(line, tick, float(period), counted)
+
+
+def _counts(counter: FloatArray) -> bool:
+    """Whether numbers are whole and rise with every line."""
+    whole = bool(np.all(np.isfinite(counter))) and bool(np.all(counter == np.rint(counter)))
+    return whole and bool(np.all(np.diff(counter) >= 1.0))
+
+
+def _tick(time: FloatArray) -> float:
+    """Largest power of ten of which all stamps are multiples."""
+    for decimal in _DECIMALS:
+        tick = 10.0**decimal
+        places = time / tick
+        if float(np.max(np.abs(places - np.rint(places)))) < 1e-6 * max(1.0, 1e-6 * float(np.max(np.abs(places)))):
+            return tick
+    return 0.0

@@ -1,0 +1,80 @@
+"""Where a new bag goes: never over anything but a bag that the user gives up."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+from msd_ident.errors import SetupError, UsageError
+from msd_ident.io.crash_safe_file import PART, copies_of, is_being_written
+from msd_ident.io.metadata import BagEntry
+
+#: Smaller files than this are nothing but their index.
+_LEAST_BYTES = 10_000
+
+
+def make_folder(folder: Path, overwrite: bool) -> None:
+    """An empty folder for the bag; only a bag is ever removed for it, and an empty folder is taken as it is.
+
+    Of two that ask at once for a name that is not there, one gets it.
+
+    Raises:
+        UsageError: the folder exists and may not be replaced.
+        SetupError: the disk does not take it.
+    """
+    try:
+        if is_empty(folder):
+            return
+        if folder.exists() or folder.is_symlink():
+            _clear(folder, overwrite)
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
+    except OSError as error:
+        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+
+
+def is_empty(folder: Path) -> bool:
+    """Whether it is a folder, no link, with nothing in it."""
+    return folder.is_dir() and not folder.is_symlink() and not any(folder.iterdir())
+
+
+def check_limits(sync_seconds: float, split_bytes: int, split_seconds: float) -> None:
+    """Refuse limits that make no sense.
+
+    Raises:
+        UsageError: one of them.
+    """
+    if not 0.0 <= sync_seconds < math.inf:
+        raise UsageError(f"the time between syncs is {sync_seconds} s; expected 0 or more")
+    if split_bytes < _LEAST_BYTES:
+        raise UsageError(f"the size of a file is {split_bytes} bytes; expected at least {_LEAST_BYTES}")
+    if not 0.0 <= split_seconds < math.inf:
+        raise UsageError(f"the length of a file is {split_seconds} s; expected 0 (for no limit) or more")
+
+
+def next_file(entry: BagEntry, folder: Path) -> str:
+    """Name of the bag's next file, where nothing stands yet."""
+    number = len(entry.files)
+    while True:
+        path = folder / f"{folder.resolve().name}_{number}.mcap"
+        if not path.exists() and not copies_of(path):
+            return path.name
+        number += 1
+
+
+def _clear(folder: Path, overwrite: bool) -> None:
+    if not folder.is_dir():
+        raise UsageError(f"{folder} is a file; expected a new folder for the bag: give another name")
+    content = list(folder.iterdir())
+    if not content:
+        return
+    is_bag = all(path.name.endswith((".mcap", "metadata.yaml", PART)) for path in content)
+    if not is_bag:
+        raise UsageError(f"{folder} exists and is no bag; expected a new folder for the bag: give another name")
+    if not overwrite:
+        raise UsageError(f"{folder} exists; expected a new name: give another one, or --overwrite to replace it")
+    if any(is_being_written(path) for path in content):
+        raise UsageError(f"{folder} is being recorded; expected a bag that is finished: stop the recorder first")
+    shutil.rmtree(folder)

@@ -1,0 +1,78 @@
+"""The one way from a path to a Record, or to one for each run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from msd_ident.data.record import Record
+from msd_ident.data.resampling import band_limited
+from msd_ident.errors import DataError, UsageError
+from msd_ident.io import runs
+from msd_ident.io.bag import is_bag
+from msd_ident.io.columns import open_columns
+from msd_ident.io.csv_file import read_csv
+from msd_ident.io.reader import read_bag
+from msd_ident.io.source_options import SourceOptions
+
+_DEFAULTS = SourceOptions()
+
+
+def read(
+    path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS, told: Callable[[int], None] | None = None
+) -> Record:
+    """Record from a rosbag2 folder, an ``.mcap`` or ``.db3`` file, a CSV or a MAT file.
+
+    Args:
+        path: what to read.
+        options: which signals are force and position, scales, units, window.
+        told: told, now and then, how many messages of a bag were read; what it raises ends the reading.
+
+    Returns:
+        The record; its notes say what was lost or repaired on the way.
+
+    Raises:
+        DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
+    """
+    try:
+        record = _read_bag(path, options, told) if is_bag(path) else read_csv(path, options)
+        if options.hold == "band_limited" and not options.no_force:
+            record = band_limited(record)
+        if options.start is not None or options.end is not None:
+            record = record.window(*options.window)
+    except DataError as error:
+        # Who reads several paths must see which one it is about.
+        named = str(error) if Path(path).name in str(error) else f"{path}: {error}"
+        raise DataError(named) from None
+    if record.position.min() == record.position.max():
+        raise DataError(
+            f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "
+            f"{record.samples} samples); expected motion: check the encoder, or choose another --position"
+        )
+    return record
+
+
+def each_run(path: str | os.PathLike[str], options: SourceOptions) -> tuple[SourceOptions, ...]:
+    """Options for one record each: those of every run of a file for ``--run all``, else the options as they are.
+
+    Raises:
+        DataError: the file cannot be read.
+    """
+    if options.run != runs.ALL or is_bag(path):
+        return (options,)
+    found = runs.numbers(open_columns(Path(path)).header)
+    return tuple(replace(options, run=run) for run in found) or (replace(options, run=""),)
+
+
+def read_all(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> tuple[Record, ...]:
+    """All records of a path: one for each run where ``options.run`` is ``all``, else one; otherwise as ``read``."""
+    return tuple(read(path, one) for one in each_run(path, options))
+
+
+def _read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Callable[[int], None] | None) -> Record:
+    for word, given in (("--rate", options.rate is not None), ("--run", bool(options.run))):
+        if given:
+            raise UsageError(f"{word} with the bag {path}; expected it for a table: messages have their own stamps")
+    return read_bag(path, options, told)

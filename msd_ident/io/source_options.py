@@ -1,0 +1,95 @@
+"""SourceOptions: which signals of a bag or table are the force and the position, and in which units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from msd_ident.data.record import Hold
+from msd_ident.errors import UsageError
+
+#: Words for ``SourceOptions.hold``.
+HOLDS = ("auto", "zero", "linear", "band_limited")
+
+#: Value of ``force`` for a free decay.
+NO_FORCE = "none"
+
+
+@dataclass(frozen=True)
+class SourceOptions:
+    """What to read, and how.
+
+    Attributes:
+        force: ``TOPIC:FIELD`` (``/joint_states:effort[elbow]``, ``/force:wrench.force.x``), a topic alone, or a
+            column of a CSV file; ``none`` when no force acts (free decay); empty for the default: the topic or column
+            called ``force``.
+        position: the same; by default the topic called ``encoder`` or ``encoder_batch``, or the column ``position``.
+        time: column of a CSV file with the time; by default the one called ``time``.
+        rate: samples a second of a file without times; its lines are taken as evenly spaced.
+        run: number of the run, where a file has several side by side (``Position (mm) Run #1``); ``all`` for each as
+            a record, see ``msd_ident.io.read_all``.
+        force_scale: factor from the source's number to ``force_unit``; ``None`` takes what the unit in a column's
+            name says, else 1. A negative factor turns the sign.
+        position_scale: the same for the position.
+        time_scale: factor from the numbers of the time column to seconds; ``None`` as above.
+        force_unit: ``N``, ``N·m``, ``V`` …; empty for what the source says.
+        position_unit: ``m``, ``rad``, ``count``; empty for what the source says.
+        hold: how the force goes on between its samples: ``zero`` (held), ``linear``, ``band_limited`` (no faster than
+            its samples tell), or ``auto``: held for topics, asked of the data for a table's force on the position's
+            stamps.
+        start: begin of the part to use [s from the first position sample]; ``None`` for all.
+        end: end of that part [s].
+
+    Raises:
+        UsageError: a scale is 0 or not finite, a rate or a run that is none, or the window is empty.
+    """
+
+    force: str = ""
+    position: str = ""
+    time: str = ""
+    force_scale: float | None = None
+    position_scale: float | None = None
+    time_scale: float | None = None
+    force_unit: str = ""
+    position_unit: str = ""
+    hold: Literal["auto", "zero", "linear", "band_limited"] = "auto"
+    start: float | None = None
+    end: float | None = None
+    rate: float | None = None
+    run: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("force_scale", "position_scale", "time_scale"):
+            scale = getattr(self, name)
+            if scale is not None and (scale == 0 or not math.isfinite(scale)):
+                raise UsageError(f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0")
+        if self.rate is not None and not (self.rate > 0.0 and math.isfinite(self.rate)):
+            raise UsageError(f"rate is {self.rate:g}; expected samples a second above 0, e.g. --rate 100")
+        if self.rate is not None and self.time:
+            raise UsageError(
+                f"a rate of {self.rate:g} and the time column {self.time}; expected one of them: leave --rate or "
+                "--time away"
+            )
+        if self.run and self.run != "all" and not self.run.isdecimal():
+            raise UsageError(f"run is {self.run!r}; expected its number, or all, e.g. --run 2")
+        if self.hold not in HOLDS:
+            raise UsageError(f"hold is {self.hold!r}; expected one of {', '.join(HOLDS)}")
+        start, end = self.window
+        if not start < end:
+            raise UsageError(f"the window from {start:g} s to {end:g} s is empty; expected start before end")
+
+    @property
+    def no_force(self) -> bool:
+        """Whether the record is a free decay."""
+        return self.force.strip().lower() == NO_FORCE
+
+    @property
+    def record_hold(self) -> Hold:
+        """Hold of the record as it is read, before the data is asked or a band-limited force is interpolated."""
+        return "linear" if self.hold == "linear" else "zero"
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Part to use [s], infinite where open."""
+        return (-math.inf if self.start is None else self.start, math.inf if self.end is None else self.end)

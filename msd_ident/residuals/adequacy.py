@@ -1,0 +1,133 @@
+"""Is anything wrong with a model? Its residual against the noise, against itself and against the motion.
+
+Three questions, each with a probability that a right model would look so bad: is the residual larger than the noise; is
+it correlated with itself (Ljung and Box 1978, and sums over blocks for what is slow); does it depend on force and
+motion. All are asked of runs of equal readings, not of samples: the rounding error of an encoder at rest is constant
+and is no sign of anything.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from msd_ident.data.record import FloatArray
+from msd_ident.residuals.noise_model import Readings
+
+#: Probability of calling a right model wrong, for each question.
+LEVEL = 1e-5
+#: Relative error that the noise floor itself may have.
+_FLOOR_ERROR = 0.04
+_LAGS = 20
+_BLOCKS = (16, 64)
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """What a model leaves.
+
+    Attributes:
+        ratio: residual over noise, both as root mean squares over pieces of evidence.
+        size: probability that noise alone is as large, over all records or in the worst of them.
+        whiteness: probability that noise alone is as correlated.
+        independence: probability that noise alone goes so well with force, position, velocity and time.
+    """
+
+    ratio: float
+    size: float
+    whiteness: float
+    independence: float
+
+    @property
+    def consistent(self) -> bool:
+        """Whether the residual is what noise would be."""
+        return min(self.size, self.whiteness, self.independence) > LEVEL
+
+    @property
+    def material(self) -> bool:
+        """Whether what is wrong is as large as the noise itself: chi² at least doubled."""
+        return self.ratio**2 > 2.0
+
+
+def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adequacy:
+    """Judge the residuals (model − data); their size over all records and in each, as a long one drowns a short one."""
+    pieces = np.array([part.evidence for part in readings])
+    chi = np.array([part.chi(residual) for residual, part in zip(residuals, readings, strict=True)])
+    size = _size(float(chi.sum()), float(pieces.sum()))
+    if len(readings) > 1:
+        size = min(size, min(len(readings) * _size(*pair) for pair in zip(chi, pieces, strict=True)))
+    white, free = 1.0, 1.0
+    for residual, part in zip(residuals, readings, strict=True):
+        values = part.by_run(residual)
+        white = min(white, len(residuals) * _whiteness(values, part.rounded))
+        free = min(free, len(residuals) * _independence(values, part))
+    return Adequacy(math.sqrt(chi.sum() / pieces.sum()), size, white, free)
+
+
+def _size(chi: float, pieces: float) -> float:
+    """Probability that noise alone leaves so much in so many pieces of evidence."""
+    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
+    return float(stats.norm.sf(excess))
+
+
+def _whiteness(values: FloatArray, rounded: bool) -> float:
+    """Probability that independent values are as correlated, from lags and from block sums, corrected for the chances.
+
+    Rounding errors of a smooth motion beat from one run to the next, so neighbouring lags say nothing where they rule.
+    """
+    count = values.size
+    if count < 5 * _LAGS:
+        return 1.0
+    centred = values - values.mean()
+    variance = float(centred @ centred)
+    if variance == 0.0:
+        return 1.0
+    lags = np.array([float(centred[lag:] @ centred[:-lag]) for lag in range(1, _LAGS + 1)]) / variance
+    box = count * (count + 2.0) * float(np.sum(lags**2 / (count - np.arange(1, _LAGS + 1))))
+    found = [1.0 if rounded else float(stats.chi2.sf(box, _LAGS))]
+    for block in _BLOCKS:
+        blocks = count // block
+        if blocks < 8:
+            continue
+        sums = centred[: blocks * block].reshape(blocks, block).sum(axis=1)
+        found.append(float(stats.chi2.sf(float(sums @ sums) / (block * variance / count), blocks)))
+    return min(1.0, len(found) * min(found))
+
+
+def _independence(values: FloatArray, part: Readings) -> float:
+    """Probability that independent values correlate so well with smooth functions of force, motion and time."""
+    count = values.size
+    if count < 100:
+        return 1.0
+    members = np.bincount(part.runs)
+
+    def run_mean(signal: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(part.runs, weights=signal) / members)
+
+    record = part.record
+    stretch = max(record.samples // 300, 1)
+    position = record.position - record.position.mean()
+    velocity = np.gradient(np.convolve(position, np.ones(stretch) / stretch, mode="same"), record.time)
+    force = record.force_at(record.time)
+    time = record.time - record.time.mean()
+    columns = [
+        position,
+        velocity,
+        np.sign(velocity),
+        force,
+        time,
+        position**2,
+        velocity * np.abs(velocity),
+        position**3,
+    ]
+    basis = np.stack([run_mean(column) for column in columns], axis=1)
+    basis -= basis.mean(axis=0)
+    basis = basis[:, basis.std(axis=0) > 0.0]
+    frame = np.linalg.qr(basis / np.linalg.norm(basis, axis=0))[0]
+    centred = values - values.mean()
+    share = float(np.sum((frame.T @ centred) ** 2) / max(float(centred @ centred), 1e-300))
+    return float(stats.chi2.sf(count * share, basis.shape[1]))

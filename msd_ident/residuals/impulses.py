@@ -1,0 +1,99 @@
+"""A push that no force signal tells of: somebody bumps the table, or the cart meets something once.
+
+It shows as a short, strong missing force in a record that is otherwise explained. A cause that belongs to the rig acts
+again and again, with every swing; a push comes once or twice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import FitResult
+from msd_ident.model import Model
+from msd_ident.residuals.disturbance import missing_force
+
+#: A push stands out of the missing force's scatter by this factor, and of its own uncertainty by the other.
+_STANDS_OUT, _CERTAIN = 10.0, 8.0
+#: It takes less than this part of the oscillation; there are few of them.
+_SHORT, _MOST = 0.5, 2
+#: Records with more samples are looked at only in part.
+_SAMPLES = 60_000
+#: Periods without a reading that make a gap.
+_GAP = 5.0
+
+
+@dataclass(frozen=True)
+class Push:
+    """An impulse on the cart.
+
+    Attributes:
+        time: of its peak [s].
+        impulse: of the force [N·s], with the sign of the position.
+    """
+
+    time: float
+    impulse: float
+
+
+def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Push, ...]:
+    """Pushes of a record of which a model is known that explains it but for them; none when they are many.
+
+    Args:
+        record: the measurement.
+        model: with mass [kg], damping [N·s/m] and stiffness [N/m].
+        noise: standard deviation of a reading [m].
+        zero: reading at which the spring is relaxed [m].
+    """
+    if record.samples > _SAMPLES or not model["stiffness"] > 0.0:
+        return ()
+    plant = (model["mass"], model["damping"], model["stiffness"])
+    found = missing_force(record, plant, noise, zero)
+    dry = model["coulomb_force"] if "coulomb_force" in model.names else 0.0
+    friction = dry * np.sign(found.velocity)
+    unexplained = friction - found.force
+    usual = 1.4826 * float(np.median(np.abs(unexplained)))
+    limit = np.maximum(_STANDS_OUT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
+    spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])
+    groups: list[tuple[int, int]] = []
+    for begin, end in spans:  # what rings at both sides of a peak belongs to it
+        if groups and found.time[begin] - found.time[groups[-1][1] - 1] < _SHORT * period:
+            groups[-1] = (groups[-1][0], end)
+        else:
+            groups.append((begin, end))
+    if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > _SHORT * period for begin, end in groups):
+        return ()
+    seen = [span for span in groups if _is_seen(record, *span)]
+    return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)
+
+
+def _is_seen(record: Record, begin: int, end: int) -> bool:
+    """Whether the readings follow each other around it: what happened in a gap is no push."""
+    return float(np.max(np.diff(record.time[max(begin - 5, 0) : end + 5]))) < _GAP * record.period
+
+
+def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tuple[str, ...]:
+    """What the pushes that a fit shows mean to its reader."""
+    said = []
+    for record, initial in zip(records, fitted.initial, strict=True):
+        for push in pushes(record, fitted.model, noise, initial.zero):
+            where = f" of {record.name}" if len(records) > 1 else ""
+            said.append(
+                f"Something pushed the cart at {push.time:.3f} s{where} with about {push.impulse:.3g} "
+                f"{record.force_unit}·s that are in no signal: a bump, or it met something; the numbers suffer, so "
+                "leave that part out with --start or --end, or repeat the record."
+            )
+    return tuple(said)
+
+
+def _push(time: FloatArray, force: FloatArray, begin: int, end: int) -> Push:
+    width = end - begin
+    part = slice(max(begin - width, 0), end + width)
+    peak = begin + int(np.argmax(np.abs(force[begin:end])))
+    return Push(float(time[peak]), float(np.trapezoid(force[part], time[part])))

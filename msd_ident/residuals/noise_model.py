@@ -1,0 +1,171 @@
+"""What a reading is worth: its noise, and how much independent evidence it holds.
+
+An encoder that repeats the same number for a hundred samples has said one thing, not a hundred: its rounding error is
+the same in all of them, and a model that moves within the same count is contradicted by none. So a run of equal
+readings counts as one piece of evidence, shared between its samples. Where noise dithers the encoder runs are short,
+and without an encoder every sample is a run of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.data import quality
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import noise_floor
+
+#: No solver and no clock is better than this part of the motion.
+_EXACT = 2e-6
+#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
+_ALL_ROUNDING = 0.35
+#: A stretch shows the whole record where range and spread of motion and force are the same but for this part, and the
+#: force crosses its mean at least so often.
+_ALIKE, _TURNS = 0.8, 100
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A record as evidence.
+
+    Attributes:
+        record: the record.
+        noise: standard deviation of a reading [m].
+        weight: (n,) share of a piece of evidence that each sample holds, in (0, 1].
+        runs: (n,) number of the run that each sample belongs to.
+        step: one step of the encoder [m], 0 where none shows.
+    """
+
+    record: Record
+    noise: float
+    weight: FloatArray
+    runs: npt.NDArray[np.intp]
+    step: float = 0.0
+
+    @cached_property
+    def evidence(self) -> float:
+        """Pieces of evidence in all samples."""
+        return float(self.weight.sum())
+
+    @property
+    def rounded(self) -> bool:
+        """Whether rounding rules: readings repeat far more often than noise would let them, or it is all the noise."""
+        return self.evidence < 0.8 * self.record.samples or self.noise < _ALL_ROUNDING * self.step
+
+    @cached_property
+    def factor(self) -> FloatArray:
+        """(n,) weight over noise squared: what a squared residual is multiplied by."""
+        return self.weight / self.noise**2
+
+    @cached_property
+    def root(self) -> FloatArray:
+        """(n,) root of ``factor``: what turns a residual into units of the noise."""
+        return np.asarray(np.sqrt(self.factor))
+
+    def thinned(self, keep: int) -> Readings:
+        """Every so many samples, about ``keep`` of them, the force left as it is; itself when it has no more."""
+        stride = self.record.samples // keep
+        if stride < 2:
+            return self
+        record = replace(
+            self.record,
+            time=self.record.time[::stride],
+            position=self.record.position[::stride],
+            force_time=self.record.force_time,
+            force=self.record.force,
+        )
+        return of_record(record, self.noise, self.step)
+
+    def stretch(self, keep: int) -> Readings:
+        """The liveliest of stretches of about ``keep`` samples, where it moves and is driven like all of the record.
+
+        Itself where one is not enough: in a decay, after a few steps, in a slow sweep.
+        """
+        record = self.record
+        begins = range(0, record.samples - keep + 1, max(keep // 4, 1))
+        parts = [record.window(record.time[first], record.time[first + keep - 1]) for first in begins]
+        best = max(parts, key=lambda part: float(np.std(part.position)), default=record)
+        alike = all(
+            np.ptp(some) >= _ALIKE * np.ptp(whole) and np.std(some) < np.std(whole) / _ALIKE
+            for some, whole in ((best.position, record.position), (best.force, record.force))
+        )
+        swings = np.count_nonzero(np.diff(np.sign(best.force - best.force.mean())))
+        return of_record(best, self.noise, self.step) if alike and swings >= _TURNS else self
+
+    def with_mean_force(self) -> Readings:
+        """The same with one force between any two samples: its mean there, which gives the same impulse.
+
+        Itself where the force changes more rarely than that. The motion is then wrong by about (ωh)²/24 of the part
+        that changes within a sample interval h.
+        """
+        record = self.record
+        changes = np.flatnonzero(np.diff(record.force))
+        if record.hold == "zero" and changes.size < record.samples:
+            return self
+        impulse = _impulse(record)
+        mean = np.diff(impulse) / np.diff(record.time)
+        coarse = replace(record, force_time=record.time[:-1], force=mean, hold="zero")
+        return replace(self, record=coarse)
+
+    def chi(self, residual: FloatArray) -> float:
+        """Weighted sum of squares of a residual (n,) in units of the noise: about ``evidence`` when all is right."""
+        return float(self.factor @ residual**2)
+
+    def by_run(self, residual: FloatArray) -> FloatArray:
+        """Mean residual of each run, in units of the noise."""
+        sums = np.bincount(self.runs, weights=residual)
+        return np.asarray(sums / np.bincount(self.runs) / self.noise)
+
+
+def _impulse(record: Record) -> FloatArray:
+    """(n,) integral of the force [N·s] from the first stamp to each sample."""
+    step = np.diff(record.force_time)
+    mean = record.force[:-1] if record.hold == "zero" else 0.5 * (record.force[1:] + record.force[:-1])
+    stamps = np.concatenate((record.force_time, [max(record.time[-1], record.force_time[-1]) + 1.0]))
+    total = np.concatenate(([0.0], np.cumsum(mean * step)))
+    total = np.append(total, total[-1] + record.force[-1] * (stamps[-1] - stamps[-2]))
+    if record.hold == "zero":
+        return np.asarray(np.interp(record.time, stamps, total))
+    place = np.clip(np.searchsorted(record.force_time, record.time, side="right") - 1, 0, record.force.size - 1)
+    ahead = record.time - record.force_time[place]
+    middle = 0.5 * (record.force[place] + record.force_at(record.time))
+    return np.asarray(np.where(ahead > 0.0, total[place] + ahead * middle, np.interp(record.time, stamps, total)))
+
+
+def of_record(record: Record, noise: float, step: float = 0.0) -> Readings:
+    """Weights for readings with the given noise and encoder step [m]."""
+    change = np.flatnonzero(np.diff(record.position) != 0.0)
+    edges = np.concatenate(([0], change + 1, [record.samples]))
+    lengths = np.diff(edges)
+    runs = np.repeat(np.arange(lengths.size), lengths)
+    return Readings(record, noise, 1.0 / np.repeat(lengths, lengths).astype(np.float64), runs, step)
+
+
+def prepare(records: Sequence[Record]) -> tuple[Readings, ...]:
+    """Readings of each record with the noise that its own rest phases and encoder tell, else the group's."""
+    group = noise_floor(tuple(records))
+    return tuple(_prepared(record, group) for record in records)
+
+
+def _prepared(record: Record, group: float) -> Readings:
+    step = quality.encoder_step(record)
+    return of_record(record, _noise(record, group, step), step)
+
+
+def _noise(record: Record, group: float, step: float) -> float:
+    own = quality.noise_floor(record)
+    told = own if math.isfinite(own) and own > 0.0 else group
+    if not (math.isfinite(told) and told > 0.0):
+        told = scatter(record)
+    return max(told, step / math.sqrt(12.0), _EXACT * float(np.ptp(record.position)), 1e-300)
+
+
+def scatter(record: Record) -> float:
+    """Noise [m] from what a cubic through neighbouring samples leaves, where no rest and no encoder step tells it."""
+    fourth = np.diff(record.position, 4) / math.sqrt(70.0)
+    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))

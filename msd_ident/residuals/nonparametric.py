@@ -1,0 +1,203 @@
+"""Characteristic curves: the spring's force over position and the damping force over velocity, as measured.
+
+    m x'' + D(x') + S(x) = F
+
+with S and D piecewise linear between knots, D with a jump at rest (dry friction, told apart from a steep line only as
+finely as the samples allow), all fitted by simulation error. No law is assumed: where no cause of the library fits,
+this is what can be said of the rig.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import Initial, see
+from msd_ident.estimate.least_squares import Limits, Normal, minimise
+from msd_ident.model import Model
+from msd_ident.residuals.noise_model import Readings
+
+_SPRING_KNOTS = 9
+_DAMPER_KNOTS = 5
+_ITERATIONS = 12
+_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A force [N] over position [m] or velocity [m/s]: (k,) knots, values and standard deviations."""
+
+    over: FloatArray
+    force: FloatArray
+    std: FloatArray
+
+    def to_json_dict(self) -> dict[str, list[float]]:
+        """Plain lists."""
+        return {"over": self.over.tolist(), "force": self.force.tolist(), "std": self.std.tolist()}
+
+
+@dataclass(frozen=True)
+class Characteristics:
+    """Both curves, the mass [kg], the SEE [m] that they reach, and their gain over the base model in per cent, eq.
+    15.
+    """
+
+    spring: Curve
+    damper: Curve
+    mass: float
+    see: float
+    see_reduction_percent: float
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return {
+            "spring_force_over_position": self.spring.to_json_dict(),
+            "damping_force_over_velocity": self.damper.to_json_dict(),
+            "mass": self.mass,
+            "see_m": self.see,
+            "see_reduction_percent": self.see_reduction_percent,
+        }
+
+
+@dataclass(frozen=True)
+class _Curves:
+    """The fitting problem: vector = mass, spring forces, damping forces, then position and velocity of each record."""
+
+    readings: tuple[Readings, ...]
+    places: FloatArray
+    speeds: FloatArray
+    scale: FloatArray
+    applied: tuple[FloatArray, ...]
+
+    def residual(self, point: FloatArray, record: int) -> FloatArray:
+        """Model − data (n,)."""
+        own = 1 + self.places.size + self.speeds.size
+        spring, damper = point[1 : 1 + self.places.size], point[1 + self.places.size : own]
+        data = self.readings[record].record
+        out = np.empty(data.samples)
+        start = point[own + 2 * record : own + 2 * record + 2]
+        _simulate(data.time, self.applied[record], point[0], self.places, spring, self.speeds, damper, start, out)
+        reach = 100.0 * float(np.ptp(data.position))
+        return np.clip(np.nan_to_num(out - data.position, nan=reach, posinf=reach, neginf=-reach), -reach, reach)
+
+    def cost(self, point: FloatArray) -> float:
+        """Half the weighted sum of squares, with a slight wish for smooth curves where nothing is measured."""
+        error = sum(part.chi(self.residual(point, r)) for r, part in enumerate(self.readings))
+        return 0.5 * error
+
+    def linearise(self, point: FloatArray) -> Normal:
+        """Normal equations by forward differences."""
+        size = point.size
+        cost, gradient, matrix = 0.0, np.zeros(size), np.zeros((size, size))
+        for r, part in enumerate(self.readings):
+            residual = self.residual(point, r)
+            jacobian = np.empty((size, residual.size))
+            for i in range(size):
+                moved = point.copy()
+                moved[i] += _STEP * self.scale[i]
+                jacobian[i] = (self.residual(moved, r) - residual) / (_STEP * self.scale[i])
+            weighted = jacobian * part.factor
+            cost += 0.5 * part.chi(residual)
+            gradient += weighted @ residual
+            matrix += weighted @ jacobian.T
+        return Normal(cost, gradient, matrix)
+
+
+def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initial], see_base: float) -> Characteristics:
+    """Fit both curves to all records by simulation error.
+
+    Args:
+        readings: the records with their noise.
+        model, initial: where the fit starts: the best set of causes, and how each record began under it.
+        see_base: SEE of the base model [m], to which the gain refers.
+    """
+    records = tuple(part.record for part in readings)
+    problem, start = _pose(tuple(readings), records, model, initial)
+    lower = np.full(start.size, -np.inf)
+    lower[0] = 1e-3 * start[0]
+    limits = Limits(lower, np.full(start.size, np.inf), problem.scale, _ITERATIONS, 1e-4, 1e-6)
+    point = minimise(problem, start, limits).point
+    normal = problem.linearise(point)
+    inflation = max(2.0 * normal.cost / sum(part.evidence for part in readings), 1.0)
+    seen = np.diag(normal.matrix) > 0.0
+    covariance = np.linalg.pinv(normal.matrix * np.outer(problem.scale, problem.scale), rcond=1e-12)
+    std = np.where(seen, np.sqrt(np.maximum(np.diag(covariance), 0.0) * inflation) * problem.scale, math.nan)
+    found = see([problem.residual(point, r) for r in range(len(records))])
+    knots = 1 + problem.places.size
+    end = knots + problem.speeds.size
+    return Characteristics(
+        Curve(problem.places, point[1:knots], std[1:knots]),
+        Curve(problem.speeds, point[knots:end], std[knots:end]),
+        float(point[0]),
+        found,
+        100.0 * (see_base - found) / see_base,
+    )
+
+
+def _pose(
+    readings: tuple[Readings, ...], records: tuple[Record, ...], model: Model, initial: Sequence[Initial]
+) -> tuple[_Curves, FloatArray]:
+    low, high = min(float(r.position.min()) for r in records), max(float(r.position.max()) for r in records)
+    places = np.linspace(low, high, _SPRING_KNOTS)
+    top = max(_top_speed(record) for record in records)
+    friction = model["coulomb_force"] if "coulomb_force" in model.names else 0.0
+    step = max(record.period for record in records)
+    # Dry friction as a steep line: no steeper than the integration step can follow.
+    rest = max(0.003 * top, 2.0 * friction * step / model.mass)
+    positive = np.concatenate(([rest], np.linspace(max(0.1 * top, 2.0 * rest), top, _DAMPER_KNOTS)))
+    speeds = np.concatenate((-positive[::-1], positive))
+    zero = initial[0].zero
+    spring = model.stiffness * (places - zero)
+    damper = model.damping * speeds + friction * np.sign(speeds)
+    size = max(float(np.ptp(spring)), max(float(np.max(np.abs(r.force))) for r in records), 1e-9)
+    starts = [value for s in initial for value in (s.position + s.zero, s.velocity)]
+    span = high - low
+    scale = np.concatenate(([model.mass], np.full(places.size + speeds.size, size), np.tile([span, top], len(records))))
+    applied = tuple(_mean_force(record) for record in records)
+    return _Curves(readings, places, speeds, scale, applied), np.concatenate(([model.mass], spring, damper, starts))
+
+
+def _mean_force(record: Record) -> FloatArray:
+    middle = 0.5 * (record.time[1:] + record.time[:-1])
+    return record.force_at(middle)
+
+
+def _top_speed(record: Record) -> float:
+    stretch = max(record.samples // 300, 1)
+    rise = np.abs(record.position[stretch:] - record.position[:-stretch])
+    return float(np.max(rise / (record.time[stretch:] - record.time[:-stretch])))
+
+
+@njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
+def _table(knots, values, at):  # type: ignore[no-untyped-def]
+    """Piecewise linear, going on straight beyond the ends."""
+    i = min(max(np.searchsorted(knots, at) - 1, 0), knots.size - 2)
+    share = (at - knots[i]) / (knots[i + 1] - knots[i])
+    return values[i] + share * (values[i + 1] - values[i])
+
+
+@njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
+def _simulate(time, force, m, places, spring, speeds, damper, start, out):  # type: ignore[no-untyped-def]
+    """Classical Runge–Kutta, two steps a sample; a held force between samples."""
+    x, v = start[0], start[1]
+    out[0] = x
+    for i in range(1, time.size):
+        h = 0.5 * (time[i] - time[i - 1])
+        u = force[i - 1]
+        for _ in range(2):
+            a1 = (u - _table(places, spring, x) - _table(speeds, damper, v)) / m
+            v2 = v + 0.5 * h * a1
+            a2 = (u - _table(places, spring, x + 0.5 * h * v) - _table(speeds, damper, v2)) / m
+            v3 = v + 0.5 * h * a2
+            a3 = (u - _table(places, spring, x + 0.5 * h * v2) - _table(speeds, damper, v3)) / m
+            v4 = v + h * a3
+            a4 = (u - _table(places, spring, x + h * v3) - _table(speeds, damper, v4)) / m
+            x += h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
+            v += h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+        out[i] = x

@@ -1,0 +1,167 @@
+"""Damping and frequency against amplitude, ζ(A) and ωn(A), of everything that rings down in the records.
+
+For weak losses ζ(A) ≈ ζ + 2·Fc/(π·k·A) + 4·c·A/(3·π·m): a damping ratio that rises as the amplitude A falls means dry
+friction, one that falls means drag; ωn(A) bends with the spring alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.features import Features
+from msd_ident.features.oscillation import Swing
+
+_FEWEST = 3
+#: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
+Reading = tuple[str, Mapping[str, tuple[int, ...]]]
+_RUBS: Reading = (
+    "dry friction",
+    dict.fromkeys(("coulomb_friction", "hysteresis", "position_dependent_friction", "stribeck_friction"), (1,)),
+)
+_DRAGS: Reading = ("drag that grows with the square of the speed", {"quadratic_drag": (1,)})
+_SOFTENS: Reading = (
+    "a softening spring",
+    {"asymmetric_spring": (-1, 1), "cubic_spring": (-1,), "hysteresis": (-1, 1)},
+)
+_HARDENS: Reading = ("a hardening spring", {"backlash": (1,), "cubic_spring": (1,), "end_stop": (1,)})
+#: Chi² by which a slope must beat a constant before a word is said, and standard deviation that is never undercut.
+_DECISIVE, _LEAST_RATIO, _LEAST_RELATIVE = 16.0, 2e-4, 5e-4
+
+
+@dataclass(frozen=True)
+class Observation:
+    """How a value moves with the amplitude, and what does that.
+
+    Attributes:
+        seen: the values, a sentence without its end.
+        law: what makes them so, in words.
+        causes: effects that do: name → signs of their first parameter for which they do.
+    """
+
+    seen: str
+    law: str
+    causes: Mapping[str, tuple[int, ...]]
+
+    def told(self, named: Mapping[str, float], tied: Collection[str] = ()) -> str:
+        """The observation as a sentence; its reading stands in it as far as a diagnosis has it too.
+
+        Args:
+            named: causes of the diagnosis, each with the value of its first parameter.
+            tied: causes that could stand in the place of those.
+        """
+        if any(np.sign(value) in self.causes.get(name, ()) for name, value in named.items()):
+            return f"{self.seen}, as {self.law} makes it."
+        if any(name in self.causes for name in tied):
+            return (
+                f"{self.seen}; {self.law} would do this, which is one of the causes that this data cannot tell apart."
+            )
+        return f"{self.seen}; {self.law} would do this, but the diagnosis does not call for it."
+
+
+@dataclass(frozen=True)
+class RingDown:
+    """Local values around turning points, by falling amplitude; all arrays (n,).
+
+    Attributes:
+        amplitude: half the way between turning points [m].
+        damping_ratio, damping_ratio_std: ζ from three turning points.
+        natural_frequency, natural_frequency_std: ωn [rad/s] from the same.
+        observations: what is seen at a glance.
+        sentences: the same, read with the causes of a diagnosis; without one the observations alone.
+    """
+
+    amplitude: FloatArray
+    damping_ratio: FloatArray
+    damping_ratio_std: FloatArray
+    natural_frequency: FloatArray
+    natural_frequency_std: FloatArray
+    observations: tuple[Observation, ...]
+    sentences: tuple[str, ...]
+
+    def read_with(self, named: Mapping[str, float], tied: Collection[str] = ()) -> RingDown:
+        """The same with sentences that never contradict a diagnosis.
+
+        Args:
+            named: causes of the diagnosis, each with the value of its first parameter.
+            tied: causes that could stand in the place of those.
+        """
+        return replace(self, sentences=tuple(one.told(named, tied) for one in self.observations))
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain lists."""
+        return {
+            "amplitude_m": self.amplitude.tolist(),
+            "damping_ratio": self.damping_ratio.tolist(),
+            "damping_ratio_std": self.damping_ratio_std.tolist(),
+            "natural_frequency": self.natural_frequency.tolist(),
+            "natural_frequency_std": self.natural_frequency_std.tolist(),
+            "sentences": list(self.sentences),
+        }
+
+
+def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | None:
+    """All swings of all responses; ``None`` from fewer than three. ``length`` is the unit of positions."""
+    swings = [swing for found in features for response in found.responses for swing in response.swings]
+    if len(swings) < _FEWEST:
+        return None
+    swings.sort(key=lambda swing: -swing.amplitude)
+    amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
+    rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
+    said = _said(
+        amplitude, ratio * rate, ratio_std * rate, ("The damping ratio", "", length), _LEAST_RATIO,
+        _RUBS, _DRAGS,
+    ) + _said(
+        amplitude, frequency, frequency_std, ("The natural frequency", " rad/s", length),
+        _LEAST_RELATIVE * float(np.median(frequency)),
+        _SOFTENS, _HARDENS,
+    )  # fmt: skip
+    plain = tuple(f"{one.seen}." for one in said)
+    return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said, plain)
+
+
+def _row(swing: Swing) -> tuple[float, ...]:
+    return (
+        swing.amplitude,
+        swing.damping_ratio,
+        swing.damping_ratio_std,
+        swing.natural_frequency,
+        swing.natural_frequency_std,
+    )
+
+
+def _said(
+    amplitude: FloatArray, value: FloatArray, std: FloatArray, named: tuple[str, str, str], least: float,
+    rising: Reading, falling: Reading,
+) -> tuple[Observation, ...]:  # fmt: skip
+    """An observation when the values go with 1/A or with A far better than with nothing.
+
+    ``named`` are what the value is, its unit, and that of the amplitude.
+    """
+    what, unit, length = named
+    weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), least) ** 2
+    mean = float(np.average(value, weights=weight))
+    nothing = float(np.sum(weight * (value - mean) ** 2))
+    best = min((_line(shape, value, weight) for shape in (1.0 / amplitude, amplitude)), key=lambda line: line[0])
+    if nothing - best[0] < _DECISIVE * max(best[0] / max(value.size - 2, 1), 1.0):
+        return ()
+    large, small = best[1][0], best[1][-1]
+    way, means = ("rises", rising) if small > large else ("falls", falling)
+    seen = (
+        f"{what} {way} from {large:.3g}{unit} at an amplitude of {amplitude[0]:.3g} {length} to {small:.3g}{unit} at "
+        f"{amplitude[-1]:.3g} {length}"
+    )
+    return (Observation(seen, *means),)
+
+
+def _line(shape: FloatArray, value: FloatArray, weight: FloatArray) -> tuple[float, FloatArray]:
+    """(chi², fitted values) of a constant and one shape."""
+    basis = np.column_stack([np.ones_like(shape), shape])
+    root = np.sqrt(weight)
+    solution = np.linalg.lstsq(basis * root[:, None], value * root, rcond=None)[0]
+    fitted = basis @ solution
+    return float(np.sum(weight * (value - fitted) ** 2)), np.asarray(fitted)

@@ -1,0 +1,164 @@
+"""What a model leaves unexplained: a missing force, and the part of the motion that it makes.
+
+The force is what the smoother of ``missing`` finds in the residual. Its mean square is that of the smoothed force plus
+the smoother's variance: what is too fast or too faint for the readings is a part of the missing force too. The interval
+is a bootstrap over swings: how far the mean square moves when other swings of this experiment are drawn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from msd_ident import seeds
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import FitResult
+from msd_ident.model import Model
+from msd_ident.residuals.adequacy import Adequacy
+from msd_ident.residuals.disturbance import MissingForce
+
+#: Part of the motion [%] that a lab does not care about, unless it says otherwise.
+TOLERANCE = 1.0
+#: Draws of the bootstrap, and the fewest blocks that a record is cut into.
+_DRAWS, _BLOCKS = 400, 10
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What one model leaves.
+
+    Attributes:
+        force: root mean square of the missing force, in the record's unit of force.
+        force_interval: 95 % interval of it; from 0 on where the residual is no more than noise.
+        force_percent: the same as a part of the yardstick's rms [%]; NaN where there is none.
+        motion_percent: what it makes of the motion: residual beyond the noise, as a part of the motion's rms [%].
+        seen: whether the data can tell the residual from noise.
+    """
+
+    force: float
+    force_interval: tuple[float, float]
+    force_percent: float
+    motion_percent: float
+    seen: bool
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "force_rms": self.force,
+            "force_interval": list(self.force_interval),
+            "force_percent": self.force_percent,
+            "motion_percent": self.motion_percent,
+            "seen": self.seen,
+        }
+
+
+@dataclass(frozen=True)
+class Remainders:
+    """What base and extended model leave, and what it is measured by.
+
+    Attributes:
+        base, extended: of either model; the same where nothing is named.
+        yardstick: ``applied force``, or ``spring force`` where no force varies (a free decay).
+        yardstick_rms: its root mean square, in ``force_unit``.
+        force_unit: of all forces here.
+        motion_rms: of the motion about its mean, in the position unit.
+        noise_percent: the noise floor as a part of the motion's rms [%].
+        tolerance_percent: part of the motion [%] that the lab does not care about.
+    """
+
+    base: Remainder
+    extended: Remainder
+    yardstick: str
+    yardstick_rms: float
+    force_unit: str
+    motion_rms: float
+    noise_percent: float
+    tolerance_percent: float = TOLERANCE
+
+    @property
+    def exceeds(self) -> bool:
+        """Whether the extended model leaves something that the data can see and that is more than the tolerance."""
+        return self.extended.seen and self.extended.motion_percent > self.tolerance_percent
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain values, without the tolerance."""
+        return {
+            "base": self.base.to_json_dict(),
+            "extended": self.extended.to_json_dict(),
+            "force_percent_of": self.yardstick,
+            "force_unit": self.force_unit,
+            "motion_rms_m": self.motion_rms,
+            "noise_percent": self.noise_percent,
+        }
+
+
+def remainders(
+    records: Sequence[Record],
+    noise: float,
+    fits: tuple[FitResult, FitResult],
+    missing: tuple[Sequence[MissingForce], Sequence[MissingForce]],
+    left: tuple[Adequacy, Adequacy],
+    tolerance: float = TOLERANCE,
+) -> Remainders:
+    """Of base and extended model, in this order everywhere.
+
+    Args:
+        records: of the experiment.
+        noise: floor of all readings together [m].
+        fits: the models on the records.
+        missing: the force that each lacks, one for each record.
+        left: whether each one's residual is noise.
+        tolerance: part of the motion's rms that the lab does not care about [%].
+    """
+    extended = fits[1].model
+    motion = _rms([record.position - np.mean(record.position) for record in records])
+    yardstick, size = _yardstick(records, motion, extended["stiffness"])
+
+    def of_model(index: int) -> Remainder:
+        force, interval = _force(missing[index], extended, left[index].consistent)
+        return Remainder(
+            force=force,
+            force_interval=interval,
+            force_percent=100.0 * force / size if size > 0.0 else math.nan,
+            motion_percent=100.0 * math.sqrt(max(fits[index].see ** 2 - noise**2, 0.0)) / motion,
+            seen=not left[index].consistent,
+        )
+
+    unit = records[0].force_unit
+    return Remainders(of_model(0), of_model(1), yardstick, size, unit, motion, 100.0 * noise / motion, float(tolerance))
+
+
+def _yardstick(records: Sequence[Record], motion: float, stiffness: float) -> tuple[str, float]:
+    """The force that the missing one is compared with, and its rms."""
+    applied = [record.force_at(record.time) for record in records]
+    if any(np.ptp(force) > 0.0 for force in applied):
+        return "applied force", _rms(applied)
+    return "spring force", stiffness * motion
+
+
+def _rms(parts: Sequence[FloatArray]) -> float:
+    """Root mean square over all records."""
+    return math.sqrt(sum(float(part @ part) for part in parts) / sum(part.size for part in parts))
+
+
+def _force(missing: Sequence[MissingForce], plant: Model, is_noise: bool) -> tuple[float, tuple[float, float]]:
+    """Root mean square of the missing force and its 95 % interval."""
+    sums, counts = np.concatenate([_by_swing(part, plant) for part in missing], axis=1)
+    draws = np.random.default_rng(seeds.REMAINDER).integers(sums.size, size=(_DRAWS, sums.size))
+    drawn = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
+    low, high = np.quantile(drawn, (0.025, 0.975))
+    force = math.sqrt(float(sums.sum() / counts.sum()))
+    return force, (0.0 if is_noise else min(float(low), force), max(float(high), force))
+
+
+def _by_swing(part: MissingForce, plant: Model) -> FloatArray:
+    """(2, blocks): sums of the force's squares and numbers of samples, over blocks of about a swing."""
+    duration = float(part.time[-1] - part.time[0])
+    swing = 2.0 * math.pi * math.sqrt(plant["mass"] / plant["stiffness"]) if plant["stiffness"] > 0.0 else duration
+    blocks = max(_BLOCKS, min(round(duration / swing), part.time.size // _BLOCKS))
+    cuts = np.array_split(part.force**2 + part.std**2, min(blocks, part.time.size))
+    return np.array([[float(cut.sum()) for cut in cuts], [float(cut.size) for cut in cuts]])

@@ -1,0 +1,103 @@
+"""What the nodes say on ``/diagnostics``: one status a concern, a sentence and the numbers behind it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.impl.rcutils_logger import RcutilsLogger
+
+from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.inputs import Input, crowds, listed
+from msd_ident.ros.common.live_buffer import LiveBuffer
+from msd_ident.ros.common.missing_samples import SILENCE, TopicCount
+
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+
+#: Faults that one sentence tells.
+MOST_TOLD = 3
+
+
+def array(stamp: Time, *statuses: DiagnosticStatus) -> DiagnosticArray:
+    """Statuses with the instant at which they hold."""
+    message = DiagnosticArray(status=list(statuses))
+    message.header.stamp = stamp
+    return message
+
+
+def status(name: str, level: bytes, sentence: str, values: Mapping[str, object]) -> DiagnosticStatus:
+    """One status."""
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+    return DiagnosticStatus(level=level, name=name, message=sentence, hardware_id="", values=pairs)
+
+
+def log(logger: RcutilsLogger, good: bool, sentence: str) -> None:
+    """Say how something went. A line of its own for each severity: rclpy raises when one line changes it.
+
+    What went wrong is said once in a while: the same is in the answer to who asked, and on ``/diagnostics``.
+    """
+    if good:
+        logger.info(sentence)
+    else:
+        logger.warning(sentence, throttle_duration_sec=1.0)
+
+
+def data_status(
+    name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+) -> DiagnosticStatus:
+    """How the measurements are doing."""
+    level, sentence = _judge_data(buffer, force, position, watch)
+    counts = buffer.counts
+    ns, _ = buffer.recent(1.0)
+    values: dict[str, object] = {
+        "position samples": counts.positions,
+        "force samples": counts.forces,
+        "samples in buffer": buffer.position.size,
+        "samples in the last second": ns.size,
+        "late": counts.late,
+        "duplicates": counts.duplicates,
+        "wild stamps": counts.wild,
+        "recordings begun anew": counts.restarts,
+    }
+    for entry in (*position, *force):
+        if entry.count.received:
+            values[f"{entry.topic}: rate [Hz]"] = f"{entry.count.rate:.6g}"
+            values[f"{entry.topic}: missing by numbers"] = entry.missing
+            values[f"{entry.topic}: missing by stamps"] = entry.count.holes
+    return status(name, level, sentence, {**values, **{f"seen: {kind}": n for kind, n in watch.counts.items()}})
+
+
+def _judge_data(
+    buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+) -> tuple[bytes, str]:
+    counts = buffer.counts
+    for entry in (*position, *force):
+        if entry.problem:
+            return ERROR, entry.problem
+    odd = [entry.signal.problem for entry in (*position, *force) if entry.signal and entry.signal.problem]
+    if not counts.positions:
+        return ERROR, odd[0] if odd else f"no position samples; expected some on {listed(position)}"
+    silent = time.monotonic() - max(entry.count.heard for entry in position)
+    if silent > SILENCE:
+        nobody = "" if any(entry.publishers for entry in position) else ", and nobody publishes them"
+        return ERROR, f"no position sample for {silent:.0f} s{nobody}; expected them on {listed(position)}"
+    told = [*watch.recent, *crowds(position), *_silences(force)]
+    if force and not counts.forces:
+        told.append(f"no force samples yet; expected some on {listed(force)}")
+    if told:
+        return WARN, "; ".join(told[:MOST_TOLD])
+    return OK, f"{counts.positions} position samples, {counts.forces} force samples"
+
+
+def _silences(force: Sequence[Input]) -> Iterator[str]:
+    """A force that came in a stream and does no more. One that is sent when it changes may be silent for long."""
+    for entry in force:
+        if entry.count.silence:
+            yield f"{silence(entry.topic, entry.count)}: the last one is taken to act on"
+
+
+def silence(topic: str, count: TopicCount) -> str:
+    """A stream that has ended, in words."""
+    return f"{topic}: nothing for {count.silence:.0f} s, where {count.rate:.3g} messages came in a second"

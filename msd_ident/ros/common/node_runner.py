@@ -1,0 +1,124 @@
+"""Running one node: spin in a thread, wait for a signal, shut down once and cleanly."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from msd_ident.errors import DataError, UsageError
+from msd_ident.ros.common.signals import Signals, fail
+
+
+class Owned(Protocol):
+    """What ``run`` asks of a node's owner."""
+
+    @property
+    def node(self) -> Node:
+        """The node that is spun."""
+
+    @property
+    def failure(self) -> str:
+        """Why the work could not be done; empty when it was."""
+
+    def on_signal(self, number: int) -> None:
+        """Called in the executor for a signal that does not end the node."""
+
+    def close(self) -> bool:
+        """Finish all work, called once, when nothing spins any more; whether no thread is left."""
+
+
+class Spinner:
+    """An executor that spins in a thread of its own.
+
+    A single-threaded executor costs a quarter of the processor time of a multi-threaded one at 1 kHz; services that
+    take long are coroutines that wait for a worker thread, so that no subscription waits for them.
+    """
+
+    def __init__(self, *nodes: Node, on_failure: Callable[[], None] = lambda: None) -> None:
+        self.executor = SingleThreadedExecutor(context=nodes[0].context)
+        for node in nodes:
+            self.executor.add_node(node)
+        self.failed = False
+        self._on_failure = on_failure
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the spinning and wait for its end.
+
+        The thread leaves by itself before the executor is taken down: rclpy's shutdown destroys at once what a spinning
+        executor waits on, and the thread would end with a traceback now and then.
+        """
+        if self._ending.is_set():
+            return
+        self._ending.set()
+        self.executor.create_task(lambda: None)  # to be woken alone does not end a ``spin_once``
+        self._thread.join(timeout=5.0)
+        self.executor.shutdown(timeout_sec=2.0)
+
+    def _spin(self) -> None:
+        try:
+            while not self._ending.is_set() and self.executor.context.ok():
+                self.executor.spin_once()
+        except (ExternalShutdownException, ShutdownException):
+            pass
+        except Exception:
+            self.failed = True
+            traceback.print_exc()
+            self._on_failure()
+
+
+def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None = None) -> int:
+    """Make the node, spin it until a signal, close it; the exit code.
+
+    Raises:
+        MsdError: the node cannot be made as asked.
+    """
+    if signals.ended:
+        return 0
+    try:
+        rclpy.init(args=list(sys.argv if args is None else args), signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rclpy has several kinds for bad arguments, all with a sentence of many lines
+        raise UsageError(f"ROS cannot start: {_first_line(error)}; expected valid --ros-args") from None
+    try:
+        owner = _made(make)
+        spinner = Spinner(owner.node, on_failure=signals.finish)
+        try:
+            for number in signals.wait():
+                spinner.executor.create_task(owner.on_signal, number)
+        finally:
+            spinner.stop()
+            ended = owner.close()
+            owner.node.destroy_node()
+        code = fail(DataError(owner.failure)) if owner.failure else int(spinner.failed)
+    finally:
+        rclpy.try_shutdown()
+    if not ended:
+        # A fit goes on in compiled code, which nobody can interrupt: the process must not wait for it.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    return code
+
+
+def _made(make: Callable[[], Owned]) -> Owned:
+    from rclpy.exceptions import InvalidTopicNameException, ParameterException
+
+    try:
+        return make()
+    except (ParameterException, InvalidTopicNameException) as error:
+        raise UsageError(f"{_first_line(error)}; expected what the parameter's description says") from None
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).strip().splitlines()[0].rstrip(".")

@@ -1,0 +1,124 @@
+"""One thread for the work that takes long, so that the executor never waits for it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Hashable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from rclpy.executors import Executor
+from rclpy.task import Future
+
+from msd_ident import cancellation
+from msd_ident.errors import UsageError
+
+Result = TypeVar("Result")
+
+#: Niceness of a patient worker's thread.
+_YIELDING = 10
+#: Jobs that may wait; more are refused.
+MOST_WAITING = 64
+
+
+@dataclass
+class _Job:
+    work: Callable[[], None]
+    future: Future
+    executor: Executor | None
+    key: Hashable = None
+    stop: threading.Event = field(default_factory=threading.Event)
+
+
+def deliver(give: Callable[[object], None], what: object) -> None:
+    """Give a future its result. An executor that has been shut down cannot wake those who wait: there are none left."""
+    with suppress(AttributeError):
+        give(what)
+
+
+class Worker:
+    """Does one job after the other in a thread; the outcome comes as a future to wait for in a coroutine.
+
+    Args:
+        name: of the thread.
+        patient: what others do goes first: on Linux, its thread yields the cores to them.
+    """
+
+    def __init__(self, name: str, patient: bool = False) -> None:
+        self._patient = patient
+        self._jobs: deque[_Job] = deque()
+        self._changed = threading.Condition()
+        self._thread = threading.Thread(target=self._work, name=name, daemon=True)
+        self._closed = False
+        self._thread.start()
+
+    def submit(
+        self,
+        job: Callable[[], Result],
+        executor: Executor | None = None,
+        *,
+        key: Hashable = None,
+        stop: threading.Event | None = None,
+    ) -> Future:
+        """Queue a job. The future holds its result or its exception, and wakes the executor when done.
+
+        Args:
+            job: what to do.
+            executor: of those who wait.
+            key: a job that still waits with an equal one is the same: then its future is given. ``None`` is no key.
+            stop: set by somebody who does not want the result any more: the job ends with ``Stopped``.
+
+        Raises:
+            UsageError: too many wait.
+        """
+        future = Future(executor=executor)
+
+        def do() -> None:
+            """The job, in the worker's thread; its result or error goes to the executor."""
+            try:
+                result = job()
+            except Exception as error:
+                deliver(future.set_exception, error)
+            else:
+                deliver(future.set_result, result)
+
+        made = _Job(do, future, executor, key, stop or threading.Event())
+        with self._changed:
+            same = next((other for other in self._jobs if key is not None and other.key == key), None)
+            if same is not None:
+                return same.future
+            if len(self._jobs) >= MOST_WAITING:
+                raise UsageError(f"{len(self._jobs)} requests wait already; expected fewer: ask again later")
+            self._jobs.append(made)
+            self._changed.notify()
+        return future
+
+    def close(self, patience: float = 2.0) -> bool:
+        """Drop what waits, stop the job in progress; whether it ended in time."""
+        with self._changed:
+            self._closed = True
+            dropped = list(self._jobs)
+            self._jobs.clear()
+            self._changed.notify()
+        for job in dropped:
+            job.future.cancel()
+        self._thread.join(patience)
+        return not self._thread.is_alive()
+
+    def _work(self) -> None:
+        if self._patient and sys.platform == "linux":
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _YIELDING)
+        while (job := self._next()) is not None:
+            with cancellation.when(lambda stop=job.stop: self._closed or stop.is_set()):  # type: ignore[misc]
+                job.work()
+            if job.executor is not None:
+                job.executor.wake()
+
+    def _next(self) -> _Job | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._jobs or self._closed)
+            return None if self._closed else self._jobs.popleft()

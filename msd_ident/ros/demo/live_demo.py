@@ -1,0 +1,45 @@
+"""A rig with a sail, a recorder and an identifier in a domain of their own: something for the live view to look at."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from msd_ident.ros.common.domain import private_domain, private_environment
+from msd_ident.ros.common.processes import Processes
+from msd_ident.ros.demo.demo import NAMESPACE, RIG, arguments
+
+#: The paper's rig with drag that grows with the square of the speed, and some noise: config/drag.yaml.
+SAIL: dict[str, object] = {
+    **RIG,
+    "effects": ["quadratic_drag"],
+    "quadratic_drag.drag_coefficient": 4.0,
+    "encoder.noise": 1e-5,
+}
+
+
+@contextmanager
+def demo_graph(folder: Path, rate: float = 1000.0) -> Iterator[Processes]:
+    """The three processes, and this process's environment in their domain, for the block.
+
+    Args:
+        folder: for logs and bags; exists.
+        rate: of the rig's encoder [Hz].
+    """
+    kept = dict(os.environ)
+    with private_domain() as domain:
+        os.environ.update(private_environment(domain))
+        try:
+            with Processes(folder, os.environ) as processes:
+                processes.start("rig", "msd_sim.node", arguments({**SAIL, "rate": rate}))
+                processes.start("recorder", "msd_ident.ros.recorder.main", arguments({"bag_folder": str(folder)}))
+                processes.start("identifier", "msd_ident.ros.identifier.main", arguments({"bag_folder": str(folder)}))
+                yield processes
+        finally:
+            os.environ.clear()
+            os.environ.update(kept)
+
+
+__all__ = ["NAMESPACE", "demo_graph"]

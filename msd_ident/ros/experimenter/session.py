@@ -1,0 +1,78 @@
+"""A conductor in this process, and a rig of the graph as an investigation sees it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from msd_ident.design import Limits, Profile
+from msd_ident.errors import DataError, UsageError
+from msd_ident.io import SourceOptions, read
+from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.experimenter.profile_player import LEAD, Advance, Conductor
+from msd_ident.workflow.investigation import Ran
+
+
+@contextmanager
+def conductor(namespace: str, silence: float, lead: float = LEAD) -> Iterator[Conductor]:
+    """A node in this process that plays profiles; the rig is left without force, whatever happens."""
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node("conductor", namespace=namespace, context=context)
+        made = Conductor(node, silence, lead)
+        spinner = Spinner(node)
+        try:
+            yield made
+        finally:
+            made.close()
+            spinner.stop()
+            node.destroy_node()
+    finally:
+        context.try_shutdown()
+
+
+@dataclass
+class GraphRig:
+    """The rig of a graph.
+
+    Attributes:
+        conductor: plays on it.
+        folder: for the bags.
+        stop: ends an experiment in progress.
+        advance: told what goes on.
+        runs: experiments so far.
+    """
+
+    conductor: Conductor
+    folder: Path
+    stop: threading.Event
+    advance: Advance
+    runs: int = 0
+
+    def play(self, profile: Profile, limits: Limits) -> Ran:
+        """Play one profile; what is recorded in a bag.
+
+        Raises:
+            UsageError: it was cancelled.
+            DataError: it was stopped so soon that nothing can be learnt from it.
+        """
+        self.runs += 1
+        bag = self.folder / f"run_{self.runs}"
+        done = self.conductor.play(profile, limits, bag, self.stop, self.advance, reset=True)
+        if self.stop.is_set():
+            raise UsageError(f"interrupted; the force is 0 and {bag} holds what was recorded until then")
+        try:
+            record = read(bag, SourceOptions())
+        except DataError as error:
+            if done.stopped:
+                raise DataError(f"{done.stopped}, too soon to learn anything from it: see {bag}") from error
+            raise
+        return Ran(record, str(bag), done.stopped, done.worst)

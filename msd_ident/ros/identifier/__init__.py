@@ -1,0 +1,1 @@
+"""The identifier node: from live topics or bags to estimates and diagnoses. Begin with ``node``."""

@@ -1,0 +1,1 @@
+"""The recorder node: any topics into a rosbag2 folder. Begin with ``node``."""

@@ -1,0 +1,34 @@
+"""``ros2 run msd_ident recorder``: the way into the recorder node."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from msd_ident.errors import MsdError
+from msd_ident.ros.common.signals import fail, noted_signals
+
+if TYPE_CHECKING:
+    from msd_ident.ros.common.node_runner import Owned
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the recorder until a signal; the exit code."""
+    with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
+        try:
+            from msd_ident.ros.common.node_runner import run
+
+            def make() -> Owned:
+                from msd_ident.ros.recorder.node import Recorder
+
+                return Recorder()
+
+            return run(make, signals, args)
+        except MsdError as error:
+            return fail(error)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

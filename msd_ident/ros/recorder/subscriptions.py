@@ -1,0 +1,156 @@
+"""The subscriptions of a recording: to topics as they come, as they are offered, and what was latched before it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
+
+from msd_ident.errors import DataError, MsdError
+from msd_ident.io import OfferedQos
+from msd_ident.ros.common import names
+from msd_ident.ros.common.conversions import is_stamped, message_class, raw_stamp
+from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.message_batching import Poller, subscribe, waiting
+from msd_ident.ros.recorder.recording import Recording
+
+#: Least time between two log lines of one kind [s].
+QUIET = 5.0
+
+
+class Following:
+    """What a recording hears.
+
+    Args:
+        node: to listen with.
+        recording: that takes the messages.
+        wanted: topics; ``None`` for all that are not hidden.
+        depth: messages that a subscription holds back.
+        watch: is told what goes wrong.
+        poller: of the node.
+    """
+
+    def __init__(
+        self, node: Node, recording: Recording, wanted: frozenset[str] | None, depth: int, watch: Watch, poller: Poller
+    ) -> None:
+        self._node, self._recording, self._wanted = node, recording, wanted
+        self._depth, self._watch, self._poller = depth, watch, poller
+        self._began_ns = time.time_ns()
+        self._refused: set[str] = set()
+        self._types: dict[str, str] = {}
+        self._latched: list[Subscription] = []
+        self.subscriptions: dict[str, Subscription] = {}
+
+    def look(self) -> None:
+        """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""
+        for topic, _ in self._node.get_topic_names_and_types():
+            chosen = topic in self._wanted if self._wanted is not None else not hidden(topic)
+            if not chosen:
+                continue
+            try:
+                self._follow(topic)
+                self._refused.discard(topic)
+            except MsdError as error:
+                if topic not in self._refused:
+                    self._refused.add(topic)
+                    self._node.get_logger().warning(f"{topic} is not recorded: {error}", throttle_duration_sec=QUIET)
+                    self._watch.note("not recorded", f"{topic} is not recorded: {error}")
+
+    def close(self) -> None:
+        """Take what has arrived, so that a stop loses nothing, and listen no more."""
+        for subscription in (*self._latched, *self.subscriptions.values()):
+            _drain(subscription)
+            self._node.destroy_subscription(subscription)
+        self.subscriptions.clear()
+        self._latched.clear()
+
+    def _follow(self, topic: str) -> None:
+        """Subscribe as the publishers offer it. Of which type others would hear it is their affair."""
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        if not publishers:
+            return
+        offered = [publisher.qos_profile for publisher in publishers]
+        qos = names.matching_qos(offered, self._depth)
+        has = self.subscriptions.get(topic)
+        types = sorted({publisher.topic_type for publisher in publishers})
+        if has is None:
+            if len(types) > 1:
+                raise DataError(f"it is published as {len(types)} types ({', '.join(types)}); expected one")
+            self._add(topic, types[0], [names.to_offered(profile) for profile in offered])
+        elif self._types[topic] not in types:
+            words = f"{topic} is of type {types[0]} now and no longer {self._types[topic]}: it is not recorded"
+            self._watch.note("another type", words)
+            return
+        elif not names.asks_for_more(has.qos_profile, qos):
+            return
+        else:
+            _drain(has)
+            self._node.destroy_subscription(has)
+        take = self._taker(topic, self._types[topic])
+        kind = message_class(self._types[topic])
+        if self._node.get_parameter("use_sim_time").value:  # then the instant of taking is the log time
+            self.subscriptions[topic] = subscribe(self._node, kind, topic, take, qos, raw=True)
+        else:
+            self.subscriptions[topic] = self._poller.subscribe(kind, topic, take, qos, raw=True)
+        if has is None and _mixed(offered):
+            self._fetch_latched(topic, kind, take)
+
+    def _fetch_latched(self, topic: str, kind: Any, take: Callable[[bytes, dict[str, Any]], None]) -> None:
+        """What publishers keep for those who come late, where the others keep nothing; sent before the recording."""
+
+        def take_old(raw: bytes, info: dict[str, Any]) -> None:
+            if info["source_timestamp"] < self._began_ns:
+                take(raw, {**info, "publication_sequence_number": None})
+
+        qos = QoSProfile(depth=self._depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._latched.append(subscribe(self._node, kind, topic, take_old, qos, raw=True))
+
+    def _add(self, topic: str, kind: str, offered: Sequence[OfferedQos]) -> None:
+        message_class(kind)
+        if not self._recording.add_topic(topic, kind, offered):
+            words = f"the definition of {kind} is not here; only who knows the type can read {topic}"
+            self._node.get_logger().warning(words)
+        self._types[topic] = kind
+
+    def _taker(self, topic: str, kind: str) -> Callable[[bytes, dict[str, Any]], None]:
+        """Callback for one topic: log time is the time of receipt, on the simulated clock if that is used."""
+        clock = self._node.get_clock() if self._node.get_parameter("use_sim_time").value else None
+        stamped = is_stamped(kind)
+        recording, count = self._recording, self._recording.summary.topics[topic]
+
+        def take(raw: bytes, info: dict[str, Any]) -> None:
+            """Record a message and count what was lost before it."""
+            if clock is None:
+                received, sent = info["received_timestamp"], info["source_timestamp"]
+            else:
+                received = sent = clock.now().nanoseconds
+            lost, restarts = count.lost, count.restarts
+            stamp = raw_stamp(raw) if stamped else None
+            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"), stamp)
+            if count.lost != lost:
+                words = f"{topic}: {count.lost - lost} messages are missing by their numbers"
+                self._watch.note("missing", words, count.lost - lost)
+            if count.restarts != restarts:
+                self._watch.note("publisher restarted", f"{topic}: its publisher began anew, or there are two")
+
+        return take
+
+
+def _mixed(offered: Sequence[QoSProfile]) -> bool:
+    """Whether some publishers keep messages for those who come late, and others do not."""
+    return len({profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered}) > 1
+
+
+def _drain(subscription: Subscription) -> None:
+    """Take what has arrived and waits in the subscription's queue."""
+    for taken in waiting(subscription):
+        subscription.callback(*taken)
+
+
+def hidden(topic: str) -> bool:
+    """Topics that ROS tools hide: a part of the name begins with an underscore."""
+    return any(part.startswith("_") for part in topic.split("/"))

@@ -1,0 +1,1 @@
+"""The replayer node: a bag back to the graph. Begin with ``node``."""

@@ -1,0 +1,5 @@
+"""Which causes act: sets of effects, fitted, ranked by evidence, calibrated on the record itself.
+
+In: an ``Experiment`` and its base model. Out: ranked ``Hypothesis`` objects with probabilities and ties.
+Begin with ``hypothesis``, then ``structure_search`` and ``evidence``.
+"""

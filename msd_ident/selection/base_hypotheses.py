@@ -1,0 +1,47 @@
+"""Where a diagnosis begins: the base model and the one with Coulomb friction, from the fits that ``identify`` makes."""
+
+from __future__ import annotations
+
+from msd_ident.estimate import fit
+from msd_ident.estimate.base_fits import Shared, joint_fit, linear_fit
+from msd_ident.model import Model
+from msd_ident.selection.coarse_to_fine import MOST_SAMPLES
+from msd_ident.selection.hypothesis import COULOMB, Experiment, Fitted, refine
+from msd_ident.selection.starting_values import plain_axes
+from msd_ident.selection.structure_search import NOTHING
+
+
+def shared_fits(experiment: Experiment, plant: Model) -> Shared:
+    """The fits that an identification of the same records makes: dry friction beside the plant, and the plant alone.
+
+    Args:
+        experiment: the data, with what its base model has fixed.
+        plant: mass [kg], damping [N·s/m] and stiffness [N/m] to start from.
+    """
+    fixed = {name: experiment.base[name] for name in experiment.fixed}
+    joint = joint_fit(experiment.records, plant, _sprung(experiment), fixed)
+    return Shared(joint, linear_fit(experiment.records, joint))
+
+
+def base_fit(experiment: Experiment, shared: Shared) -> tuple[Fitted, Fitted]:
+    """The base model, and the one with Coulomb friction, each the best from several starts.
+
+    Both start where an identification of the same records ends. The base also starts from what is left of the fit with
+    friction, and from a regression on few samples: a careless start ends anywhere.
+    """
+    fixed, few = tuple(experiment.fixed), experiment.thinned(MOST_SAMPLES).records
+    rubbing, sprung = shared.joint, _sprung(experiment)
+    if not sprung:
+        rubbing = fit(rubbing.model.without("force_offset"), experiment.records, fixed=fixed, search="near")
+    plain = fit(experiment.base, few, fixed=fixed)
+    bare = rubbing.model.without("coulomb_friction")
+    starts = [(shared.linear.model, shared.linear.initial), (plain.model, plain.initial), (bare, rubbing.initial)]
+    if not sprung:
+        starts += plain_axes(few)
+    bases = [refine(experiment, NOTHING, model, initial) for model, initial in starts]
+    friction = refine(experiment, frozenset({COULOMB}), rubbing.model, rubbing.initial)
+    return min(bases, key=lambda one: one.chi), friction
+
+
+def _sprung(experiment: Experiment) -> bool:
+    return "stiffness" not in experiment.fixed

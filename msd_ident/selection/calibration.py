@@ -1,0 +1,216 @@
+"""Probabilities that come true on this very record: what would we have said, had it been something else?
+
+The experiment is simulated under each of the leading explanations (``copies``) and every copy is diagnosed again. The
+counts are a confusion matrix of this experiment: rows are what was simulated, columns what was said. It shows what the
+evidence cannot: that the search ends elsewhere, that Laplace's approximation fails at the knee of a law, that a law of
+most strengths looks like another one here.
+
+**The correction.** That a cause c was named is one outcome; r(T) is the share of copies of T in which it is named too.
+With the leading set S that holds c, and R rivals T that have another law in its place, Bayes' rule gives the odds
+
+    P(T | c was named) / P(S | c was named) = r(T) / (R r(S)),
+
+the leading set being as likely before as all its rivals together, and these alike: their prior odds have done their
+work when they were chosen, and how often one law of a family acts on rigs, and how often another, nobody knows. For
+the leading set with nothing in the place of c, R is 1.
+Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T led to c, the replicates say nothing against
+it and the stated odds stand. A rival's odds are never lowered: the copies are drawn from the fitted explanations, so
+they cannot make any of them surer than the record itself does. r(T) counts as larger than r(S) only where it is so by
+more than chance. Last, N copies without c, none called c, allow no more certainty than (N + 1) / (N + 2) (Laplace's
+rule of succession).
+
+Sources: parametric bootstrap of model selection, E.-J. Wagenmakers et al. 2004, J. Math. Psychol. 48; a summary
+as data, as in approximate Bayesian computation, K. Csilléry et al. 2010, Trends Ecol. Evol. 25.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.stats import fisher_exact
+
+from msd_ident.model.effects import by_name
+from msd_ident.selection.evidence import Ranking, kinds
+from msd_ident.selection.hypothesis import Causes, Fitted
+
+#: Probability of as many more by chance, below which a rival may be likelier than what leads.
+_BY_CHANCE = 0.05
+
+
+@dataclass(frozen=True)
+class Row:
+    """What copies of one explanation were called.
+
+    Attributes:
+        causes: that were simulated.
+        any_strength: whether their strengths were drawn by lot; else from what the record leaves open.
+        said: sets of causes that were named, and in how many copies.
+    """
+
+    causes: Causes
+    any_strength: bool
+    said: Mapping[Causes, int]
+
+    @property
+    def copies(self) -> int:
+        """Number of copies."""
+        return sum(self.said.values())
+
+    @property
+    def right(self) -> int:
+        """Copies that were called what they were."""
+        return self.said.get(self.causes, 0)
+
+    def named(self, cause: str) -> int:
+        """Copies in which a cause was named, in whatever law and whatever else was."""
+        kind = by_name(cause).cause()
+        return sum(count for causes, count in self.said.items() if kind in kinds(causes))
+
+    def share(self, cause: str) -> float:
+        """The same as an estimated share."""
+        return (self.named(cause) + 0.5) / (self.copies + 1.0)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The confusion matrix of this experiment, and the causes' probabilities before and after.
+
+    Attributes:
+        rows: the leading explanation first.
+        stated: probability of each named cause as the evidence has it.
+        corrected: the same as the copies allow.
+    """
+
+    rows: tuple[Row, ...]
+    stated: Mapping[str, float]
+    corrected: Mapping[str, float]
+
+    @property
+    def columns(self) -> tuple[Causes, ...]:
+        """All sets that were said: those of the rows in their order, then the others, the most frequent first."""
+        own = [row.causes for row in self.rows]
+        total: Counter[Causes] = Counter()
+        for row in self.rows:
+            total.update(row.said)
+        others = sorted(set(total) - set(own), key=lambda causes: (-total[causes], sorted(causes)))
+        return tuple([causes for causes in own if total[causes]] + others)
+
+    @property
+    def copies(self) -> int:
+        """Of all rows."""
+        return sum(row.copies for row in self.rows)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "copies": self.copies,
+            "causes": [
+                {"name": name, "stated": value, "corrected": self.corrected[name]}
+                for name, value in self.stated.items()
+            ],
+            "rows": [
+                {
+                    "causes": sorted(row.causes),
+                    "any_strength": row.any_strength,
+                    "copies": row.copies,
+                    "right": row.right,
+                    "said": [
+                        {"causes": sorted(causes), "copies": row.said[causes]}
+                        for causes in self.columns
+                        if row.said.get(causes)
+                    ],
+                }
+                for row in self.rows
+            ],
+        }
+
+
+def odds(lead: Row, rival: Row, cause: str) -> float:
+    """Odds of a rival without the cause against the leading set, given that the cause was named; 0 where no copy was
+    called so.
+    """
+    if not rival.named(cause):
+        return 0.0
+    ratio = rival.share(cause) / lead.share(cause)
+    table = np.array([[row.named(cause), row.copies - row.named(cause)] for row in (rival, lead)])
+    return ratio if fisher_exact(table, "greater")[1] < _BY_CHANCE else min(ratio, 1.0)
+
+
+def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, Fitted]) -> Ranking:
+    """The ranking with the probabilities that the copies allow.
+
+    Args:
+        ranking: led by the explanation of the first row.
+        rows: of the matrix.
+        standins: for rows of any strength, a fitted set that stands for it where the ranking has none.
+    """
+    lead = rows[0]
+    others = {cause: sum(row.any_strength and cause not in row.causes for row in rows) for cause in lead.causes}
+    for rival in rows[1:]:
+        without = lead.causes - rival.causes
+        most = max(
+            (odds(lead, rival, cause) / (others[cause] if rival.any_strength else 1) for cause in without), default=0.0
+        )
+        if most > 0.0:
+            ranking = _raised(ranking, rival.causes, most, standins)
+    for cause in sorted(lead.causes):
+        kind = by_name(cause).cause()
+        copies = sum(row.copies for row in rows if kind not in kinds(row.causes))
+        if copies:
+            ranking = _capped(ranking, cause, (copies + 1.0) / (copies + 2.0))
+    return ranking
+
+
+def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Causes, Fitted]) -> Ranking:
+    """The ranking with one of its sets, or a stand-in, at these odds or more against the leading one."""
+    known = [i for i, one in enumerate(ranking.sets) if one.causes == causes]
+    lead = ranking.probability[0]
+    sets, evidence, weights = list(ranking.sets), list(ranking.evidence), list(ranking.probability)
+    if not known and causes not in standins:
+        return ranking
+    if not known:
+        sets.append(standins[causes])
+        evidence.append(-math.inf)
+        weights.append(0.0)
+        known = [len(sets) - 1]
+    place = known[0]
+    if weights[place] < odds * lead:
+        weights[place] = odds * lead
+        evidence[place] = max(evidence[place], evidence[0] + math.log(odds))
+    return _ordered(replace(ranking, sets=tuple(sets), evidence=tuple(evidence), probability=tuple(weights)))
+
+
+def _ordered(ranking: Ranking) -> Ranking:
+    """The leading set first, the others by falling probability, and all of them 1 together."""
+    total = sum(ranking.probability)
+    order = [0, *sorted(range(1, len(ranking.sets)), key=lambda i: -ranking.probability[i])]
+    return replace(
+        ranking,
+        sets=tuple(ranking.sets[i] for i in order),
+        evidence=tuple(ranking.evidence[i] for i in order),
+        probability=tuple(ranking.probability[i] / total for i in order),
+    )
+
+
+def _capped(ranking: Ranking, cause: str, most: float) -> Ranking:
+    """The ranking with a cause no surer than ``most``; what is taken from it goes to all sets without it."""
+    sure = ranking.of_cause(cause)
+    holding = [by_name(cause).cause() in kinds(one.causes) for one in ranking.sets]
+    if sure <= most or all(holding):
+        return ranking
+    others = sum(p for p, held in zip(ranking.probability, holding, strict=True) if not held)
+    given = [
+        p / others if others > 0.0 else float(i == holding.index(False)) for i, p in enumerate(ranking.probability)
+    ]
+    return replace(
+        ranking,
+        probability=tuple(
+            p * most / sure if held else (1.0 - most) * part
+            for p, held, part in zip(ranking.probability, holding, given, strict=True)
+        ),
+    )

@@ -1,0 +1,84 @@
+"""The explanations that are still standing, as fitted models: what the design of a next experiment starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model
+from msd_ident.residuals.noise_model import Readings
+from msd_ident.selection import rest_constraint
+from msd_ident.selection.evidence import DECISIVE, Ranking, Scale
+from msd_ident.selection.hypothesis import Fitted
+
+#: The least evidence [nats, against the best] at which an explanation is kept, and how many are.
+_KEPT_NATS, _MOST = DECISIVE + 2.5, 8
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One explanation with its fitted model and what the data says about its parameters.
+
+    Attributes:
+        causes: sorted names of its causes; none for the base model.
+        probability: given the data, among all sets that were fitted.
+        evidence: log evidence [nats], prior included; only differences mean anything.
+        chi: sum of squares that it leaves, in units of the noise.
+        model: fitted.
+        free: names of the model's parameters that were fitted.
+        scale: (p,) natural size of each free parameter.
+        information: (p, p) information matrix of the free parameters, the entries of single records eliminated.
+        initial: state and zero of each record at its first sample.
+    """
+
+    causes: tuple[str, ...]
+    probability: float
+    evidence: float
+    chi: float
+    model: Model
+    free: tuple[str, ...]
+    scale: FloatArray
+    information: FloatArray
+    initial: tuple[Initial, ...]
+
+
+def standing(ranking: Ranking, scale: Scale, readings: Sequence[Readings]) -> tuple[Contender, ...]:
+    """The leading explanation first, then the others that come near it, by falling evidence."""
+    top = max(ranking.evidence)
+    found = []
+    for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
+        if fitted is ranking.best or value >= top - _KEPT_NATS:
+            found.append(_contender(fitted, value, probability, (scale, readings)))
+    return tuple(found[:_MOST])
+
+
+def _contender(
+    fitted: Fitted, evidence: float, probability: float, data: tuple[Scale, Sequence[Readings]]
+) -> Contender:
+    scale, readings = data
+    count = len(fitted.problem.free)
+    known = rest_constraint.balances(fitted)
+    fitted = rest_constraint.settled(fitted, readings, known)
+    information = fitted.information + rest_constraint.information(fitted.problem, fitted.point, known)
+    return Contender(
+        causes=tuple(sorted(fitted.causes)),
+        probability=probability,
+        evidence=evidence,
+        chi=fitted.chi,
+        model=fitted.model,
+        free=fitted.problem.names[:count],
+        scale=fitted.problem.scale[:count],
+        information=scale.informed(marginal(information, count)),
+        initial=fitted.initial,
+    )
+
+
+def marginal(information: FloatArray, count: int) -> FloatArray:
+    """Information (count, count) about the first entries when all others are unknown (Schur complement)."""
+    rest = information[count:, count:]
+    cross = information[:count, count:]
+    return np.asarray(information[:count, :count] - cross @ np.linalg.pinv(rest, hermitian=True) @ cross.T)

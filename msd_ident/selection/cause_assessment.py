@@ -1,0 +1,112 @@
+"""Every cause of the library: how likely it is, what it leaves, and why it is not in the extended model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from msd_ident.model.effects import LIBRARY, by_name, spoken
+from msd_ident.selection.evidence import Ranking
+from msd_ident.selection.hypothesis import Causes, Experiment
+
+#: A set of causes -> what it leaves, in noise floors.
+Left = Mapping[Causes, float]
+
+#: A cause that takes away less than this part of what the base model leaves repairs nothing.
+_NOTHING = 0.05
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One cause of the library.
+
+    Attributes:
+        name: of the cause.
+        held: whether the extended model holds it.
+        probability: that it acts, given the data and the library.
+        alone: what it leaves when it is the only one beside the base model, in noise floors; NaN when not fitted.
+        reason: why it is in the extended model or not, a sentence.
+    """
+
+    name: str
+    held: bool
+    probability: float
+    alone: float
+    reason: str
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "name": self.name,
+            "held": self.held,
+            "probability": self.probability,
+            "noise_floors_alone": self.alone,
+            "reason": self.reason,
+        }
+
+
+def noted(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:
+    """The ranking with what every set leaves, those of earlier rankings on a part of the data too."""
+    left: dict[Causes, float] = {}
+    for found, data in (*before, (ranking, experiment)):
+        left |= {fitted.causes: math.sqrt(fitted.chi / data.evidence) for fitted in found.sets}
+    return replace(ranking, left=left)
+
+
+def tried(library: Collection[str], ranking: Ranking, named: Causes, tied: Collection[str]) -> tuple[Tried, ...]:
+    """All causes, those of the extended model first, then the likeliest.
+
+    Args:
+        library: those that can act in this experiment.
+        ranking: of the sets that came into question, with what all that were fitted leave.
+        named: what the extended model holds.
+        tied: what could stand in the place of one of those.
+    """
+    found = [_look(effect.name, effect.name in library, ranking, named, effect.name in tied) for effect in LIBRARY]
+    return tuple(sorted(found, key=lambda one: (not one.held, -one.probability, one.alone)))
+
+
+def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool) -> Tried:
+    alone = ranking.left.get(frozenset({name}), math.nan)
+    reason = _reason(name, possible, alone, ranking.left, named, tied)
+    return Tried(name, name in named, ranking.of_cause(name), alone, reason)
+
+
+def _impossible(name: str) -> str:
+    effect = by_name(name)
+    if effect.angular:
+        return "cannot act here: it is a law of a joint, and the position is no angle."
+    if effect.needs_spring or effect.acts_on == "input":
+        return "cannot act here, or not be seen: it needs a spring, or a force of several levels, and there is none."
+    return "cannot be seen here: this record never changes what it depends on."
+
+
+def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, tied: bool) -> str:
+    nothing = left[frozenset()]
+    with_it = [floors for causes, floors in left.items() if name in causes]
+    if name in named:
+        without = left.get(named - {name}, math.nan)
+        return f"without it {without:.3g} noise floors remain." if math.isfinite(without) else "the data asks for it."
+    if tied:
+        return "could stand in the place of a named one: this data does not tell."
+    if not possible:
+        return _impossible(name)
+    if not with_it:
+        if len(left) == 1:
+            return "not tried: nothing is left to explain."
+        if by_name(name).form_of:
+            return f"another law of {spoken(by_name(name).form_of)}, which is tried where that explains something."
+        best = min(left.values())
+        return f"given up at a first look: nowhere near the {best:.3g} noise floors of the best explanation."
+    if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:
+        said = f"alone it repairs nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
+    else:
+        said = f"alone it leaves {alone:.3g} noise floors." if math.isfinite(alone) else "not fitted alone."
+    beside = left.get(named | {name}, math.nan)
+    if named and math.isfinite(beside):
+        said = f"{said[:-1]}; beside the named ones {beside:.3g}, which is no gain worth a parameter."
+    elif named and math.isfinite(left.get(named, math.nan)):
+        said = f"{said[:-1]}; the named ones leave {left[named]:.3g}."
+    return said

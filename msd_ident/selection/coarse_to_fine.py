@@ -1,0 +1,122 @@
+"""The search goes ahead on part of the data: every few samples of a long record or a stretch of it, and where the noise
+is far out of reach one force between any two of them; what leads there is refined and judged on all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.regression_init import starting_state
+from msd_ident.residuals.adequacy import judge
+from msd_ident.selection.cause_assessment import noted
+from msd_ident.selection.evidence import Ranking
+from msd_ident.selection.hypothesis import NOISE_ERROR, Experiment, Fitted, refine
+from msd_ident.selection.structure_search import Progress, Remembered, Search
+
+#: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
+MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
+#: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
+#: change the motion by this part of what is left of it; and the part at which it hides what a set leaves.
+_FAR, _COARSE, _BLURRED = 300.0**2, 0.03, 0.3
+#: Samples that tell where a stretch begins.
+_FIRST = 5
+#: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
+_COMPARABLE = 10.0
+
+
+def search(
+    experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress, remembered: Sequence[Remembered] = ()
+) -> Ranking:
+    """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
+
+    A set far behind on a part of the data is further behind on all of it; but where mean forces between few samples
+    keep all sets from the noise, another cause may only have helped against them, and what is simpler is judged too.
+    Where the part saw nothing wrong any more and the whole does, or the part can not tell, the search goes on with the
+    whole.
+
+    Args:
+        known: the base model and the one with Coulomb friction, fitted to all samples.
+        remembered: what explained less data, and is tried again.
+    """
+    thin = experiment.thinned(MOST_SAMPLES)
+    if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
+        return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
+    part, blurred = _coarser(thin, known[1], known[1].chi / experiment.evidence)
+    start = tuple(refine(part, one.causes, one.model, _begun(one.initial, experiment, part)) for one in known)
+    again = [(causes, model, _begun(initial, experiment, part)) for causes, model, initial in remembered]
+    ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
+    sets = {one.causes: one for one in known}
+    clear = judge(ahead.best.residuals(), part.readings).consistent
+    for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
+        initial = _begun(fitted.initial, part, experiment, known[0].initial)
+        sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
+    whole = _searching(experiment, progress)
+    ranking = whole.compared(list(sets.values()))
+    if whole.at_floor(ranking.best) or not (clear or blurred(ahead.best)):
+        return noted(ranking, experiment, (ahead, part))
+    return noted(whole.resume(list(whole.sets.values())), experiment, (ahead, part))
+
+
+def _begun(
+    initial: Sequence[Initial], known: Experiment, wanted: Experiment, there: Sequence[Initial] | None = None
+) -> tuple[Initial, ...]:
+    """How records begin that other parts of them are ``known`` to begin as ``initial`` says.
+
+    The same where they begin at the same instant; else as a fit found it ``there``, or as the readings say.
+    """
+    found = []
+    for r, (start, one, other) in enumerate(zip(initial, known.records, wanted.records, strict=True)):
+        if one.time[0] == other.time[0]:
+            found.append(start)
+        elif there is not None:
+            found.append(replace(there[r], zero=start.zero))
+        else:
+            position, velocity = starting_state(other, _FIRST)
+            found.append(Initial(position - start.zero, velocity, start.zero))
+    return tuple(found)
+
+
+def _simpler(ahead: Ranking) -> list[Fitted]:
+    """Sets of fewer causes than the leader that leave not many times as much, the best first."""
+    best = ahead.best
+    found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < _COMPARABLE * best.chi]
+    return sorted(found, key=lambda one: one.chi)[:_LEADERS]
+
+
+def _coarser(thin: Experiment, friction: Fitted, left: float) -> tuple[Experiment, Callable[[Fitted], bool]]:
+    """With mean forces, where the model with friction is so far off that nothing will reach the noise; and whether a
+    set fitted there leaves so little that the mean forces hide the rest.
+
+    Args:
+        left: chi² that this model leaves, for each piece of evidence.
+    """
+    coarse = thin.with_mean_force()
+    if left > _FAR and _change(thin, coarse, friction) < _COARSE**2 * left * thin.evidence:
+        return coarse, lambda fitted: _change(thin, coarse, fitted) > _BLURRED**2 * fitted.chi
+    return thin, lambda fitted: False
+
+
+def _change(thin: Experiment, coarse: Experiment, fitted: Fitted) -> float:
+    """Chi² of what mean forces change of a model's motion."""
+    exact, mean = (one.problem(fitted.model) for one in (thin, coarse))
+    values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
+    # Fewer samples may show otherwise whether a record begins at rest: the entries of the vector differ then.
+    points = [problem.vector(values, fitted.initial) for problem in (exact, mean)]
+    parts = enumerate(thin.readings)
+    return sum(part.chi(exact.residual(points[0], r) - mean.residual(points[1], r)) for r, part in parts)
+
+
+def _searching(
+    experiment: Experiment, progress: Progress, blurred: Callable[[Fitted], bool] = lambda fitted: False
+) -> Search:
+    def at_floor(fitted: Fitted) -> bool:
+        # What is left above the noise by less than the noise's own error calls for no further cause.
+        return (
+            fitted.chi < (1.0 + NOISE_ERROR) * experiment.evidence
+            or judge(fitted.residuals(), experiment.readings).consistent
+            or blurred(fitted)
+        )
+
+    return Search(experiment, at_floor, progress)

@@ -1,0 +1,163 @@
+"""Does the extension predict? Both models on segments of the data that their fits did not see.
+
+The records are cut where the force steps, or else into equal parts, and dealt into folds. For each fold both models are
+refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them;
+nothing of a left-out segment enters but the first instants of a record, which tell where it starts.
+
+A useless parameter makes the fit of the training data better and, on average, the prediction worse; by luck it makes it
+better in one of six cases. The gain therefore has an interval, from the errors that the extension leaves on blocks of
+data long enough for the plant to forget (Diebold and Mariano 1995, with block sums for the variance). It asks what a
+repetition of this experiment would show, not what other segments would: a stop that is touched twice is no chance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import see_reduction
+from msd_ident.estimate.broyden import State, descend
+from msd_ident.model import Model
+from msd_ident.selection.hypothesis import Experiment, Fitted, weigh
+
+FOLDS = 4
+_SEGMENTS = 8
+#: Blocks that a segment is cut into at most, however fast the plant forgets.
+_BLOCKS = 6
+#: Accepted steps of a fold's refit, and the fall of chi² [pieces of evidence, in units of what the full fit leaves of
+#: each] that is worth no further one: as in the full fit.
+_ITERATIONS, _LEAST = 12, 0.02
+#: Level of the two ends of the interval, and the logarithm of a ratio of errors beyond which it is as good as infinite.
+_LEVEL, _WORST = 0.975, 50.0
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Errors on left-out data: SEE [m] of both models, reduction in per cent (eq. 15) and its 95 % interval."""
+
+    see_base: float
+    see_extended: float
+    reduction_percent: float
+    interval_percent: tuple[float, float]
+
+    @property
+    def better(self) -> bool:
+        """Whether the extension predicts better than the base, by more than chance: the interval lies above 0."""
+        return self.interval_percent[0] > 0.0
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Sums over blocks of left-out data [m²], each (blocks,), and all samples.
+
+    Attributes:
+        base, extended: squares of both models' errors.
+        crossed: the extension's errors times what both predictions differ by.
+        samples: of all blocks.
+    """
+
+    base: FloatArray
+    extended: FloatArray
+    crossed: FloatArray
+    samples: int
+
+
+def segments(record: Record) -> FloatArray:
+    """Number (n,) of the segment that each sample is in: from force step to force step, or equal parts."""
+    changes = record.force_time[1:][np.diff(record.force) != 0.0]
+    changes = changes[(changes > record.time[0]) & (changes < record.time[-1])]
+    if FOLDS <= changes.size + 1 <= 40 and np.min(np.diff(changes), initial=np.inf) > record.duration / 80.0:
+        return np.asarray(np.searchsorted(changes, record.time, side="right"))
+    return np.minimum(np.arange(record.samples) * _SEGMENTS // record.samples, _SEGMENTS - 1)
+
+
+def predict(experiment: Experiment, base: Fitted, extended: Fitted) -> HeldOut:
+    """Compare two fitted sets on left-out segments."""
+    cuts = [segments(record) for record in experiment.records]
+    errors = left_out(experiment, base, cuts)
+    if extended is base:
+        return _compared(_blocks(experiment, base.model, (errors, errors), cuts))
+    return _compared(_blocks(experiment, base.model, (errors, left_out(experiment, extended, cuts)), cuts))
+
+
+def left_out(experiment: Experiment, fitted: Fitted, cuts: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
+    """For each record the (n,) error [m] of predictions by fits that did not see the sample."""
+    problem = fitted.problem
+    errors = tuple(np.zeros(record.samples) for record in problem.records)
+    for fold in range(FOLDS):
+        masks = [training(cut, fold) for cut in cuts]
+        point = refitted(experiment, fitted, masks)
+        for r, mask in enumerate(masks):
+            out = mask == 0.0
+            if out.any():
+                errors[r][out] = problem.residual(point, r)[out]
+    return errors
+
+
+def training(cut: FloatArray, fold: int) -> FloatArray:
+    """1 where a sample is fitted, 0 where it is predicted; the first hundredth of a record is always fitted."""
+    mask = np.asarray(cut % FOLDS != fold, dtype=np.float64)
+    mask[: max(10, cut.size // 100)] = 1.0
+    return mask
+
+
+def refitted(experiment: Experiment, fitted: Fitted, masks: Sequence[FloatArray]) -> FloatArray:
+    """Vector (p,) of the fit to the samples with mask 1, from where the fit to all samples ended.
+
+    All entries move. What these samples do not tell at all (a stop that they do not reach) stays as it was.
+    """
+    weighting = weigh(fitted.problem, experiment.readings, masks)
+    kept = np.concatenate(masks)
+    seen = State(fitted.point, fitted.state.residual * kept, fitted.state.jacobian * kept, fitted.state.exact)
+    worth = _LEAST * max(fitted.chi / experiment.evidence, 1.0)
+    return descend(weighting, seen, _ITERATIONS, worth).point
+
+
+def _blocks(
+    experiment: Experiment, model: Model, errors: tuple[Sequence[FloatArray], Sequence[FloatArray]],
+    cuts: Sequence[FloatArray],
+) -> _Blocks:  # fmt: skip
+    """Both models' errors on left-out data, summed over blocks of segments in which the plant forgets."""
+    memory = _memory(model)
+    found = []
+    for record, one, other, cut in zip(experiment.records, *errors, cuts, strict=True):
+        for number in np.unique(cut):
+            inside = np.flatnonzero(cut == number)
+            count = int(np.clip(inside.size * record.period / memory, 1, _BLOCKS))
+            for block in np.array_split(inside, count):
+                base, extended = one[block], other[block]
+                found.append((base @ base, extended @ extended, extended @ (base - extended)))
+    sums = np.asarray(found, dtype=np.float64).T
+    return _Blocks(sums[0], sums[1], sums[2], sum(record.samples for record in experiment.records))
+
+
+def _memory(model: Model) -> float:
+    """Time [s] after which errors of a plant's motion are others: a swing, and until it has died away to 1/e."""
+    swing = 2.0 * math.pi * math.sqrt(model.mass / model.stiffness) if model.stiffness > 0.0 else 0.0
+    decay = (2.0 if model.stiffness > 0.0 else 1.0) * model.mass / max(model.damping, 1e-300)
+    return max(swing, decay)
+
+
+def _compared(blocks: _Blocks) -> HeldOut:
+    """SEE of both on left-out data, and the reduction with its interval.
+
+    With the extension's errors e and the predictions' difference d, the base's are e + d; to first order the logarithm
+    of the ratio Σe²/Σ(e + d)² changes by what chance does to Σe² and Σed.
+    """
+    base, extended = float(blocks.base.sum()), float(blocks.extended.sum())
+    see_base, see_extended = (math.sqrt(total / max(blocks.samples - 2, 1)) for total in (base, extended))
+    if not (base > 0.0 and extended > 0.0):
+        return HeldOut(see_base, see_extended, 0.0, (0.0, 0.0))
+    scatter = blocks.extended - extended / blocks.extended.size
+    change = scatter * (1.0 / extended - 1.0 / base) - 2.0 * blocks.crossed / base
+    count = change.size
+    spread = math.sqrt(float(change @ change)) * float(stdtrit(max(count - 1, 1), _LEVEL))
+    middle = math.log(extended / base)
+    ratios = (min(0.5 * (middle + side * spread), _WORST) for side in (1.0, -1.0))
+    low, high = (0.0 - 100.0 * math.expm1(ratio) for ratio in ratios)
+    return HeldOut(see_base, see_extended, see_reduction(see_base, see_extended), (low, high))

@@ -1,0 +1,276 @@
+"""How strongly the data speaks for a set of causes, and what cannot be told from what.
+
+No model of a real rig is exact, and what a model misses is no noise: the error of a law is the same in every swing. So
+a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. What a set
+leaves is taken for white noise and for an error of unknown shape that lies along ν directions of the sample space,
+whichever they are. With the variance v of what is left along them, in units of the noise, the log likelihood is
+
+    −½ ν log v + constant,    v = 1 + (χ² − N) / ν,    ν = SHAPES.
+
+Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none
+is, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once. There is
+no inflation, no count of independent samples and no jump. (A variance component with ν degrees of freedom in the place
+of the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
+
+The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible space of
+its causes' parameters that the data leaves, det(I + S H S / v)^(-1/2), where H is the information about them beside an
+unknown plant, S the prior width of each and v the set's own. A parameter that the data does not see costs nothing and
+gains nothing; one that it pins down must earn its place. (MacKay 1992; Kass and Raftery 1995.) As no law is exact, no
+parameter is held more sharply than to a part of its width, however low the noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.model.effects import by_name
+from msd_ident.residuals.noise_model import Readings
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Fitted
+
+#: Independent features of a model's error that a record shows.
+SHAPES = 8.0
+#: Part of its prior width that a parameter of a law is never known better than.
+LEAST_SPREAD = 0.03
+#: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
+DECISIVE = 3.5
+#: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
+CALLED = 1.0
+#: Part of the estimated noise's chi² below which a set shows that the estimate is none: few samples a swing look noisy.
+_OVERRATED = 0.5
+#: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
+_STRENGTHS = 1e3
+#: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
+#: peak are seen by nothing, so they would cost nothing.
+_NO_PEAK = 0.01
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How what is left is counted.
+
+    Attributes:
+        noise: chi² of nothing but noise.
+        variance: v of the best set, in which information about parameters is stated.
+        shapes: ν; a search that looks for what helps at all counts more of them.
+    """
+
+    noise: float = 0.0
+    variance: float = 1.0
+    shapes: float = SHAPES
+
+    def spread(self, chi: float) -> float:
+        """Variance v along the shapes of a model's error, in units of the noise's."""
+        return 1.0 + max(chi - self.noise, 0.0) / self.shapes
+
+    def log_likelihood(self, chi: float, stirred: float = 0.0) -> float:
+        """Log likelihood [nats] of a set that leaves ``chi``, but for a constant.
+
+        A model's error in motion says nothing of its error at rest: what the set makes of a cart that stands still,
+        ``stirred``, counts by itself.
+        """
+        at_rest = 1.0 + stirred / self.shapes
+        return -0.5 * self.shapes * (math.log(self.spread(chi)) + math.log(at_rest))
+
+    def of(self, fitted: Fitted) -> float:
+        """The same of a fitted set."""
+        return self.log_likelihood(fitted.chi, fitted.stirred)
+
+    def informed(self, information: FloatArray) -> FloatArray:
+        """The information matrix in this scale."""
+        return information / self.variance
+
+
+def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: float = SHAPES) -> Scale:
+    """The scale of an experiment: the noise's chi², as it was estimated, or the least that a set leaves near it."""
+    pieces = sum(part.evidence for part in readings)
+    least = min(fitted.chi for fitted in sets)
+    noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
+    if least < _OVERRATED * pieces:
+        noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
+    return Scale(noise, Scale(noise, shapes=shapes).spread(least), shapes)
+
+
+def log_evidence(fitted: Fitted, scale: Scale) -> float:
+    """Log evidence [nats] of a set, prior included."""
+    return scale.of(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
+
+
+def occam(fitted: Fitted, variance: float) -> float:
+    """What the parameters of a set's causes cost [nats], those of the plant and of the records unknown beside them.
+
+    -½ log det C, with C their covariance in units of their prior widths. To each is added what a real rig's parameter
+    wanders by, as no law is exact (``LEAST_SPREAD``); but frequencies, pitches and phases are what they are.
+    """
+    names = np.array(fitted.problem.names)
+    own = np.isin(names, _own(fitted))
+    if not own.any():
+        return 0.0
+    size = prior_widths(fitted)
+    information = fitted.information * np.outer(size, size) / variance
+    information[np.diag_indices_from(information)] += 1.0  # the prior of the plant's
+    cross = information[np.ix_(own, ~own)]
+    about = information[np.ix_(own, own)] - cross @ np.linalg.solve(information[np.ix_(~own, ~own)], cross.T)
+    exact = {name for cause in fitted.causes for name in by_name(cause).exact}
+    wander = np.array([0.0 if name in exact else LEAST_SPREAD**2 for name in names[own]])
+    covariance = np.linalg.pinv(about, hermitian=True) + np.diag(wander)
+    return max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
+
+
+def log_prior(causes: Causes) -> float:
+    """Log odds [nats] of a set before any data."""
+    return sum(math.log(by_name(name).prior_odds) for name in causes)
+
+
+def kinds(causes: Iterable[str]) -> frozenset[str]:
+    """The causes that act where these laws do: two forms of a law are one cause."""
+    return frozenset(by_name(name).cause() for name in causes)
+
+
+def _own(fitted: Fitted) -> tuple[str, ...]:
+    """Names of the parameters that a set has beyond the plant's."""
+    return tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
+
+
+def prior_widths(fitted: Fitted) -> FloatArray:
+    """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for
+    the strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where
+    this is narrower.
+    """
+    problem, point = fitted.problem, fitted.point
+    sizes = np.maximum(problem.scale, np.abs(point[: problem.scale.size]))
+    strengths = {name for cause in fitted.causes for name, value in by_name(cause).neutral if math.isfinite(value)}
+    decade = math.log(_STRENGTHS) / math.sqrt(2.0 * math.pi)
+    for place, index in enumerate(problem.free):
+        if problem.model.names[index] in strengths:
+            sizes[place] = min(problem.scale[place], decade * abs(point[place]))
+    return np.asarray(sizes)
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Sets by falling evidence, with their posterior probability (each in the order of ``sets``).
+
+    ``left`` is what every set that was fitted leaves, in noise floors, those too that were searched on a part of the
+    data alone.
+    """
+
+    sets: tuple[Fitted, ...]
+    evidence: tuple[float, ...]
+    probability: tuple[float, ...]
+    left: Mapping[Causes, float] = field(default_factory=dict)
+
+    @property
+    def best(self) -> Fitted:
+        """The leading set: the likeliest, without causes that the data does not call for."""
+        return self.sets[0]
+
+    def led_by(self, leader: Fitted) -> Ranking:
+        """The same with one of its sets first."""
+        order = sorted(range(len(self.sets)), key=lambda i: self.sets[i] is not leader)
+        return replace(
+            self,
+            sets=tuple(self.sets[i] for i in order),
+            evidence=tuple(self.evidence[i] for i in order),
+            probability=tuple(self.probability[i] for i in order),
+        )
+
+    def of_cause(self, name: str) -> float:
+        """Probability that a cause acts, in whatever law: of all sets that hold it together."""
+        kind = by_name(name).cause()
+        return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if kind in kinds(fitted.causes))
+
+    def within(self, nats: float) -> list[Fitted]:
+        """Sets whose evidence is not more than this below the leading one."""
+        least = self.evidence[0] - nats
+        return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
+
+
+def _same_as(fitted: Fitted) -> set[Causes]:
+    """Simpler sets that the fitted model is: an effect ended without strength, or Stribeck's law without its peak."""
+    model, found = fitted.model, set()
+    for name in fitted.causes:
+        if all(model[parameter] == value for parameter, value in by_name(name).neutral):
+            found.add(fitted.causes - {name})
+    peaked = next((name for name in fitted.causes if by_name(name).cause() == "stribeck_friction"), None)
+    if peaked and model["static_force"] <= (1.0 + _NO_PEAK) * model["coulomb_force"]:
+        found.add(fitted.causes - {peaked} | {"coulomb_friction"})
+    return found
+
+
+def _ceilings(
+    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Fitted], scale: Scale
+) -> Iterator[float]:
+    """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
+
+    The marginal likelihood of a larger model is an average of such values, over the further parameters. Laplace's
+    determinant, taken where a law has a knee, may say otherwise.
+    """
+    for smaller, value in own.items():
+        if smaller < causes:
+            gain = scale.of(sets[causes]) - scale.of(sets[smaller])
+            yield value + max(gain, 0.0) + log_prior(causes - smaller)
+
+
+def _simpler(causes: Causes) -> Iterator[Causes]:
+    """The set with a law's limit in its place: the simple law of its cause, or Coulomb's friction."""
+    for name in causes:
+        if form_of := by_name(name).form_of:
+            yield causes - {name} | {form_of}
+        if name in HOLDING_COULOMB:
+            yield causes - {name} | {COULOMB}
+
+
+def _called_for(causes: Causes, sets: Mapping[Causes, Fitted], scale: Scale) -> bool:
+    """Whether a set is none that turned out to be a simpler one under another name.
+
+    That is one whose effect has no strength, and one whose law is no better than its limit.
+    """
+    if _same_as(sets[causes]) & set(sets):
+        return False
+    limits = [sets[one] for one in _simpler(causes) if one in sets]
+    return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in limits)
+
+
+def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
+    """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
+
+    A set that turned out to be a simpler one under another name is left out.
+    """
+    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
+    values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
+    order = sorted(values, key=lambda causes: -values[causes])
+    top = values[order[0]]
+    near = [one for one in order if kinds(one) <= kinds(order[0]) and values[one] >= top - CALLED]
+    first = min(near, key=lambda one: (len(one), _forms(one), -values[one]))
+    order.remove(first)
+    order.insert(0, first)
+    weights = np.exp(np.array([values[causes] for causes in order]) - top)
+    weights /= weights.sum()
+    return Ranking(
+        tuple(sets[causes] for causes in order),
+        tuple(values[causes] for causes in order),
+        tuple(float(w) for w in weights),
+    )
+
+
+def _forms(causes: Causes) -> int:
+    """Laws among them that are not the first, simple one of their cause."""
+    return sum(bool(by_name(name).form_of) for name in causes)
+
+
+def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
+    """Causes that could stand for ``name`` in the leading set without the data objecting, likeliest first."""
+    kind, rest = by_name(name).cause(), kinds(ranking.best.causes - {name})
+    found: list[str] = []
+    for fitted in ranking.within(DECISIVE):
+        if kind in kinds(fitted.causes) or not rest <= kinds(fitted.causes):
+            continue
+        for other in sorted(fitted.causes):
+            if by_name(other).cause() not in rest and other not in found:
+                found.append(other)
+    return tuple(found)

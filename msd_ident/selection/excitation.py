@@ -1,0 +1,44 @@
+"""Whether the force of an experiment asks the rig more than one question.
+
+A single step, a slow ramp and a release move the cart in one way, in which many causes look alike. What sets a cart
+swinging is a change of the force within a part of a swing: steps in both directions and sweeps have many of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+
+#: Quick changes of the force that an experiment needs: two pushes there and back.
+FEWEST = 4
+#: A change is quick within this part of a swing, and is one from this part of the force's range on.
+_QUICK, _CHANGE = 0.25, 0.1
+#: Instants at which the force is looked at in each quick time.
+_LOOKS = 4
+
+
+def poor(records: Sequence[Record], swing: float) -> bool:
+    """Whether the force changes quickly fewer than ``FEWEST`` times, or in one direction alone.
+
+    Args:
+        records: one experiment, whose changes count together.
+        swing: period of the plant's oscillation [s].
+    """
+    sizes = np.concatenate([changes(record, swing) for record in records])
+    return bool(sizes.size < FEWEST or np.all(sizes > 0.0) or np.all(sizes < 0.0))
+
+
+def changes(record: Record, swing: float) -> FloatArray:
+    """Quick rises (> 0) and falls (< 0) of a record's force, in its unit."""
+    quick = _QUICK * swing
+    count = min(int(np.ceil(record.duration / quick * _LOOKS)) + 1, 4 * record.samples)
+    time = np.linspace(record.time[0], record.time[-1], count)
+    force = record.force_at(np.append([np.nextafter(record.time[0], -np.inf)] * _LOOKS, time))
+    change = force[_LOOKS:] - force[:-_LOOKS] if force.size > _LOOKS else np.zeros(1)
+    limit = _CHANGE * float(np.ptp(force))
+    signs = np.where(np.abs(change) > limit, np.sign(change), 0.0)
+    begins = np.flatnonzero((signs != 0.0) & (np.concatenate(([0.0], signs[:-1])) != signs))
+    return np.asarray(change[begins])

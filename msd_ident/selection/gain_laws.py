@@ -1,0 +1,55 @@
+"""Other laws of the force's gain that a record does not tell from the one that leads.
+
+Of two sizes of force a record shows the ratio alone. A slope, a limit, a dead zone and a gain that depends on the sign
+then fit alike, each with a mass, damping and stiffness of its own.
+"""
+
+from __future__ import annotations
+
+from msd_ident.model.effects import by_name
+from msd_ident.selection.evidence import DECISIVE, Scale
+from msd_ident.selection.hypothesis import (
+    REACH,
+    Causes,
+    Experiment,
+    Fitted,
+    Start,
+    begin,
+    causes_that_fit,
+    finish,
+    refine,
+    switched_off,
+    without,
+)
+from msd_ident.selection.starting_points import proposals
+
+
+def alike(experiment: Experiment, best: Fitted, scale: Scale) -> list[Fitted]:
+    """The leading set with each other law of the force's gain that is not decisively less likely.
+
+    Args:
+        experiment: all data.
+        best: the leading set, fitted to it.
+        scale: how likelihoods are read there.
+    """
+    found = []
+    for name in sorted(best.causes):
+        if "input_map" not in by_name(name).laws():
+            continue
+        bare = refine(experiment, best.causes - {name}, *without(best, name))
+        for form in (name, *experiment.forms(name)):
+            causes = best.causes - {name} | {form}
+            if causes_that_fit(causes):
+                found += _fitted(experiment, causes, bare, best)
+    return [one for one in found if scale.of(one) > scale.of(best) - DECISIVE]
+
+
+def _fitted(experiment: Experiment, causes: Causes, bare: Fitted, best: Fitted) -> list[Fitted]:
+    """A set in each of its shapes (a slope, a limit), but for the one that ``best`` is."""
+    shapes: dict[Causes, list[Start]] = {}
+    for start in proposals(experiment, causes, [bare]):
+        shapes.setdefault(switched_off(start.fitted.model), []).append(start)
+    if causes == best.causes:
+        shapes.pop(switched_off(best.model), None)
+    reach = experiment.worse(best.chi, REACH)
+    return [finish(experiment, begin(experiment, starts, reach), best.chi) for starts in shapes.values()]

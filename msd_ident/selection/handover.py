@@ -1,0 +1,59 @@
+"""The model that a diagnosis hands over: its causes, refitted so that the simulation errs least.
+
+Causes are found with each run of equal readings counted once, and each record in units of its own noise. A model is
+used to simulate, and is compared by its plain error (SEE, eq. 14), as an identification's is; so it is refitted by
+that: from where the diagnosis ended and, where this leaves more than an identification of the same records, from there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate import FitResult, see
+from msd_ident.estimate.base_fits import Shared
+from msd_ident.estimate.least_squares import Outcome, minimise
+from msd_ident.estimate.multistart import limits
+from msd_ident.estimate.objective import SquaredError
+from msd_ident.model.effects import by_name
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Fitted
+
+
+def simulating(fitted: Fitted, shared: Shared) -> Outcome:
+    """Where the plain sum of squares is least (half of it [m²]), near where a set ended or near the shared fit."""
+    problem, objective = fitted.problem, SquaredError(fitted.problem)
+    best = minimise(objective, fitted.point, limits(problem))
+    known = _comparable(fitted, shared)
+    if _see(fitted, best.point) <= known.see:
+        return best
+    other = minimise(objective, _from_shared(fitted, known), limits(problem))
+    return min(best, other, key=lambda outcome: _see(fitted, outcome.point))
+
+
+def _see(fitted: Fitted, point: FloatArray) -> float:
+    """SEE [m] over all records."""
+    return see([fitted.problem.residual(point, r) for r in range(len(fitted.problem.records))])
+
+
+def _comparable(fitted: Fitted, shared: Shared) -> FitResult:
+    """The shared fit whose causes a set holds too: the joint one where it can, else the linear one."""
+    held = set(fitted.causes)
+    if held & set(HOLDING_COULOMB):
+        held.add(COULOMB)
+    return shared.joint if set(shared.joint.model.effect_names) <= held else shared.linear
+
+
+def _from_shared(fitted: Fitted, known: FitResult) -> FloatArray:
+    """Vector (p,) of the set at the shared fit: what that does not have is without strength, inside the bounds."""
+    model, problem = fitted.model, fitted.problem
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    for effect in model.effects:
+        values |= {name: value for name, value in by_name(effect.name).neutral if np.isfinite(value)}
+    values |= {name: known.model[name] for name in known.model.names if name in values}
+    rubs = known.model["coulomb_force"] if known.model.has(COULOMB) else 0.0
+    for law, name in HOLDING_COULOMB.items():
+        if law in fitted.causes:
+            values[name] = rubs
+    if "static_force" in values:
+        values["static_force"] = rubs
+    return np.clip(problem.vector(values, known.initial), problem.lower, problem.upper)

@@ -1,0 +1,414 @@
+"""Sets of causes, each fitted in the extended model with all parameters free, by simulation error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import resolution
+from msd_ident.estimate.broyden import State, Weighting, descend
+from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
+from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
+from msd_ident.model import Model
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.residuals import rest_response
+from msd_ident.residuals.noise_model import Readings
+
+Causes = frozenset[str]
+
+COULOMB = "coulomb_friction"
+#: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
+HOLDING_COULOMB = {
+    "stribeck_friction": "coulomb_force",
+    "stribeck_shape": "coulomb_force",
+    "load_dependent_friction": "coulomb_force",
+    "position_dependent_friction": "coulomb_force",
+    "hysteresis": "hysteresis_force",
+}
+_FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
+#: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
+_A_SWING = 20.0
+#: Times the samples asked for that are too many.
+_MANY = 2
+#: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
+_KICK, _FLOOR = 0.6, 1.5
+#: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
+_ASIDE = 6.0
+#: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
+FAR = 25.0
+#: A set whose error has this many times the variance of the best one's, and has stopped falling, is not refined
+#: further; so much sooner where the best one itself is far from the noise.
+_HOPELESS, _HOPELESS_FAR = 4.0, 1.5
+#: Times the variance of a set that leaves nothing but noise which a start may promise to be worth a look.
+REACH = 10.0
+#: Shapes of a model's error that are counted while a search goes on.
+SOUGHT = 40.0
+#: Part of a smaller set's chi² below which a first step's promise is no more than a hint.
+_MUCH = 0.5
+#: Relative error that the estimate of the noise's variance may have.
+NOISE_ERROR = 0.1
+#: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
+_SLACK, _SLACK_FAR = 1e-3, 5e-3
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """The data and what the base model is: what every candidate shares.
+
+    ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
+    ``rests`` are stretches of the records in which the cart stands still, and which the fits leave out. ``asked`` are
+    the only causes in question, where not all of the library are.
+    """
+
+    readings: tuple[Readings, ...]
+    base: Model
+    fixed: frozenset[str]
+    rests: tuple[Readings, ...] = ()
+    asked: frozenset[str] | None = None
+
+    @property
+    def evidence(self) -> float:
+        """Pieces of evidence in all records."""
+        return sum(part.evidence for part in self.readings)
+
+    def worse(self, chi: float, times: float) -> float:
+        """The chi² whose error along ``SOUGHT`` shapes has so many times the variance of that which leaves ``chi``.
+
+        What is left above the noise by less than the noise's own error is noise.
+        """
+        above = max(chi - (1.0 + NOISE_ERROR) * self.evidence, 0.0)
+        return chi + (times - 1.0) * (SOUGHT + above)
+
+    def thinned(self, keep: int) -> Experiment:
+        """The same with about ``keep`` samples in all: every few, but ``_A_SWING`` of them or more in each swing, and
+        where that are too many still, a stretch of a record that goes on in the same way.
+        """
+        total = sum(part.record.samples for part in self.readings)
+        swing = 2.0 * math.pi * self.typical.time
+        parts = []
+        for part in self.readings:
+            fewest = int(_A_SWING * part.record.duration / swing)
+            own = max(keep * part.record.samples // total, 200)
+            few = part.thinned(max(own, fewest))
+            parts.append(few.stretch(own) if few.record.samples > _MANY * own else few)
+        return replace(self, readings=tuple(parts))
+
+    def with_mean_force(self) -> Experiment:
+        """The same with one force between any two samples, which is simulated in fewer steps."""
+        return replace(self, readings=tuple(part.with_mean_force() for part in self.readings))
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The records."""
+        return tuple(part.record for part in self.readings)
+
+    @cached_property
+    def library(self) -> tuple[str, ...]:
+        """Names of the causes that can act here: none on the spring without one, none on the force without any."""
+        sprung = "stiffness" not in self.fixed
+        forced = any(bool(np.any(record.force_at(record.time))) for record in self.records)
+        return tuple(
+            effect.name
+            for effect in LIBRARY
+            if (sprung or not effect.needs_spring)
+            and (forced or effect.acts_on != "input")
+            and any(effect.fits(record) for record in self.records)
+            if self.asked is None or effect.name in self.asked
+        )
+
+    @property
+    def tried_alone(self) -> tuple[str, ...]:
+        """Those that are tried whatever explains the data so far: all but forms of a cause's simple law."""
+        return tuple(name for name in self.library if by_name(name).stands_alone or not by_name(name).form_of)
+
+    def forms(self, name: str) -> tuple[str, ...]:
+        """Other laws of the same cause."""
+        cause = by_name(name).cause()
+        return tuple(other for other in self.library if by_name(other).cause() == cause and other != name)
+
+    @cached_property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """Free entries of each record: the same for all candidates."""
+        return pose(self.base, self.records, self.fixed).nuisances
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Where inner parameters of the laws make sense."""
+        return resolution.ranges(self.records, self.base)
+
+    @cached_property
+    def typical(self) -> Magnitudes:
+        """Yardsticks of the records."""
+        return magnitudes(self.records, self.base.mass)
+
+    def problem(self, model: Model, held: frozenset[str] = frozenset()) -> Problem:
+        """The fitting problem of a model on these records, the parameters ``held`` as the model has them."""
+        fixed = self.fixed | held | switched_off(model)
+        return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
+
+
+def posed(
+    experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
+) -> tuple[Problem, Weighting, FloatArray]:
+    """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds.
+
+    Parameters ``held`` stay as the model has them.
+    """
+    problem = experiment.problem(model, held)
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    return problem, weigh(problem, experiment.readings), point
+
+
+def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
+    """A problem in units of the noise, each run of equal readings counted once; samples with mask 0 left out."""
+    if masks is None:
+        return Weighting(problem, tuple(part.root for part in readings))
+    factors = [part.factor * mask for part, mask in zip(readings, masks, strict=True)]
+    return Weighting(problem, tuple(np.sqrt(factor) for factor in factors))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A set of causes, fitted: the model, its problem, and the state in which the descent ended."""
+
+    causes: Causes
+    model: Model
+    problem: Problem
+    state: State
+    rests: tuple[Readings, ...] = ()
+
+    @property
+    def chi(self) -> float:
+        """Sum of squares in units of the noise."""
+        return self.state.chi
+
+    @cached_property
+    def stirred(self) -> float:
+        """The same of what its causes would do to the cart where it rests."""
+        return sum(rest_response.chi(self.model, rest) for rest in self.rests)
+
+    @property
+    def point(self) -> FloatArray:
+        """Vector of the problem."""
+        return self.state.point
+
+    @property
+    def information(self) -> FloatArray:
+        """Information matrix (p, p) in units of the noise."""
+        return self.state.normal
+
+    @property
+    def initial(self) -> tuple[Initial, ...]:
+        """State and zero of each record."""
+        return self.problem.initials(self.point)
+
+    @property
+    def free_parameters(self) -> int:
+        """Parameters that were free, those of single records left out."""
+        return len(self.problem.free)
+
+    @cached_property
+    def _residuals(self) -> tuple[FloatArray, ...]:
+        return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))
+
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Model − data of each record [m]."""
+        return self._residuals
+
+
+def switched_off(model: Model) -> frozenset[str]:
+    """Parameters that are not fitted: they state something, or stand for the absence of a part of an effect (a limit at
+    infinity, and the slope beside a limit).
+    """
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    off = {name for name, value in values.items() if math.isinf(value)} | {n for e in model.effects for n in e.held}
+    if values.get("gain_slope") == 0.0 and "force_limit" not in off:
+        off.add("gain_slope")
+    return frozenset(off)
+
+
+def causes_that_fit(causes: Causes) -> bool:
+    """Whether the effects make sense together."""
+    families = [by_name(name).family for name in causes if by_name(name).family]
+    kinds = [by_name(name).cause() for name in causes]
+    return len(families) == len(set(families)) and len(kinds) == len(set(kinds))
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
+
+    A start is judged by its promise, not by where it stands: a guess of the wrong size but the right shape is a good
+    one. ``beside`` is the chi² of the smaller set next to which it stands.
+    """
+
+    promise: float
+    fitted: Fitted
+    beside: float
+
+    @property
+    def turn(self) -> float:
+        """When its set's turn comes, the least first: what promises to take most away is the likeliest to do more."""
+        promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
+        return promise * math.sqrt(promise / max(self.beside, 1e-300))
+
+    def worth(self, reach: float) -> bool:
+        """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""
+        return self.promise < max(reach, _MUCH * self.beside)
+
+
+def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:
+    """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
+    best first.
+    """
+    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
+    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
+    return sorted(ahead, key=lambda fitted: fitted.chi)
+
+
+def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fitted:
+    """The best of a set's beginnings, refined.
+
+    Args:
+        least: chi² of the best set so far: a set that stays far above it is not refined to the last digit.
+    """
+    refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
+    best = min(refined, key=lambda fitted: fitted.chi)
+    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+        return best
+    kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
+    return min([best, *kicked], key=lambda fitted: fitted.chi)
+
+
+def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
+    """A few steps down from where there may be another valley.
+
+    From either side of a harmonic law's phase: where a cart sticks in its wells, the surface has valleys within a
+    cycle. And from where the records begin, if the fit has left it: a smaller model makes up for what it lacks with a
+    cart that begins aside, and with friction a larger one does not find back.
+    """
+    weighting = weigh(fitted.problem, experiment.readings)
+    found = []
+    point = _begun(experiment, fitted)
+    if not np.array_equal(point, fitted.point):
+        state = weighting.exact(point, weighting.steps(fitted.state))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+    for entry, name in enumerate(fitted.problem.names):
+        if not name.endswith("_phase"):
+            continue
+        for turn in (-_KICK, _KICK):
+            point = fitted.point.copy()
+            point[entry] += turn
+            state = State(point, weighting.residual(point), fitted.state.jacobian, False)
+            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+    return found
+
+
+def _begun(experiment: Experiment, fitted: Fitted) -> FloatArray:
+    """The fitted vector (p,) with each record begun at its first reading, where it begins far from it."""
+    problem, point = fitted.problem, fitted.point.copy()
+    for entry, nuisance in enumerate(problem.nuisances, start=len(problem.free)):
+        if nuisance.kind == "initial position":
+            part = experiment.readings[nuisance.record]
+            first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
+            if abs(point[entry] - first) > _ASIDE * part.noise:
+                point[entry] = first
+    return np.asarray(np.clip(point, problem.lower, problem.upper))
+
+
+def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
+    """Beginnings that did not meet in one valley."""
+    kept: list[Fitted] = []
+    for fitted in begun:
+        if all(abs(fitted.chi - other.chi) > 1e-3 * other.chi for other in kept):
+            kept.append(fitted)
+    return kept
+
+
+def _settled(experiment: Experiment, fitted: Fitted, least: float) -> Fitted:
+    for _ in range(_CHUNKS):
+        before = fitted.chi
+        fitted = _lower(experiment, fitted, _CHUNK)
+        fall = before - fitted.chi
+        if fall <= _settled_gain(experiment, fitted):
+            break
+        if fitted.chi > _hopeless(experiment, least) and fall < 0.5 * before:
+            return fitted
+    return exactly(experiment, fitted) if fitted.chi < _hopeless(experiment, least) else fitted
+
+
+def _hopeless(experiment: Experiment, least: float) -> float:
+    """The chi² above which a set has lost against one that leaves ``least``.
+
+    Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
+    """
+    if least > FAR * experiment.evidence:
+        return least * _HOPELESS_FAR
+    return experiment.worse(least, _HOPELESS)
+
+
+def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:
+    """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
+    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
+    return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
+
+
+def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
+    """The same with a Jacobian computed at its very point, after a last step with it."""
+    if fitted.state.exact:
+        return fitted
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = weighting.exact(fitted.point, weighting.steps(fitted.state))
+    state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
+    if not state.exact:
+        state = weighting.exact(state.point, weighting.steps(state))
+    return _at(experiment, fitted.causes, fitted.problem, state)
+
+
+def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Fitted:
+    """A set refined from given values to the last digit."""
+    problem, weighting, point = posed(experiment, model, initial)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
+    return exactly(experiment, _at(experiment, causes, problem, state))
+
+
+def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
+    """A fitted model without one of its effects, the other parameters moved as the effect fades.
+
+    With sensitivities J of the residual, the strengths r go to their neutral values by Δr, and the others o follow by
+    Δo = -(Jo Jo')⁻¹ Jo Jr' Δr, which keeps the residual as it is as far as they can.
+    """
+    problem, point = fitted.problem, fitted.point
+    fade = np.zeros(point.size)
+    gone = np.zeros(point.size, dtype=bool)
+    neutral = dict(by_name(name).neutral)
+    for parameter in by_name(name).parameters:
+        if parameter.name in problem.names:
+            entry = problem.names.index(parameter.name)
+            gone[entry] = True
+            value = neutral.get(parameter.name, math.inf)
+            fade[entry] = value - point[entry] if math.isfinite(value) else 0.0
+    rows = fitted.state.jacobian
+    follow = np.linalg.lstsq(rows[~gone].T, -fade @ rows, rcond=1e-10)[0]
+    moved = point.copy()
+    moved[~gone] = np.clip(point[~gone] + follow, problem.lower[~gone], problem.upper[~gone])
+    model = fitted.model.with_values(problem.values(moved))
+    return replace(model, effects=tuple(e for e in model.effects if e.name != name)), problem.initials(moved)
+
+
+def _lower(experiment: Experiment, fitted: Fitted, steps: int) -> Fitted:
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
+    return _at(experiment, fitted.causes, fitted.problem, state)
+
+
+def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Fitted:
+    return Fitted(causes, problem.model.with_values(problem.values(state.point)), problem, state, experiment.rests)

@@ -1,0 +1,111 @@
+"""Which of the explanations that the data cannot tell apart is the one that is named.
+
+The set leads that ``evidence.rank`` puts first, unless it names a cause with less probability than one that it
+leaves out: then the next that does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from msd_ident.model.effects import by_name
+from msd_ident.selection import evidence
+from msd_ident.selection.cross_validation import HeldOut, predict
+from msd_ident.selection.evidence import Ranking
+from msd_ident.selection.hypothesis import Causes, Experiment, Fitted
+
+#: Probability from which a cause is named with certainty.
+CERTAIN = 0.9
+#: Sums of the same probabilities in another order differ by no more.
+_ROUNDING = 1e-9
+#: Leading sets that are asked whether they predict.
+_REFUSED = 3
+
+
+def leading(ranking: Ranking) -> Ranking:
+    """The ranking led by a set that names no cause with less probability than one that it leaves out.
+
+    Asked are the leader and those within ``DECISIVE`` of the likeliest set, in their order. Where each names such a
+    cause, the set leads for which the difference is least, and ``tied`` lists what it leaves out. A set without causes
+    names none, so it stays in the lead.
+    """
+    if not ranking.best.causes:
+        return ranking
+    near = max(ranking.evidence) - evidence.DECISIVE
+    found = [one for one, value in zip(ranking.sets, ranking.evidence, strict=True) if value >= near and one.causes]
+    asked = [ranking.best, *(one for one in found if one is not ranking.best)]
+    margins = [margin(ranking, one.causes) for one in asked]
+    fair = [one for one, value in zip(asked, margins, strict=True) if value >= -_ROUNDING]
+    return ranking.led_by(fair[0] if fair else asked[margins.index(max(margins))])
+
+
+def predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Ranking, Fitted, HeldOut]:
+    """The leading set that predicts left-out data better than the base, or the base itself, and the ranking then.
+
+    A set that does not is no explanation: the ranking is without it. Where the base leads, only because few
+    independent samples are left to speak against it, the likeliest set stands when it predicts better beyond doubt.
+    """
+    if not ranking.best.causes and len(ranking.sets) > 1:
+        likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
+        other = leading(ranking.led_by(likeliest))
+        heldout = predict(experiment, base, other.best)
+        if likeliest.causes and heldout.interval_percent[0] > 0.0:
+            return other, other.best, heldout
+    left = leading(ranking)
+    for _ in range(_REFUSED):
+        if not left.best.causes:
+            break
+        heldout = predict(experiment, base, left.best)
+        if heldout.better:
+            return left, left.best, heldout
+        if len(left.sets) == 1:
+            break
+        left = leading(without(left, left.best))
+    return ranking, base, predict(experiment, base, base)
+
+
+def margin(ranking: Ranking, named: Causes) -> float:
+    """Least probability of a named cause, less the greatest of one that is not; infinite where none is named."""
+    others = evidence.kinds(_all(ranking.sets)) - evidence.kinds(named)
+    least = min((ranking.of_cause(name) for name in named), default=math.inf)
+    return least - max((ranking.of_cause(name) for name in others), default=0.0)
+
+
+def without(ranking: Ranking, refused: Fitted) -> Ranking:
+    """The ranking without one of its sets, the probabilities those given that it is not the right one."""
+    kept = [i for i, one in enumerate(ranking.sets) if one is not refused]
+    total = sum(ranking.probability[i] for i in kept)
+    return replace(
+        ranking,
+        sets=tuple(ranking.sets[i] for i in kept),
+        evidence=tuple(ranking.evidence[i] for i in kept),
+        probability=tuple(ranking.probability[i] / total if total > 0.0 else 1.0 / len(kept) for i in kept),
+    )
+
+
+def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
+    """Causes that could stand for ``name`` of the leading set: with its other causes, or in a set of their own.
+
+    The latter count where ``name`` is not certain; a cause that is left out though it is more probable always does.
+    """
+    sure, named = ranking.of_cause(name), ranking.best.causes
+    found = list(evidence.alternatives(ranking, name))
+    if not found and sure < CERTAIN:
+        kind = by_name(name).cause()
+        near = [one for one in ranking.within(evidence.DECISIVE) if kind not in evidence.kinds(one.causes)]
+        found += _unnamed(near, named)
+    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + _ROUNDING]
+    return tuple(dict.fromkeys(found))
+
+
+def _unnamed(sets: Iterable[Fitted], named: Causes) -> list[str]:
+    """Laws of these sets whose cause is not named in another form, sorted."""
+    known = evidence.kinds(named)
+    return sorted(name for name in _all(sets) if by_name(name).cause() not in known)
+
+
+def _all(sets: Iterable[Fitted]) -> frozenset[str]:
+    """All causes of these sets."""
+    return frozenset().union(*(one.causes for one in sets))

@@ -1,0 +1,224 @@
+"""The leading explanations of an experiment, simulated and diagnosed again: the rows of ``calibration``."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident import cancellation, seeds
+from msd_ident.data.record import Record
+from msd_ident.model.effects import by_name
+from msd_ident.residuals import noise_model
+from msd_ident.residuals.adequacy import judge
+from msd_ident.selection import coarse_to_fine, evidence, naming
+from msd_ident.selection.calibration import Calibration, Row, corrected
+from msd_ident.selection.evidence import Ranking, Scale
+from msd_ident.selection.excitation import poor
+from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Fitted, causes_that_fit, posed, refine
+from msd_ident.selection.structure_search import NOTHING, Progress
+from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
+
+#: Evidence [nats] that a rival may lack and still be one of the leading explanations, and how many for each cause.
+NEAR, _RIVALS = 12.0, 3
+#: Copies of a row; of one whose strengths are drawn by lot, so that one accident of many leaves a name certain; and
+#: copies without a cause that a certain name needs at least.
+COPIES, _LOTS, _ENOUGH = 8, 16, 20
+#: Cost up to which copies are made unasked: measured at 3 to 40 s of processor time; and samples whose simulation costs
+#: as much as what is done around it.
+_CHEAP, _OVERHEAD = 1e7, 2000
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """One of the leading explanations: fitted, or of any strength beside the leading set where it is not."""
+
+    causes: Causes
+    fitted: Fitted | None
+
+
+@dataclass(frozen=True)
+class Study:
+    """What all copies share.
+
+    Attributes:
+        experiment: the measured one, asked about the causes of the leading explanations alone.
+        thin: a part of its samples, on which strengths by lot are brought to the record.
+        lead: the leading set.
+        plain: the base model and the one with Coulomb friction, fitted: where a copy's diagnosis begins.
+        scale: in which parameters are known.
+        disturbed: what is added to a copy's motion.
+    """
+
+    experiment: Experiment
+    thin: Experiment
+    lead: Fitted
+    plain: tuple[Fitted, ...]
+    scale: Scale
+    disturbed: Disturbed
+
+    def copy(self, of: Explanation, number: tuple[int, int]) -> tuple[Imagined, tuple[Record, ...]]:
+        """One copy of an explanation: the rig that is imagined, and its records."""
+        rng = np.random.default_rng([seeds.CALIBRATION, *number])
+        if of.fitted is not None:
+            found = drawn(of.fitted, self.scale, rng)
+        else:
+            found = whole(self.experiment, of_any_strength(self.thin, self.lead, of.causes, rng))
+        return found, self.disturbed.copy(found, rng)
+
+    def said(self, records: Sequence[Record]) -> Causes:
+        """The causes that a diagnosis of a copy names."""
+        measured = self.experiment.readings
+        parts = [
+            noise_model.of_record(made, part.noise, part.step) for made, part in zip(records, measured, strict=True)
+        ]
+        experiment = replace(self.experiment, readings=tuple(parts))
+        plain = tuple(refine(experiment, one.causes, one.model, one.initial) for one in self.plain)
+        if judge(plain[0].residuals(), parts).consistent:
+            return NOTHING
+        ranking = coarse_to_fine.search(experiment, (plain[0], plain[-1]), _silent)
+        return naming.leading(ranking).best.causes
+
+
+def _silent(stage: str, fraction: float, cause: str) -> None:
+    """Report to nobody."""
+
+
+def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
+    """The leading set; for each of its causes what comes near without it, other laws of its family, and nothing in its
+    place.
+    """
+    lead = ranking.best
+    fitted = {one.causes: one for one in ranking.sets}
+    found: dict[Causes, Fitted | None] = {lead.causes: lead}
+    top = max(ranking.evidence)
+    for cause in sorted(lead.causes):
+        near = [
+            one
+            for one, value in zip(ranking.sets, ranking.evidence, strict=True)
+            if by_name(cause).cause() not in evidence.kinds(one.causes) and value > top - NEAR
+        ]
+        for one in near[:_RIVALS]:
+            found.setdefault(one.causes, one if one.causes < lead.causes else None)
+        for other in _family(cause, library):
+            wanted = lead.causes - {cause} | {other}
+            if causes_that_fit(wanted):
+                found.setdefault(wanted, None)
+        if (without := lead.causes - {cause}) in fitted:
+            found.setdefault(without, fitted[without])
+    return [Explanation(causes, one) for causes, one in found.items()]
+
+
+def _family(cause: str, library: Sequence[str]) -> list[str]:
+    """Other laws of a cause's family."""
+    family, kind = by_name(cause).family, by_name(cause).cause()
+    others = [name for name in library if by_name(name).cause() != kind and not by_name(name).form_of]
+    return [name for name in others if family and by_name(name).family == family]
+
+
+def checked(
+    experiment: Experiment, base: Fitted, ranking: Ranking, asked: bool, progress: Progress
+) -> tuple[Ranking, Calibration | None]:
+    """The ranking as copies of the experiment correct it, and their matrix.
+
+    The ranking is left as it is, without a matrix, where no cause is named; and unless ``asked`` where the experiment
+    is not poor or the copies would cost more than ``_CHEAP``.
+    """
+    if not ranking.best.causes:
+        return ranking, None
+    rows = explanations(ranking, experiment.library)
+    counts = _copies(rows)
+    if not asked and not (_poor(experiment, base) and cost(experiment, rows, counts) <= _CHEAP):
+        return ranking, None
+    study = _study(experiment, base, ranking, rows)
+    tasks = [(row, number) for row, count in enumerate(counts) for number in range(count)]
+    answers, imagined = _all(study, rows, tasks, progress)
+    made = []
+    for index, row in enumerate(rows):
+        said = Counter(causes for (place, _), causes in zip(tasks, answers, strict=True) if place == index)
+        made.append(Row(row.causes, row.fitted is None, dict(said)))
+    standins = {causes: _stood(experiment, found) for causes, found in imagined.items()}
+    after = corrected(ranking, made, standins)
+    names = sorted(ranking.best.causes)
+    stated, allowed = ({name: one.of_cause(name) for name in names} for one in (ranking, after))
+    return after, Calibration(tuple(made), stated, allowed)
+
+
+def _study(experiment: Experiment, base: Fitted, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
+    """What the copies share; the model with Coulomb friction is one that a diagnosis begins with."""
+    asked = frozenset().union(*(row.causes for row in rows))
+    asking = replace(experiment, asked=asked)
+    friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
+    scale = evidence.scale_from(list(ranking.sets), experiment.readings)
+    lead, thin = ranking.best, asking.thinned(coarse_to_fine.MOST_SAMPLES)
+    return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
+
+
+def _poor(experiment: Experiment, base: Fitted) -> bool:
+    """Whether the force asks the rig little; a plant without a spring swings as long as a twentieth of its record."""
+    mass, stiffness = base.model.mass, base.model.stiffness
+    longest = max(record.duration for record in experiment.records)
+    swing = 2.0 * math.pi * math.sqrt(mass / stiffness) if stiffness > 0.0 else longest / 20.0
+    return poor(experiment.records, swing)
+
+
+def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[int]) -> float:
+    """Samples simulated for each trial of a set, times sets, of all copies' searches: counted, never measured.
+
+    A search tries each cause alone and beside the leaders: about the square of how many are asked for.
+    """
+    asked = len(frozenset().union(*(row.causes for row in rows)))
+    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
+    return float(samples * sum(counts) * max(asked, 1) ** 2)
+
+
+def _copies(rows: Sequence[Explanation]) -> list[int]:
+    """Copies of each row: more where few rows lack a cause, which certainty needs."""
+    counts = [COPIES if row.fitted is not None else _LOTS for row in rows]
+    for cause in sorted(rows[0].causes):
+        lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
+        for i in lacking:
+            counts[i] = max(counts[i], math.ceil(_ENOUGH / len(lacking)))
+    return counts
+
+
+def _all(
+    study: Study, rows: Sequence[Explanation], tasks: Sequence[tuple[int, int]], progress: Progress
+) -> tuple[list[Causes], dict[Causes, Imagined]]:
+    """What each copy was called, and of explanations of any strength the draw nearest to the record."""
+    nearest: dict[Causes, tuple[float, Imagined]] = {}
+    answers: list[Causes] = []
+
+    def one(task: tuple[int, int]) -> tuple[Imagined, Causes]:
+        imagined, records = study.copy(rows[task[0]], task)
+        return imagined, study.said(records)
+
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        jobs = [pool.submit(cancellation.carried(one), task) for task in tasks]
+        try:
+            for number, (task, job) in enumerate(zip(tasks, jobs, strict=True)):
+                imagined, said = job.result()
+                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), "")
+                answers.append(said)
+                left = _chi(study.experiment, imagined)
+                if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
+                    nearest[imagined.causes] = (left, imagined)
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    return answers, {causes: found for causes, (_, found) in nearest.items()}
+
+
+def _chi(experiment: Experiment, found: Imagined) -> float:
+    return sum(part.chi(left) for part, left in zip(experiment.readings, found.residuals(), strict=True))
+
+
+def _stood(experiment: Experiment, found: Imagined) -> Fitted:
+    """A set as drawn, as if it had been fitted there."""
+    model = found.problem.model.with_values(found.problem.values(found.point))
+    problem, weighting, point = posed(experiment, model, found.problem.initials(found.point))
+    return Fitted(found.causes, model, problem, weighting.exact(point, weighting.steps(None)))

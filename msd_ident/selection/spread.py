@@ -1,0 +1,21 @@
+"""How far the numbers move between explanations that the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from msd_ident.selection.hypothesis import Fitted
+
+_WATCHED = ("mass", "damping", "stiffness", "coulomb_force")
+
+
+def between(sets: Sequence[Fitted]) -> dict[str, tuple[float, float]]:
+    """Least and largest value of m, b, k and Fc over sets that fit alike and have them; empty for a single set."""
+    if len(sets) < 2:
+        return {}
+    found = {}
+    for name in _WATCHED:
+        values = [fitted.model[name] for fitted in sets if name in fitted.model.names]
+        if len(values) > 1:
+            found[name] = (min(values), max(values))
+    return found

@@ -1,0 +1,174 @@
+"""Where a set of causes starts: next to the smaller sets that are fitted already, or from a regression."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.broyden import Weighting, extended, step
+from msd_ident.estimate.formulation import regressed
+from msd_ident.estimate.problem import Initial, Problem
+from msd_ident.estimate.regression_init import LINEAR
+from msd_ident.model import Model
+from msd_ident.model.effects import by_name
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Experiment, Fitted, Start, posed
+from msd_ident.selection.starting_values import from_coulomb, guesses
+
+_KEPT = 3
+#: Relative difference of two promises that are one.
+_SAME = 1e-3
+#: Part of a guess's strength that is tried where the whole of it makes the fit worse.
+_WEAK = 0.05
+#: Part of what the whole guess promises, below which it is taken in that strength.
+_CLEARLY = 0.5
+_DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
+#: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
+#: tried then at several places, in parts of the reach.
+_ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+
+
+def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
+    """Models to start from: the parent's values, with guesses for the effects that it lacks.
+
+    A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
+    """
+    kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
+    plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
+    models = [replace(plant, effects=kept)]
+    liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
+    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
+    seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
+    largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
+    rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
+    if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
+        return []  # a parent that ended without a spring is no place to bend it
+    for name in sorted(causes - parent.causes):
+        simple = next((effect for effect in parent.model.effects if effect.name == by_name(name).form_of), None)
+        if simple is not None and simple.name not in causes:
+            found = by_name(name).from_simple(simple, seen, plant)
+        elif rubs > 0.0 and name in HOLDING_COULOMB:
+            found = from_coulomb(name, plant, seen, rubs)
+        else:
+            found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)
+        models = [model + guess for model in models for guess in found]
+    return models
+
+
+def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+    """Starts of a set, the most promising first; empty when there is none.
+
+    The best few next to the parents, and those by regression beside them: neither kind's promises may crowd out the
+    other's.
+    """
+    found = []
+    near = [starts(experiment, causes, parent) for parent in parents]
+    for parent, models in zip(parents, near, strict=True):
+        for model in models:
+            start = _beside(experiment, causes, parent, model)
+            if start.fitted.chi > parent.chi and parent.causes < causes:
+                weak = _beside(experiment, causes, parent, _weakened(model, causes - parent.causes))
+                start = weak if weak.promise < _CLEARLY * start.promise else start
+            found.append(start)
+    found = _distinct(sorted(found, key=lambda start: start.promise))[:_KEPT]
+    return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
+
+
+def _distinct(found: Sequence[Start]) -> list[Start]:
+    """Starts, sorted by what they promise, that do not lead to the same place."""
+    pairs = zip(found, found[1:], strict=False)
+    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + _SAME) * before.promise]
+
+
+def _beside(experiment: Experiment, causes: Causes, parent: Fitted, model: Model) -> Start:
+    """A start next to a fitted parent, whose Jacobian it takes over."""
+    problem, weighting, point = posed(experiment, model, parent.initial)
+    state = extended(weighting, parent.problem, parent.state, point)
+    promised = step(problem, state, _DAMPED)[1]
+    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), parent.chi)
+
+
+def _weakened(model: Model, names: Causes) -> Model:
+    """The model with these effects close to doing nothing: a guess that is too strong hides which way leads down."""
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    weak = {
+        name: neutral + _WEAK * (values[name] - neutral)
+        for effect in names
+        for name, neutral in by_name(effect).neutral
+        if math.isfinite(neutral) and math.isfinite(values[name])
+    }
+    return model.with_values(weak)
+
+
+def regressions(
+    experiment: Experiment, causes: Causes, parents: Sequence[Fitted], models: Sequence[Model]
+) -> list[Start]:
+    """Starts by linear regression on the equation of motion, where the base model is so far off that no start next to
+    it leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
+    What does not come linear is tried as ``models`` next to the first parent have it.
+    """
+    beside = min(parent.chi for parent in parents)
+    left = math.sqrt(beside / experiment.evidence)
+    if left < _ASTRAY or parents[0].causes:
+        return []
+    tried: dict[tuple[float, ...], Model] = {}
+    for model in models:
+        for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
+            inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
+            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
+                tried.setdefault(inner, bent)
+    found = []
+    for model in tried.values():
+        for start in regressed(experiment.problem(model)):
+            initial = [Initial(*state) for state in start.initial]
+            problem, weighting, point = posed(experiment, model.with_values(start.values), initial)
+            residual = weighting.residual(point)
+            found.append((float(residual @ residual), problem, weighting, point))
+    found.sort(key=lambda one: one[0])
+    return [_exact_start(experiment, causes, _placed(experiment, *one[1:]), beside) for one in found[:2]]
+
+
+def _placed(
+    experiment: Experiment, problem: Problem, weighting: Weighting, point: FloatArray
+) -> tuple[Problem, Weighting, FloatArray]:
+    """The start with mass, spring and each record's state and zero brought to the samples, the other forces kept.
+
+    What a regression says of small forces is good, where it puts the cart is not; all moved at once, the large error
+    of the place would be laid on the small forces, and the cart stick where it should not.
+    """
+    model = problem.model.with_values(problem.values(point))
+    others = frozenset(model.names) - {"mass", "stiffness"}
+    bare, units, place = posed(experiment, model, problem.initials(point), others)
+    chi, best = math.inf, place
+    for _ in range(_PLACINGS):
+        state = units.exact(place, units.steps(None))
+        if not state.chi < chi:
+            break
+        move, promised = step(bare, state, _DAMPED)
+        chi, best = state.chi, place
+        if promised < _WORTH_PLACING * chi:
+            break
+        place = np.clip(place + move, bare.lower, bare.upper)
+    values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
+    return problem, weighting, problem.vector(values, bare.initials(best))
+
+
+def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
+    """The model with its end stop at several places within reach, itself without one."""
+    if "stop_position" not in model.names:
+        return [model]
+    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
+    return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
+
+
+def _exact_start(
+    experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray], beside: float
+) -> Start:
+    problem, weighting, point = start
+    state = weighting.exact(point, weighting.steps(None))
+    model = problem.model.with_values(problem.values(point))
+    promised = step(problem, state, _DAMPED)[1]
+    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), beside)

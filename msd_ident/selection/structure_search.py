@@ -1,0 +1,316 @@
+"""The search for the set of causes: add one, swap one, drop one, until no neighbour is better.
+
+Every cause of the library is fitted at every step. A greedy ladder is caught by its first mistake (friction looks like
+hysteresis until the spring is right); here the leading set is left only when all sets that differ from it by one cause
+have been fitted and none has more evidence.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TypeVar
+
+from msd_ident import cancellation
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model
+from msd_ident.model.effects import by_name
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.selection.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.selection.hypothesis import (
+    COULOMB,
+    FAR,
+    HOLDING_COULOMB,
+    REACH,
+    SOUGHT,
+    Causes,
+    Experiment,
+    Fitted,
+    Start,
+    begin,
+    causes_that_fit,
+    finish,
+    posed,
+    refine,
+    without,
+)
+from msd_ident.selection.starting_points import proposals
+
+_Task = TypeVar("_Task", Causes, list[Start], list[Fitted])
+_Done = TypeVar("_Done")
+
+#: ``progress(stage, fraction of the work done, cause being tried)``; what it raises ends the diagnosis.
+Progress = Callable[[str, float, str], None]
+
+#: A set, its model, and each record's state and zero, as fitted to less data.
+Remembered = tuple[Causes, Model, Sequence[Initial]]
+
+NOTHING: Causes = frozenset()
+LARGEST = 4
+#: Longest time for which a thread keeps the interpreter from the others [s].
+_TURN = 5e-5
+#: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
+#: repair, the library does not repair.
+_ROUNDS, _ROUNDS_FAR = 5, 2
+#: Sets of a round that are fitted before the others, and those that follow them.
+_AHEAD = (4, 12)
+#: A rival that leaves this many times the leader's chi² is not begun again.
+_REJOIN = 4.0
+#: A second parent is worth starting from when it leaves not more than this many times what the first one does.
+_COMPARABLE = 3.0
+
+
+@dataclass
+class Search:
+    """Sets fitted so far on one experiment.
+
+    Attributes:
+        experiment: the data.
+        sets: all sets fitted, by their causes.
+        at_floor: tells whether a fitted set leaves nothing but noise: then nothing is added to it.
+        progress: told about each set; ``told`` is the fraction that it last heard.
+        tried, pruned: sets that need no fit, and leaders that need no second look, any more.
+    """
+
+    experiment: Experiment
+    at_floor: Callable[[Fitted], bool]
+    progress: Progress
+    sets: dict[Causes, Fitted] = field(default_factory=dict)
+    tried: set[Causes] = field(default_factory=set)
+    pruned: set[Causes] = field(default_factory=set)
+    told: float = 0.0
+
+    def run(self, base: Fitted, known: Sequence[Fitted] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
+        """Search from the base model, from sets that are fitted already, and from what stood on less data."""
+        for fitted in (base, *known):
+            self.sets[fitted.causes] = fitted
+            self.tried.add(fitted.causes)
+        for causes, model, initial in remembered:
+            self._keep(refine(self.experiment, causes, model, initial))
+        self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
+        leader = self._leader()
+        if not self.at_floor(leader):
+            self._fit(self._reformed(leader.causes), 0.35, 0.36)
+            leader = self._leader()
+        if not self.at_floor(leader):
+            # Friction is what most often stands beside another cause.
+            companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
+            self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
+        return self._walk()
+
+    def resume(self, sets: Sequence[Fitted]) -> Ranking:
+        """Go on from sets that were found on part of the data and are fitted to all of it."""
+        for fitted in sets:
+            self.sets[fitted.causes] = fitted
+            self.tried.add(fitted.causes)
+        return self._walk()
+
+    def compared(self, sets: Sequence[Fitted]) -> Ranking:
+        """Sets that were found on part of the data and are fitted to all of it, those simpler than the leader again
+        from where it stands: what ended in a wrong valley there ends in one here.
+        """
+        for fitted in sets:
+            self.sets[fitted.causes] = fitted
+        best = self.ranking().best
+        for causes, model, initial in _reduced(best):
+            _, weighting, point = posed(self.experiment, model, initial)
+            left = weighting.residual(point)
+            if causes in self.sets or left @ left < _REJOIN * best.chi:
+                self._look_again(causes, model, initial)
+        return self.ranking()
+
+    def _walk(self) -> Ranking:
+        """From leader to leader until no neighbour has more evidence."""
+        for turn in range(_ROUNDS):
+            best = self._pruned(self._leader())
+            if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
+                break
+            share = min(0.6 + 0.03 * turn, 0.85)
+            if self._fit(self._swapped(best.causes) + self._resolved(best.causes), share, share + 0.015):
+                continue
+            if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
+                break
+        self._rejoined(self._leader())
+        return self.ranking()
+
+    def _rejoined(self, best: Fitted) -> None:
+        """Rivals that have another cause in the place of one of the leader's, again from what they share with it.
+
+        That is known by now better than when they were tried: with too much friction a cart sticks at other turns, and
+        a set that began so does not find back.
+        """
+        rivals = [
+            one.causes
+            for one in self.sets.values()
+            if len(one.causes) == len(best.causes) == len(one.causes & best.causes) + 1
+            and best.chi < one.chi < _REJOIN * best.chi
+        ]
+        for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
+            self._keep(fitted)
+
+    def _rejoin(self, best: Fitted, causes: Causes) -> Fitted:
+        model = self.sets[causes].model
+        known = dict(zip(best.model.names, best.model.values.tolist(), strict=True))
+        shared = {name: known[name] for name in model.names if name in known and name not in ("mass", "stiffness")}
+        return refine(self.experiment, causes, model.with_values(shared), best.initial)
+
+    def _pruned(self, best: Fitted) -> Fitted:
+        """The leader, after a second look at what is simpler than it, fitted again from where the leader stands.
+
+        The surfaces of friction, stops and delays have many valleys. A simpler set that ended in a wrong one loses
+        against a richer one that found the right one; started from there, it shows what it can do.
+        """
+        if best.causes in self.pruned:
+            return best
+        self.pruned.add(best.causes)
+        for causes, model, initial in _reduced(best):
+            self._look_again(causes, model, initial)
+        return self._leader()
+
+    def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
+        self.tried.add(causes)
+        self._keep(refine(self.experiment, causes, model, initial))
+
+    def _keep(self, fitted: Fitted) -> None:
+        """A set's best fit so far."""
+        if fitted.causes not in self.sets or fitted.chi < self.sets[fitted.causes].chi:
+            self.sets[fitted.causes] = fitted
+
+    def scale(self) -> Scale:
+        """How likelihoods are to be read, by what the best set leaves."""
+        return scale_from(list(self.sets.values()), self.experiment.readings)
+
+    def ranking(self) -> Ranking:
+        """All sets by evidence."""
+        return rank(self.sets, self.scale())
+
+    def _leader(self) -> Fitted:
+        """The set whose neighbours are looked at: what helps at all is found before it is asked how surely."""
+        return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
+
+    def _swapped(self, causes: Causes) -> list[Causes]:
+        """Sets with one cause dropped, or replaced by another."""
+        found = []
+        for name in sorted(causes):
+            rest = causes - {name}
+            found.append(rest)
+            found += [rest | {other} for other in self.experiment.tried_alone if other not in causes]
+        return self._reformed(causes) + found
+
+    def _reformed(self, causes: Causes) -> list[Causes]:
+        """Sets with another law of one of the causes."""
+        return [causes - {name} | {form} for name in sorted(causes) for form in self.experiment.forms(name)]
+
+    def _resolved(self, causes: Causes) -> list[Causes]:
+        """Sets in which a law that holds Coulomb's as a limit is Coulomb's and one cause more: what they can mimic."""
+        found = []
+        for name in sorted(causes & set(HOLDING_COULOMB)):
+            found += self._grown(causes - {name} | {COULOMB})
+        return [wanted for wanted in found if not wanted & (causes & set(HOLDING_COULOMB))]
+
+    def _grown(self, causes: Causes) -> list[Causes]:
+        """Sets with one cause more."""
+        if len(causes) >= LARGEST:
+            return []
+        return [causes | {name} for name in self.experiment.tried_alone if name not in causes]
+
+    def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
+        """Fit those of the sets that are new; False when none was."""
+        new = [causes for causes in dict.fromkeys(wanted) if causes not in self.tried and causes_that_fit(causes)]
+        self.tried.update(new)
+        if not new:
+            return False
+        near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
+        found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
+        found.sort(key=lambda starts: starts[0].turn)
+        # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
+        few, some = _AHEAD
+        shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
+        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
+            self._fit_group(group, share)
+        return True
+
+    def _fit_group(self, group: list[list[Start]], share: tuple[float, float]) -> None:
+        least = min(fitted.chi for fitted in self.sets.values())
+        reach = self.experiment.worse(least, REACH)
+        if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
+            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
+        begun = self._each(partial(self._begin, reach), group, share)
+        begun.sort(key=lambda tries: tries[0].chi)
+        # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
+        for tries in (begun[:1], begun[1:]):
+            for fitted in self._each(partial(self._finish, least), tries, share):
+                self._keep(fitted)
+                least = min(least, fitted.chi)
+
+    def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
+        """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""
+        if len(tasks) < 2:
+            return [work(task) for task in tasks]
+        with _quick_turns(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
+            jobs = {pool.submit(cancellation.carried(work), task): i for i, task in enumerate(tasks)}
+            results: dict[int, _Done] = {}
+            try:
+                for done, job in enumerate(as_completed(jobs), start=1):
+                    results[jobs[job]] = job.result()
+                    fraction = share[0] + (share[1] - share[0]) * done / len(tasks)
+                    self.told = max(self.told, fraction)  # a bar that runs backwards tells nobody anything
+                    self.progress("search", self.told, _named(tasks[jobs[job]]))
+            except BaseException:
+                pool.shutdown(wait=True, cancel_futures=True)
+                raise
+        return [results[i] for i in range(len(tasks))]
+
+    def _propose(self, causes: Causes) -> list[Start]:
+        return proposals(self.experiment, causes, self._parents(causes))
+
+    def _begin(self, reach: float, found: list[Start]) -> list[Fitted]:
+        return begin(self.experiment, found, reach)
+
+    def _finish(self, least: float, begun: list[Fitted]) -> Fitted:
+        return finish(self.experiment, begun, least)
+
+    def _parents(self, causes: Causes) -> list[Fitted]:
+        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else the
+        base; and those that have Coulomb friction in place of a law that holds it as a limit.
+        """
+        known = dict(self.sets)
+        smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
+        smaller.sort(key=lambda fitted: fitted.chi)
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
+        twins = [causes - {name} | {COULOMB} for name in causes & set(HOLDING_COULOMB) if COULOMB not in causes]
+        twins += [causes - {name} | {by_name(name).form_of} for name in causes if by_name(name).form_of]
+        return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
+
+
+def _reduced(best: Fitted) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+    """Sets with one cause less, or with Coulomb friction for a law that holds it as a limit, and where they start."""
+    for name in sorted(best.causes):
+        model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
+        yield best.causes - {name}, *without(best, name)
+        causes = best.causes - {name} | {COULOMB}
+        if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
+            yield causes, model + CoulombFriction(best.model[HOLDING_COULOMB[name]]), best.initial
+
+
+@contextmanager
+def _quick_turns() -> Iterator[None]:
+    """Threads take turns sooner: a simulation takes a fraction of a millisecond, and would then wait for 5 ms."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(min(before, _TURN))
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)
+
+
+def _named(task: Causes | list[Start] | list[Fitted]) -> str:
+    if isinstance(task, frozenset):
+        return " + ".join(sorted(task))
+    one = task[0]
+    return _named((one.fitted if isinstance(one, Start) else one).causes)

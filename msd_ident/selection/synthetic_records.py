@@ -1,0 +1,190 @@
+"""Copies of an experiment, simulated under an explanation: what the encoder might have read, had it been so.
+
+A copy has the force, the stamps and the encoder step of the record. The motion is that of a fitted model whose
+parameters are drawn from what the data leaves open. White noise of the record's own level is added where its leading
+explanation leaves no more. Else what it leaves, noise and missing force together, is added with its spectrum kept and
+its phases drawn anew, so that it goes with nothing any more (Theiler et al. 1992, Physica D 58: phase-randomised
+surrogates).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.broyden import Weighting
+from msd_ident.estimate.problem import Initial, Problem
+from msd_ident.model import Effect
+from msd_ident.model.effects import by_name
+from msd_ident.residuals.adequacy import judge
+from msd_ident.residuals.noise_model import Readings
+from msd_ident.selection.evidence import Scale, prior_widths
+from msd_ident.selection.hypothesis import Causes, Experiment, Fitted, posed
+
+#: Steps down that bring the other parameters to the record when one law is given.
+_STEPS = 15
+#: Variance of a rounding error, in steps squared.
+_UNIFORM = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class Imagined:
+    """A set of causes with all numbers given: a point (p,) of its problem."""
+
+    causes: Causes
+    problem: Problem
+    point: FloatArray
+
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Model − data of each record [m]."""
+        return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))
+
+
+def drawn(fitted: Fitted, scale: Scale, rng: np.random.Generator) -> Imagined:
+    """A fitted set with parameters from their posterior (Laplace's, inside the bounds)."""
+    size, variance = prior_widths(fitted), scale.spread(fitted.chi)
+    information = fitted.information * np.outer(size, size) / variance + np.eye(size.size)
+    values, frame = np.linalg.eigh(information)
+    move = frame @ (rng.standard_normal(size.size) / np.sqrt(np.maximum(values, 1.0)))
+    point = np.clip(fitted.point + size * move, fitted.problem.lower, fitted.problem.upper)
+    return Imagined(fitted.causes, fitted.problem, point)
+
+
+def of_any_strength(experiment: Experiment, leader: Fitted, causes: Causes, rng: np.random.Generator) -> Imagined:
+    """A set whose new laws have a strength by lot, all else as the record then has it.
+
+    Args:
+        experiment: the measured records, or a part of their samples.
+        leader: the set whose place it takes; what both have starts from there.
+        causes: of the set.
+        rng: draws the strengths.
+    """
+    part, initial = experiment.readings[0], leader.initial[0]
+    seen = replace(part.record, position=part.record.position - initial.zero)
+    values = dict(zip(leader.model.names, leader.model.values.tolist(), strict=True))
+    kept = tuple(effect for effect in leader.model.effects if effect.name in causes)
+    plant, new = replace(leader.model, effects=()), list[Effect]()
+    for name in sorted(causes - leader.causes):
+        law = by_name(name)
+        shared = {p.name: values[p.name] for p in law.parameters if p.name in values}
+        guess = law.guess(seen, plant)[0]
+        drawn = replace(guess, **shared).by_lot(rng, seen, plant)  # type: ignore[type-var]
+        new.append(replace(drawn, **shared))  # type: ignore[type-var]
+    own = frozenset(p.name for effect in new for p in effect.parameters)
+    forces = frozenset(p.name for effect in new for p in effect.parameters if p.unit == "N")
+    scaled = forces if own & set(values) else frozenset()
+    found = []
+    for share in _shares(new, values) if scaled else (1.0,):
+        model = replace(leader.model, effects=(*kept, *(_weaker(effect, share) for effect in new)))
+        problem, weighting, point = posed(experiment, model, leader.initial, own - scaled)
+        chi, point = _brought(weighting, point, [problem.names.index(name) for name in sorted(scaled)])
+        found.append((chi, Imagined(causes, problem, point)))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _shares(new: Sequence[Effect], values: Mapping[str, float]) -> tuple[float, ...]:
+    """Parts of the leading law's force at which others of its family begin.
+
+    A quick motion shows the least force of a law, a slow one the largest.
+    """
+    pairs = [(p.name, getattr(effect, p.name)) for effect in new for p in effect.parameters if p.unit == "N"]
+    least = max((value for name, value in pairs if name in values), default=0.0)
+    largest = max((value for _, value in pairs), default=0.0)
+    return (1.0, least / largest) if least > 0.0 else (1.0,)
+
+
+def _weaker(effect: Effect, share: float) -> Effect:
+    """The same law with all its forces times ``share``."""
+    forces = {p.name: share * getattr(effect, p.name) for p in effect.parameters if p.unit == "N"}
+    return replace(effect, **forces)  # type: ignore[type-var]
+
+
+def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -> tuple[float, FloatArray]:
+    """Chi² and the point (p,) of a few Levenberg–Marquardt steps in which some entries keep their ratios."""
+    problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), 1e-3
+    alone = [entry for entry in range(point.size) if entry not in together]
+    for _ in range(_STEPS):
+        basis = np.eye(point.size)[alone]
+        if together:
+            basis = np.vstack([basis, np.where(np.isin(np.arange(point.size), together), state.point, 0.0)])
+        rows = basis @ state.jacobian
+        normal, gradient = rows @ rows.T, rows @ state.residual
+        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+        move = np.linalg.solve(normal / np.outer(size, size) + damping * np.eye(size.size), -gradient / size) / size
+        trial = np.clip(state.point + move @ basis, problem.lower, problem.upper)
+        residual = weighting.residual(trial)
+        if float(residual @ residual) < state.chi:
+            state, damping = weighting.exact(trial, weighting.steps(state)), 0.1 * damping
+        else:
+            damping *= 10.0
+    return state.chi, state.point
+
+
+def whole(experiment: Experiment, found: Imagined) -> Imagined:
+    """The same on all samples, where it was found on a part of them."""
+    model = found.problem.model.with_values(found.problem.values(found.point))
+    initial: Sequence[Initial] = found.problem.initials(found.point)
+    problem, _, point = posed(experiment, model, initial)
+    return Imagined(found.causes, problem, point)
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """The measured records and what disturbs their copies.
+
+    Attributes:
+        readings: the records.
+        left: (n,) residual of the leading explanation for each record [m], noise and missing force; None where it is no
+            more than white noise.
+    """
+
+    readings: tuple[Readings, ...]
+    left: tuple[FloatArray, ...] | None
+
+    @classmethod
+    def by(cls, lead: Fitted, readings: tuple[Readings, ...]) -> Disturbed:
+        """As the leading explanation says."""
+        residuals = lead.residuals()
+        return cls(readings, None if judge(residuals, readings).consistent else residuals)
+
+    def copy(self, imagined: Imagined, rng: np.random.Generator) -> tuple[Record, ...]:
+        """The records as they might have been; ``rng`` draws noise and phases."""
+        made = []
+        for index, (part, off) in enumerate(zip(self.readings, imagined.residuals(), strict=True)):
+            if self.left is None:
+                white = math.sqrt(max(part.noise**2 - _UNIFORM * part.step**2, 0.0))
+                noise = white * rng.standard_normal(off.size)
+            else:
+                noise = shuffled(_unrounded(self.left[index], part.step), rng)
+            made.append(replace(part.record, position=_read(part, part.record.position + off + noise)))
+        return tuple(made)
+
+
+def _read(part: Readings, position: FloatArray) -> FloatArray:
+    """What the record's encoder says of a position [m]."""
+    if part.step == 0.0:
+        return position
+    first = float(part.record.position[0])
+    return np.asarray(first + part.step * np.rint((position - first) / part.step))
+
+
+def _unrounded(error: FloatArray, step: float) -> FloatArray:
+    """A residual with rounding's part of its variance taken off: a copy is rounded again."""
+    variance = float(np.mean(error**2))
+    share = max(variance - _UNIFORM * step**2, 0.0) / variance if variance > 0.0 else 0.0
+    return np.asarray(error * math.sqrt(share))
+
+
+def shuffled(error: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """A signal (n,) with the same spectrum, its mean square too, and random phases."""
+    lines = np.fft.rfft(error)
+    phases = rng.uniform(0.0, 2.0 * np.pi, lines.size)
+    turned = lines * np.exp(1j * phases)
+    turned[0] = np.abs(lines[0]) * (1.0 if phases[0] < np.pi else -1.0)
+    if error.size % 2 == 0:  # the last line is real too
+        turned[-1] = np.abs(lines[-1]) * (1.0 if phases[-1] < np.pi else -1.0)
+    return np.asarray(np.fft.irfft(turned, error.size))

@@ -1,0 +1,265 @@
+"""The loop of a lab: run an experiment, diagnose, design the next, run it, diagnose all together, until one explanation
+stands or the budget is spent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from msd_ident.data.record import Record
+from msd_ident.design import Limits, Profile, Proposal, Segment, check, design
+from msd_ident.diagnosis import Diagnosis, same_plant
+from msd_ident.errors import DataError, UsageError
+from msd_ident.workflow import pipeline
+
+#: Below this probability of a decision an experiment is not worth running.
+HOPELESS = 0.1
+#: Part of the force limit that the first push of an unknown rig has, and part of the travel that a step may plan on.
+_PROBE, _PLANNED = 0.05, 0.5
+#: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
+_SURE, _SHIFT = 0.9, frozenset({"force_offset"})
+_REST, _LONGEST_STEP = 0.3, 3.0
+_PROBES = 4
+
+
+@dataclass(frozen=True)
+class Ran:
+    """One experiment as it was run.
+
+    Attributes:
+        record: what was measured.
+        path: of the bag; empty where none was written.
+        stopped: why it ended early; empty when it was played to its end.
+        jitter: greatest delay of a command [s].
+    """
+
+    record: Record
+    path: str = ""
+    stopped: str = ""
+    jitter: float = 0.0
+
+
+class Rig(Protocol):
+    """Something that profiles can be played on."""
+
+    def play(self, profile: Profile, limits: Limits) -> Ran:
+        """Play one profile and watch the limits; it starts at rest."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much an investigation may use: runs after the first one, and seconds of all experiments together."""
+
+    runs: int = 2
+    seconds: float = 120.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One experiment of an investigation.
+
+    Attributes:
+        purpose: why it was run.
+        profile: what was played.
+        proposal: its design; ``None`` for the first.
+        ran: what came of it.
+        diagnosis: of all records so far.
+    """
+
+    purpose: str
+    profile: Profile
+    proposal: Proposal | None
+    ran: Ran
+    diagnosis: Diagnosis
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """A journal's entry."""
+        return {
+            "purpose": self.purpose,
+            "profile": self.profile.name,
+            "duration_s": self.profile.duration,
+            "expected_decision": None if self.proposal is None else self.proposal.probability,
+            "bag": self.ran.path,
+            "stopped": self.ran.stopped,
+            "jitter_s": self.ran.jitter,
+            "verdict": self.diagnosis.verdict,
+            "causes": [
+                {"name": one.name, "probability": one.probability, "tied_with": list(one.tied_with)}
+                for one in self.diagnosis.causes
+            ],
+            "summary": self.diagnosis.summary,
+        }
+
+
+@dataclass(frozen=True)
+class Investigation:
+    """What an investigation did and found.
+
+    Attributes:
+        steps: the experiments in order.
+        stands: whether one explanation stands.
+        sentence: how it ended.
+        measurements: what no profile could part, and what to measure for it.
+    """
+
+    steps: tuple[Step, ...]
+    stands: bool
+    sentence: str
+    measurements: tuple[str, ...] = ()
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """Of all records."""
+        return self.steps[-1].diagnosis
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The journal."""
+        return {
+            "schema": "msd.investigation/1",
+            "stands": self.stands,
+            "sentence": self.sentence,
+            "measurements": list(self.measurements),
+            "steps": [step.to_json_dict() for step in self.steps],
+            "diagnosis": self.diagnosis.to_json_dict(),
+        }
+
+
+#: Asked before each run with its purpose; False ends the investigation.
+Ask = Callable[[str, Profile], bool]
+Tell = Callable[[Step], None]
+
+
+def always(purpose: str, profile: Profile) -> bool:
+    """Go on without asking."""
+    return True
+
+
+def nobody(step: Step) -> None:
+    """Tell nobody."""
+
+
+@dataclass
+class Loop:
+    """One investigation in progress.
+
+    Attributes:
+        rig: where experiments are run.
+        limits: of the rig.
+        budget: what may be used.
+        options: how records are diagnosed.
+        ask, tell: asked before, and told after, each run.
+    """
+
+    rig: Rig
+    limits: Limits
+    budget: Budget = Budget()
+    options: pipeline.Options = pipeline.Options()
+    ask: Ask = always
+    tell: Tell = nobody
+    records: list[Record] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+    measurements: tuple[str, ...] = ()
+    checked: bool = False
+
+    def run(self, first: Profile | None = None) -> Investigation:
+        """Investigate; ``first`` is the first experiment, or else a step of a size that a gentle push suggests.
+
+        Raises:
+            UsageError: the first profile is beyond the limits, or the limits leave no room.
+            DataError: nothing moves, or the records are not those of one rig.
+        """
+        profile = first or self._first()
+        self.limits.check(profile)
+        if not self.ask("a first look", profile):
+            raise UsageError("the first experiment was declined; expected a yes to begin")
+        self._play("a first look", profile, None)
+        spent = profile.duration
+        for _ in range(self.budget.runs):
+            looked = self.checked
+            proposal, purpose = self._next()
+            if proposal is None:
+                break
+            self.measurements = proposal.measurements
+            against = self._against(proposal, purpose, spent)
+            if against and looked and self._settled:
+                break  # a further look would have been a gain, but what stands does so without it
+            if against:
+                return self._ended(False, against)
+            self._play(purpose, proposal.profile, proposal)
+            spent += proposal.profile.duration
+        return self._ended(self._settled, "one explanation stands" if self._settled else "the budget is spent")
+
+    @property
+    def _settled(self) -> bool:
+        """Whether nothing is tied or open."""
+        return self.steps[-1].diagnosis.verdict in ("adequate", "explained")
+
+    def _against(self, proposal: Proposal, purpose: str, spent: float) -> str:
+        """Why an experiment is not run; empty when it is."""
+        if proposal.probability < HOPELESS:
+            return "no profile within the limits decides what is still tied"
+        if spent + proposal.profile.duration > self.budget.seconds:
+            return "the next experiment would take longer than the budget allows"
+        return "" if self.ask(purpose, proposal.profile) else "the next experiment was declined"
+
+    def _first(self) -> Profile:
+        """A step that uses half the travel, judged by how far a gentle one goes."""
+        force = _PROBE * self.limits.reach
+        sign = 1.0 if self.limits.force[1] >= -self.limits.force[0] else -1.0
+        hold = min(_LONGEST_STEP, 0.4 * self.limits.duration - _REST)
+        if hold <= 0.0:
+            raise UsageError(f"limits: duration is {self.limits.duration:g} s; expected at least a second")
+        room = min(abs(x) for x in self.limits.travel if x != 0.0)
+        for _ in range(_PROBES):
+            profile = stepped(sign * force, hold)
+            ran = self.rig.play(profile, self.limits)
+            went = float(np.max(np.abs(ran.record.position - ran.record.position[0])))
+            factor = min(_PLANNED * room / max(went, 1e-12), self.limits.reach / force)
+            if went > 0.02 * room or factor * force >= self.limits.reach * (1.0 - 1e-9):
+                return stepped(sign * force * min(factor, self.limits.reach / force), hold)
+            force = min(5.0 * force, self.limits.reach)
+        return stepped(sign * force, hold)
+
+    def _play(self, purpose: str, profile: Profile, proposal: Proposal | None) -> None:
+        ran = self.rig.play(profile, self.limits)
+        self.records.append(ran.record)
+        try:
+            earlier = self.steps[-1].diagnosis if self.steps else None
+            diagnosis = pipeline.diagnose(self.records, self.options, earlier=earlier)
+            same_plant.check(diagnosis)
+        except DataError as error:
+            if ran.stopped:
+                raise DataError(f"{profile.name!r} was stopped: {ran.stopped}; what was recorded: {error}") from None
+            raise
+        self.steps.append(Step(purpose, profile, proposal, ran, diagnosis))
+        self.tell(self.steps[-1])
+
+    def _next(self) -> tuple[Proposal | None, str]:
+        """What to run next, and why; ``None`` when one explanation stands and nothing could hide behind it.
+
+        Where no profile parts what is tied, none of it may be the truth: what hides is looked for then too.
+        """
+        diagnosis = self.steps[-1].diagnosis
+        tied = design(diagnosis, self.limits)
+        ties = "" if tied is None else f"to tell {' from '.join(tied.names)}"
+        if tied is not None and tied.probability >= HOPELESS:
+            return tied, ties
+        hidden = check(diagnosis, self.limits)
+        # After a look that was likely to show it, a force offset alone is not worth another.
+        if hidden is None or (self.checked and set(hidden.names[1:]) <= _SHIFT):
+            return tied, ties
+        self.checked |= hidden.probability >= _SURE
+        return hidden, f"to see what could hide: {', '.join(hidden.names[1:])}"
+
+    def _ended(self, stands: bool, why: str) -> Investigation:
+        return Investigation(tuple(self.steps), stands, f"{why}: {self.steps[-1].diagnosis.summary}", self.measurements)
+
+
+def stepped(force: float, hold: float) -> Profile:
+    """Rest, a step and a release."""
+    parts = (Segment("hold", _REST), Segment("step", hold, force=force), Segment("release", hold))
+    return Profile(parts, "step and release")

@@ -1,0 +1,144 @@
+"""Parameters that are known before any fit: a weighed mass, a spring measured with weights.
+
+One known force scale turns the ratios of a free decay into kilograms and newtons.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from msd_ident.data.record import Record
+from msd_ident.errors import UsageError
+from msd_ident.estimate.parameter_units import exponents, unit_in
+from msd_ident.model import Model
+from msd_ident.model.effects import LIBRARY, Parameter
+from msd_ident.model.plant import PLANT_PARAMETERS
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_FORM = re.compile(rf"\s*(\w+)\s*=\s*({_NUMBER})\s*(?:(?:±|\+/?-)\s*({_NUMBER}))?\s*(\S.*)?$")
+#: Signs of a product in a unit, which is written with a dot here.
+_PRODUCT = re.compile(r"[*·\s]+")
+
+
+@dataclass(frozen=True)
+class Known:
+    """A parameter with its value, and how sure that is.
+
+    Attributes:
+        name: of a parameter of the plant or of an effect.
+        value: in the parameter's SI unit, as it is on the rig (kg, or kg·m² for a joint).
+        std: standard deviation of the value; 0 where it is exact.
+        unit: as it was given; empty for the SI unit of the rig.
+
+    Raises:
+        UsageError: no such parameter, a value outside its bounds, or a standard deviation below 0.
+    """
+
+    name: str
+    value: float
+    std: float = 0.0
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        parameter = _parameter(self.name)
+        inside = parameter.lower <= self.value <= parameter.upper and math.isfinite(self.value)
+        if not inside or (self.name == "mass" and self.value == 0.0):
+            raise UsageError(
+                f"{self.name} is {self.value:g} {parameter.unit}; expected a finite value {_bounds(parameter)}: "
+                "correct --known"
+            )
+        if not 0.0 <= self.std < math.inf:
+            raise UsageError(
+                f"the standard deviation of {self.name} is {self.std:g}; expected 0 or more: correct --known"
+            )
+
+    @property
+    def sets_scale(self) -> bool:
+        """Whether it says how large a force is, so that a free decay gives more than ratios."""
+        return self.value != 0.0 and exponents(_parameter(self.name).unit).get("N", 0) != 0
+
+
+def parse(text: str) -> Known:
+    """``stiffness=24.25``, ``stiffness=24.25±0.1``, ``mass=0.986+-0.002 kg``.
+
+    Raises:
+        UsageError: another form, or what ``Known`` refuses.
+    """
+    found = _FORM.match(text)
+    if found is None:
+        raise UsageError(
+            f"--known {text!r} is no known parameter; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1"
+        )
+    name, value, std, unit = found.groups()
+    return Known(name, float(value), float(std or 0.0), _PRODUCT.sub("·", (unit or "").strip()))
+
+
+def parse_all(texts: Sequence[str], mass: str = "") -> tuple[Known, ...]:
+    """Known parameters from the command line's words; ``mass`` is short for ``mass=…``.
+
+    Raises:
+        UsageError: as ``parse``, or one parameter given twice.
+    """
+    known = tuple(parse(text) for text in [*texts, *([f"mass={mass}"] if mass else [])])
+    names = [one.name for one in known]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise UsageError(f"{twice} is known twice; expected one value: leave one of them away")
+    return known
+
+
+def check(known: Sequence[Known], model: Model, record: Record) -> None:
+    """Refuse what the model lacks, and values in another unit than the rig's.
+
+    Args:
+        known: to be kept in a fit.
+        model: that is fitted.
+        record: of the rig: its units are those of the values.
+
+    Raises:
+        UsageError: one of them cannot be used.
+    """
+    for one in known:
+        if one.name not in model.names:
+            raise UsageError(
+                f"{one.name} is known, but the fitted model has none; expected one of {', '.join(model.names)}: leave "
+                f"--known {one.name} away"
+            )
+        unit = _parameter(one.name).unit
+        here = unit_in(unit, record)
+        absolute = (record.force_unit, record.position_unit) in (("N", "m"), ("N·m", "rad"))
+        if one.unit and one.unit != here:
+            raise UsageError(f"{one.name} is given in {one.unit}; expected {here}, its unit on this rig: convert it")
+        if not one.unit and not absolute and here != unit:
+            raise UsageError(
+                f"{one.name} is known in {unit}, and is in {here} on this rig; expected a force in N and a position in "
+                f"m: give --force-scale and --position-scale, or the value in {here}"
+            )
+
+
+def values(known: Sequence[Known]) -> dict[str, float]:
+    """Name → value."""
+    return {one.name: one.value for one in known}
+
+
+def to_json_list(known: Sequence[Known], units: Mapping[str, str]) -> list[dict[str, object]]:
+    """What was known, as the JSON contract has it; ``units`` are the rig's by name."""
+    return [{"name": k.name, "value": k.value, "std": k.std, "unit": units.get(k.name, k.unit)} for k in known]
+
+
+def _parameter(name: str) -> Parameter:
+    every = {p.name: p for p in (*PLANT_PARAMETERS, *(p for effect in LIBRARY for p in effect.parameters))}
+    if name not in every:
+        raise UsageError(f"no parameter is called {name!r}; expected one of {', '.join(every)}")
+    return every[name]
+
+
+def _bounds(parameter: Parameter) -> str:
+    if parameter.name == "mass":
+        return "above 0"
+    if math.isinf(parameter.upper):
+        return f"from {parameter.lower:g}" if math.isfinite(parameter.lower) else "of any sign"
+    return f"from {parameter.lower:g} to {parameter.upper:g}"

@@ -1,0 +1,199 @@
+"""From records as they came to records that models are fitted to: findings, features, and how the force is read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from msd_ident.data import quality
+from msd_ident.data.quality import Finding
+from msd_ident.data.quality.finding import Severity
+from msd_ident.data.record import Record
+from msd_ident.errors import DataError, UsageError
+from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.model import Model, Plant
+from msd_ident.workflow import force_hold
+
+#: What quality finds where nothing happens in a record.
+_NOTHING = {"constant_position", "no_excitation"}
+#: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
+_HELD = 0.1
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Records as models are fitted to them, and what was found out on the way.
+
+    Attributes:
+        given: as they came.
+        used: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
+            after the motion is a part of it.
+        rest_before: for each of ``used`` the rest before a hand pulled the cart, which ``used`` leaves out with the
+            hand: a record of its own, in the same stamps and with the same zero of the encoder; ``None`` where nothing
+            was left out, or no rest came before it. What holds at rest (no disturbance moves the cart) is tested by it;
+            where it rests is not, as friction holds it anywhere.
+        findings: of the data.
+        features: of each record.
+        form: of all records together; ``None`` where no response gives one.
+        warnings: what a reader must know about the data before using the numbers.
+        turned: whether the force was turned.
+    """
+
+    given: tuple[Record, ...]
+    used: tuple[Record, ...]
+    findings: tuple[Finding, ...]
+    features: tuple[Features, ...]
+    form: StandardForm | None
+    warnings: tuple[str, ...]
+    rest_before: tuple[Record | None, ...]
+    turned: bool = False
+
+
+def prepared(records: Sequence[Record]) -> Prepared:
+    """Look at the records of one experiment, and make them ready for a fit.
+
+    Raises:
+        DataError: the data cannot carry any estimate (a constant signal, for one).
+        UsageError: no records, or records in different units.
+    """
+    given, idle = _moving(_checked(records))
+    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse(findings)
+    understood = tuple(_understood(quality.clean(record).record) for record in given)
+    features = tuple(one.features for one in understood)
+    form = pooled(features)
+    turned = _is_turned(form)
+    used = tuple(_usable(one.record, one.features, turned) for one in understood)
+    used, holds = _held(used)
+    warnings = (
+        idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
+    )
+    warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
+    rests = tuple(
+        _rest_before(one.record, part, one.features, form) for one, part in zip(understood, used, strict=True)
+    )
+    return Prepared(given, used, findings + holds, features, form, warnings, rests, turned)
+
+
+def typical_plant(record: Record) -> Model:
+    """A plant of the record's own size, to start from where there are no features."""
+    force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
+    length = max(float(np.ptp(record.position)), 1e-12)
+    stiffness = force / length
+    mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
+    return Plant(mass=mass, damping=damping, stiffness=stiffness)
+
+
+def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
+    """The records with their force as the data says it goes on between its samples, where that was open."""
+    asked = tuple(record for record in records if force_hold.is_open(record))
+    if not asked:
+        return records, ()
+    choice = force_hold.choose_hold(asked, typical_plant(asked[0]))
+    severity: Severity = "info" if choice.hold == "zero" else "warning"
+    held = (force_hold.with_hold(record, choice.hold) if force_hold.is_open(record) else record for record in records)
+    return tuple(held), (Finding(severity, "force_hold", choice.sentence),)
+
+
+@dataclass(frozen=True)
+class _Understood:
+    """A record, its features, and how the force of its first line was taken where that was in doubt."""
+
+    record: Record
+    features: Features
+    remark: str = ""
+
+
+def _understood(record: Record) -> _Understood:
+    """A force in the first line that had acted before it is no step."""
+    if not quality.begins_pushed(record):
+        return _Understood(record, extract(record))
+    acts = f"The force of {record.force[0]:.4g} {record.force_unit} in the first line"
+    before = quality.since_before(record)
+    if quality.rests_under_force(record):
+        said = f"{acts} is taken to have acted before the record began: the cart rests under it."
+        return _Understood(before, extract(before), said)
+    found = extract(record)
+    if _is_turned(found.standard_form) and not np.ptp(before.force):
+        said = (
+            f"{acts} never changes and the cart moves against it: taken as a release while that force acted, a free "
+            "decay; if the force stepped there and the encoder counts downwards, use a negative --position-scale."
+        )
+        return _Understood(before, extract(before), said)
+    return _Understood(record, found)
+
+
+def _is_turned(form: StandardForm | None) -> bool:
+    """Whether a positive force moves the encoder downwards."""
+    return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
+
+
+def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
+    if not records:
+        raise UsageError("no records to identify; expected at least one")
+    units = sorted({(record.force_unit, record.position_unit) for record in records})
+    if len(units) > 1:
+        listed = " and ".join(f"{force}, {position}" for force, position in units)
+        raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
+    return tuple(records)
+
+
+def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+    """The records in which anything happens, and a sentence for each that is left out; all, if nothing does in any."""
+    if len(records) == 1:
+        return records, ()
+    idle = [not np.ptp(record.force) and bool(_NOTHING & {f.code for f in quality.check(record)}) for record in records]
+    if all(idle) or not any(idle):
+        return records, ()
+    said = (
+        f"{record.name} is left out: its force never changes and its cart never moves: it tells nothing."
+        for record, still in zip(records, idle, strict=True)
+        if still
+    )
+    return tuple(record for record, still in zip(records, idle, strict=True) if not still), tuple(said)
+
+
+def _refuse(findings: Sequence[Finding]) -> None:
+    for finding in findings:
+        if finding.severity == "error":
+            raise DataError(finding.sentence)
+
+
+def _usable(record: Record, found: Features, turned: bool) -> Record:
+    """The record that models are fitted to: from the release on, and the force turned where K is negative."""
+    if found.kind == "free_decay" and found.responses:
+        record = record.window(found.responses[0].onset, float(record.time[-1]))
+        record = quality.since_before(record) if quality.begins_pushed(record) else record
+    return replace(record, force=-record.force) if turned else record
+
+
+def _rest_before(record: Record, used: Record, found: Features, form: StandardForm | None) -> Record | None:
+    """Rest that lies before the part of a record that is used; a period before the first motion may be a hand's.
+
+    Where the cart stands far from where it comes to rest in the end, a hand holds it: that is no rest.
+    """
+    if used.time[0] == record.time[0] or form is None:
+        return None
+    rest = quality.rest_before(record, 2.0 * math.pi / form.natural_frequency.value)
+    if rest is None:
+        return None
+    end = found.responses[0].steady_state.value
+    away = abs(float(np.median(rest.position)) - end)
+    return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
+
+
+def _warnings(
+    records: tuple[Record, ...], findings: Sequence[Finding], features: Sequence[Features], turned: bool
+) -> tuple[str, ...]:
+    """What a reader must know about the data before using the numbers."""
+    said = [note for record in records for note in record.notes]
+    said += [finding.sentence for finding in findings if finding.severity == "warning"]
+    said += [remark for found in features for remark in found.remarks]
+    if turned:
+        said.append(
+            "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
+        )
+    return tuple(dict.fromkeys(said))

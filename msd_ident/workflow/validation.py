@@ -1,0 +1,312 @@
+"""A saved model tried on another record: simulated as it is, nothing refitted but how the record began."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from msd_ident.data.datasheet import data_sheet
+from msd_ident.data.quality import Finding
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.errors import UsageError
+from msd_ident.estimate import Initial, noise_floor, see
+from msd_ident.estimate.least_squares import minimise
+from msd_ident.estimate.multistart import limits
+from msd_ident.estimate.objective import SquaredError
+from msd_ident.estimate.problem import Nuisance, Problem, build
+from msd_ident.estimate.regression_init import starting_state
+from msd_ident.residuals import noise_model
+from msd_ident.residuals.adequacy import Adequacy, judge
+from msd_ident.residuals.dependence import dependences
+from msd_ident.residuals.disturbance import MissingForce, missing_force
+from msd_ident.workflow import force_hold
+from msd_ident.workflow.identification import initial_dict, quantities_dict
+from msd_ident.workflow.preparation import Prepared, prepared
+from msd_ident.workflow.saved_model import SavedModel
+
+SCHEMA = "msd.validation/1"
+#: A signal that explains less of a missing force's variance than this is not worth a word.
+WORTH = 0.15
+#: Where a refitted zero would take so much of the error away, it is said.
+_ZERO_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user may decide about a trial.
+
+    Attributes:
+        refit_zero: whether the encoder's zero is fitted too; it is kept from the saved result otherwise.
+        require: least part of the motion that must be explained [%]; ``None`` for no demand.
+
+    Raises:
+        UsageError: a demand that is no percentage.
+    """
+
+    refit_zero: bool = False
+    require: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.require is not None and not 0.0 <= self.require <= 100.0:
+            raise UsageError(f"the required part is {self.require:g} %; expected 0 to 100, e.g. --require 99")
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What a saved model makes of other records.
+
+    Attributes:
+        saved: the model.
+        options: of the trial.
+        records: as they were simulated, the force turned as the model has it.
+        findings: of the data.
+        initial: state and zero of each record, from which it was simulated.
+        refitted: what was fitted to these records.
+        residuals: model − data (n,) of each record, in the position unit.
+        see: standard error of estimate over all records; nothing but the start was fitted.
+        explained_percent: part of the motion's variance that the model explains, over all records.
+        noise_floor: what no model can get below, in the position unit.
+        adequacy: tests of the residuals against the noise.
+        missing: the force that the model lacks on each record; none where the residual is what noise would be.
+        depends_on: share of that force's variance that each signal explains, alone.
+        warnings: what a reader must know before using the numbers.
+    """
+
+    saved: SavedModel
+    options: Options
+    records: tuple[Record, ...]
+    findings: tuple[Finding, ...]
+    initial: tuple[Initial, ...]
+    refitted: tuple[str, ...]
+    residuals: tuple[FloatArray, ...]
+    see: float
+    explained_percent: float
+    noise_floor: float
+    adequacy: Adequacy
+    missing: tuple[MissingForce, ...]
+    depends_on: Mapping[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def met(self) -> bool:
+        """Whether the required part of the motion is explained; true without a demand."""
+        return self.options.require is None or self.explained_percent >= self.options.require
+
+    @property
+    def missing_size(self) -> float:
+        """Root mean square of the force that the model lacks, in the force unit; 0 where the residual is noise."""
+        if not self.missing:
+            return 0.0
+        return math.sqrt(float(np.mean(np.concatenate([part.force for part in self.missing]) ** 2)))
+
+    @property
+    def predicted(self) -> tuple[FloatArray, ...]:
+        """The simulated reading (n,) of each record, in the position unit."""
+        return tuple(r.position + left for r, left in zip(self.records, self.residuals, strict=True))
+
+    @property
+    def states(self) -> dict[str, str]:
+        """Signal → ``still there``, ``gone`` or ``new here``, against the base model on its own record.
+
+        Only for models of a diagnosis, which tells what its base model lacked; signals that matter in neither are left
+        out. Where the residual is hardly more than noise, nothing is there.
+        """
+        found = {}
+        for signal, base_share in self.saved.base_depends_on.items():
+            before = base_share >= WORTH
+            now = self.adequacy.material and self.depends_on.get(signal, 0.0) >= WORTH
+            if before or now:
+                found[signal] = "still there" if before and now else "gone" if before else "new here"
+        return found
+
+    @property
+    def explained_text(self) -> str:
+        """The explained part in per cent, with two digits of what is left."""
+        left = abs(100.0 - self.explained_percent)
+        digits = min(max(1 - math.floor(math.log10(left)), 0), 9) if left > 0.0 else 0
+        return f"{self.explained_percent:.{digits}f}"
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words."""
+        unit = self.records[0].position_unit
+        said = (
+            f"The model explains {self.explained_text} % of the motion and leaves {self.see:.3g} {unit} "
+            f"({self.adequacy.ratio:.3g} noise floors)"
+        )
+        if self.options.require is not None:
+            said += f"; {self.options.require:g} % were required, which is {'met' if self.met else 'missed'}"
+        return f"{said}."
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The contract ``msd.validation/1`` without ``path``."""
+        return {
+            "schema": SCHEMA,
+            "model": {
+                "schema": self.saved.schema,
+                "path": self.saved.path,
+                "effects": list(self.saved.model.effect_names),
+                "parameters": quantities_dict(self.saved.parameters),
+                "see_m": self.saved.see,
+            },
+            "refitted": list(self.refitted),
+            "see_m": self.see,
+            "explained_percent": self.explained_percent,
+            "required_percent": self.options.require,
+            "met": self.met,
+            "noise_floor_m": self.noise_floor,
+            "residual_noise_floors": self.adequacy.ratio,
+            "consistent_with_noise": self.adequacy.consistent,
+            "tests": {
+                "size": self.adequacy.size,
+                "whiteness": self.adequacy.whiteness,
+                "independence": self.adequacy.independence,
+            },
+            "missing_force_rms": self.missing_size,
+            "missing_force_depends_on": dict(self.depends_on),
+            "missing_force_state": self.states,
+            "initial": [initial_dict(start) for start in self.initial],
+            "findings": [
+                {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
+            ],
+            "data": [data_sheet(record).to_json_dict() for record in self.records],
+            "warnings": list(self.warnings),
+        }  # fmt: skip
+
+
+def validate(saved: SavedModel, records: Sequence[Record], options: Options = Options()) -> Validation:  # noqa: B008
+    """Simulate a saved model on other records of its rig.
+
+    Args:
+        saved: the model; its parameters, effects and force sign are kept.
+        records: in the units of the model.
+        options: of the trial.
+
+    Raises:
+        UsageError: no records, or records in other units than the model.
+        DataError: the data cannot carry any estimate.
+    """
+    used, data, warnings = as_saved(saved, records)
+    refit = options.refit_zero or not saved.zeros
+    initial, residuals = simulated(saved, used, refit)
+    if not refit:
+        warnings += _zero_moved(saved, used, residuals)
+    elif not options.refit_zero:
+        warnings += ("The saved result does not tell the encoder's zero, so it was fitted too.",)
+    evidence = noise_model.prepare(used)
+    tested = judge(residuals, evidence)
+    pairs = () if tested.consistent else tuple(zip(evidence, residuals, strict=True))
+    lacking = tuple(_lacking(saved, part, residual) for part, residual in pairs)
+    left = sum(float(np.sum((residual - residual.mean()) ** 2)) for residual in residuals)
+    moved = sum(float(np.sum((record.position - record.position.mean()) ** 2)) for record in used)
+    return Validation(
+        saved=saved,
+        options=options,
+        records=used,
+        findings=data.findings,
+        initial=initial,
+        refitted=("initial position", "initial velocity", *(("zero",) if refit else ())),
+        residuals=residuals,
+        see=see(residuals),
+        explained_percent=100.0 * (1.0 - left / moved),
+        noise_floor=noise_floor(used),
+        adequacy=tested,
+        missing=lacking,
+        depends_on={item.signal: item.share for item in dependences(lacking)} if lacking else {},
+        warnings=warnings,
+    )
+
+
+def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
+    """Records as the model is simulated on them: cleaned, held and turned like its own; with what was found.
+
+    Raises:
+        UsageError: no records, or records in other units than the model.
+        DataError: the data cannot carry any estimate.
+    """
+    _check_units(saved, records)
+    hold = saved.force_hold
+    asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
+    data = prepared(asked)
+    used, warnings = _turned_as_saved(data, saved)
+    return used, data, warnings
+
+
+def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
+    if not records:
+        raise UsageError("no records to try the model on; expected at least one")
+    for record in records:
+        here = (record.force_unit, record.position_unit)
+        # Where no force acts, the record has no force unit of its own.
+        forced = bool(np.any(record.force))
+        if here[1] != saved.position_unit or (forced and here[0] != saved.force_unit):
+            raise UsageError(
+                f"{record.name} is in {here[0]} and {here[1]}; expected {saved.force_unit} and {saved.position_unit}, "
+                "the units of the model: give --force-scale, --position-scale and their units"
+            )
+
+
+def _turned_as_saved(data: Prepared, saved: SavedModel) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+    """Records with the force's sign that the model was fitted with."""
+    own = -1 if data.turned else 1
+    if own == saved.force_sign:
+        return data.used, data.warnings
+    said = (
+        "A positive force moves the encoder the other way than on the model's own record: if the wiring was changed, "
+        "use a negative --force-scale."
+    )
+    return tuple(replace(record, force=-record.force) for record in data.used), (*data.warnings, said)
+
+
+def simulated(
+    saved: SavedModel, records: tuple[Record, ...], refit_zero: bool
+) -> tuple[tuple[Initial, ...], tuple[FloatArray, ...]]:
+    """Start of each record by least squares, and what the model leaves from there."""
+    zero = float(np.mean(saved.zeros)) if saved.zeros else 0.0
+    initial: list[Initial] = []
+    residuals = []
+    for record in records:
+        problem = _of_start(saved, record, zero, refit_zero)
+        objective = SquaredError(problem)
+        position, velocity = starting_state(record)
+        first = float(record.position[0])
+        starts = [Initial(position - zero, velocity, zero), Initial(first - zero, 0.0, zero), Initial(0.0, 0.0, first)]
+        vectors = [problem.vector({}, [start]) for start in (starts if refit_zero else starts[:2])]
+        found = min((minimise(objective, vector, limits(problem)) for vector in vectors), key=lambda one: one.cost)
+        initial += problem.initials(found.point)
+        residuals.append(problem.residual(found.point, 0))
+    return tuple(initial), tuple(residuals)
+
+
+def _of_start(saved: SavedModel, record: Record, zero: float, refit_zero: bool) -> Problem:
+    """The problem whose only unknowns are the state at the first sample, and the zero where it is wanted."""
+    unknown = [Nuisance(0, "initial position"), Nuisance(0, "initial velocity")]
+    if refit_zero:
+        unknown.append(Nuisance(0, "zero"))
+    problem = build(saved.model, (record,), frozenset(saved.model.names), tuple(unknown))
+    return replace(problem, initial=(Initial(0.0, 0.0, zero),))
+
+
+def _zero_moved(saved: SavedModel, records: tuple[Record, ...], residuals: tuple[FloatArray, ...]) -> tuple[str, ...]:
+    """A sentence where another zero would take most of the error away."""
+    moved = []
+    for record, residual in zip(records, residuals, strict=True):
+        mean = float(np.median(residual))
+        if mean**2 > _ZERO_SHARE * float(np.mean(residual**2)) and abs(mean) > 1e-3 * float(np.ptp(record.position)):
+            moved.append(f"{record.name} by about {-mean:.2g} {record.position_unit}")
+    if not moved:
+        return ()
+    return (f"The encoder's zero has moved since the model's own record ({', '.join(moved)}): use --refit-zero.",)
+
+
+def _lacking(saved: SavedModel, part: noise_model.Readings, residual: FloatArray) -> MissingForce:
+    """The force that the model lacks: smoothed from its residual, which moves like the bare plant."""
+    plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
+    error = replace(part.record, position=-residual, force_time=part.record.time[:1], force=np.zeros(1), upsampled=1)
+    found = missing_force(error, plant, part.noise)
+    whole = missing_force(part.record, plant, part.noise)
+    return replace(found, position=part.record.position, velocity=whole.velocity, applied=whole.applied)

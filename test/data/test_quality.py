@@ -1,0 +1,355 @@
+"""Findings before any fit: each fault is found with its numbers, and a clean record has none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from msd_ident.data.quality import Finding, check, encoder_step, missing_in, missing_samples, noise_floor
+from msd_ident.data.record import FloatArray, Record, from_samples
+from msd_ident.io import SourceOptions, read
+from msd_sim.api import simulate
+
+STEP = 1 / 226600  # of the ECP plant's encoder [m]
+
+
+@cache
+def experiment(name: str = "paper", rig: str = "ecp", rate: float = 1000.0, start: float = 0.5) -> Record:
+    options = {"name": name, "start": start} if name in ("paper", "steps") else {"name": name}
+    found = simulate({"rig": rig, "experiment": options, "rate": rate})
+    return Record(found.time, found.position, found.force_time, found.force, found.hold)
+
+
+def serious(record: Record) -> list[Finding]:
+    return [finding for finding in check(record) if finding.severity != "info"]
+
+
+def only(record: Record) -> Finding:
+    """The one warning or error of a record."""
+    findings = serious(record)
+    assert len(findings) == 1, [finding.sentence for finding in findings]
+    return findings[0]
+
+
+def keep(record: Record, places: np.ndarray) -> Record:
+    return replace(record, time=record.time[places], position=record.position[places])
+
+
+@pytest.mark.parametrize("rig", ["ecp", "sticky", "backlash", "end_stop", "odd"])
+@pytest.mark.parametrize("name", ["paper", "steps", "release", "sweep", "ramp", "random_steps"])
+def test_clean_rigs_have_no_findings(rig: str, name: str) -> None:
+    findings = check(experiment(name, rig))
+    assert [finding.code for finding in findings] == (["free_decay"] if name == "release" else [])
+
+
+@pytest.mark.parametrize("name", ["step_1", "step_2", "release_1"])
+def test_a_measured_plant_has_no_findings(shared_data: Path, name: str) -> None:
+    options = SourceOptions(force="control_effort_v", position="encoder_counts", position_scale=-1 / 56000)
+    record = read(shared_data / "ecp210" / f"{name}.csv", options)
+    assert serious(record) == []
+    assert encoder_step(record) == pytest.approx(1 / 56000, rel=1e-9)
+    assert noise_floor(record) == pytest.approx(1 / 56000 / np.sqrt(12), rel=0.2)
+    assert missing_samples(record) == 0
+
+
+def test_a_measured_axis_has_no_findings(shared_data: Path) -> None:
+    record = read(shared_data / "emps" / "emps_train.csv")
+    assert check(record) == ()
+    assert encoder_step(record) == pytest.approx(5e-8, rel=1e-6)
+
+
+# Clean records of random plants, from the closed form of the step response.
+
+
+def response(time: FloatArray, omega: float, zeta: float) -> FloatArray:
+    """Answer of x''/ω² + 2ζ/ω x' + x to a unit step at 0 (ζ < 1)."""
+    t = np.maximum(time, 0.0)
+    damped = omega * np.sqrt(1 - zeta**2)
+    decay = np.exp(-zeta * omega * t)
+    return 1 - decay * (np.cos(damped * t) + zeta * omega / damped * np.sin(damped * t))
+
+
+@st.composite
+def clean_records(draw: st.DrawFn) -> tuple[Record, float]:
+    """A record of a plant that forces of several levels push, and the standard deviation of its noise."""
+    omega = draw(st.floats(5.0, 100.0))
+    zeta = draw(st.floats(0.005, 0.95))
+    travel = draw(st.floats(1e-3, 0.2))
+    mass = draw(st.floats(0.05, 50.0))
+    rate = omega / (2 * np.pi) * draw(st.floats(16.0, 300.0))
+    time = np.arange(draw(st.integers(800, 3000))) / rate
+    levels = draw(st.lists(st.sampled_from([-1.0, -0.3, 0.3, 0.7, 1.0]), min_size=1, max_size=4))
+    onsets = time[-1] * (0.05 + 0.95 * np.arange(len(levels)) / len(levels))
+    jumps = np.diff([0.0, *levels])
+    position = travel * sum(j * response(time - t0, omega, zeta) for j, t0 in zip(jumps, onsets, strict=True))
+    noise = travel * draw(st.sampled_from([0.0, 1e-4, 1e-3, 3e-3]))
+    step = travel * draw(st.sampled_from([0.0, 1 / 3000, 1 / 200]))
+    if not noise and not step:
+        noise = 1e-5 * travel
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    position = position + noise * rng.standard_normal(time.size)
+    if step:
+        position = np.round(position / step) * step
+    force = travel * mass * omega**2 * np.array(levels)
+    return Record(time, position, onsets, force), float(np.hypot(noise, step / np.sqrt(12)))
+
+
+@given(case=clean_records())
+def test_clean_records_have_no_findings(case: tuple[Record, float]) -> None:
+    record, _ = case
+    assert [finding.sentence for finding in check(record)] == []
+    assert missing_samples(record) == 0
+
+
+@given(case=clean_records())
+def test_the_noise_floor_is_that_of_the_noise(case: tuple[Record, float]) -> None:
+    record, truth = case
+    assert 0.7 * truth < noise_floor(record) < 1.3 * truth
+
+
+@given(case=clean_records(), shift=st.floats(-1.0, 1.0), scale=st.sampled_from([1e-3, 0.3, -1.0, 56000.0]))
+def test_step_and_floor_scale_with_the_unit_and_not_with_the_zero(
+    case: tuple[Record, float], shift: float, scale: float
+) -> None:
+    record, _ = case
+    moved = replace(record, position=scale * (record.position + shift))
+    assert encoder_step(moved) == pytest.approx(abs(scale) * encoder_step(record), rel=1e-6)
+    assert noise_floor(moved) == pytest.approx(abs(scale) * noise_floor(record), rel=0.05)
+
+
+@given(
+    step=st.floats(1e-9, 1e3),
+    offset=st.floats(-100.0, 100.0),
+    counts=st.lists(st.integers(-500, 500), min_size=20, max_size=200),
+)
+def test_the_encoder_step_is_found_where_neighbouring_counts_occur(
+    step: float, offset: float, counts: list[int]
+) -> None:
+    counts = [*counts, 0, 1, 2]
+    position = step * (offset + np.array(counts, dtype=np.float64))
+    record = from_samples(np.arange(len(counts)) / 100, np.zeros(len(counts)), position)
+    assert encoder_step(record) == pytest.approx(step, rel=1e-6)
+
+
+@given(seed=st.integers(0, 2**32))
+def test_readings_off_any_grid_have_no_step(seed: int) -> None:
+    position = np.random.default_rng(seed).standard_normal(300)
+    assert encoder_step(from_samples(np.arange(300) / 100, np.zeros(300), position)) == 0.0
+
+
+def test_rounded_print_does_not_hide_the_step() -> None:
+    """A step of 4.413 µm in a file with 8 decimals."""
+    record = experiment()
+    printed = replace(record, position=np.round(record.position, 8))
+    assert encoder_step(printed) == pytest.approx(STEP, rel=2e-3)
+
+
+def test_the_floor_at_rest_is_that_of_the_encoder() -> None:
+    record = experiment()
+    assert noise_floor(record) == pytest.approx(STEP / np.sqrt(12), rel=0.05)
+
+
+# One fault each.
+
+
+@given(seed=st.integers(0, 1000), lost=st.integers(1, 600))
+def test_missing_samples_are_counted(seed: int, lost: int) -> None:
+    record = experiment()
+    places = np.sort(np.random.default_rng(seed).permutation(np.arange(1, record.samples - 1))[: record.samples - lost])
+    places = np.union1d(places, [0, record.samples - 1])
+    sparse = keep(record, places)
+    missing = record.samples - sparse.samples
+    assert missing_samples(sparse) == missing
+    codes = [finding.code for finding in check(sparse)]
+    assert codes == ["missing_samples"] if missing else codes == []
+    if missing:
+        assert f"{missing} of 6500 samples" in check(sparse)[0].sentence
+
+
+def test_a_gap_is_shown_with_its_place() -> None:
+    record = experiment()
+    finding = only(keep(record, np.flatnonzero((record.time < 2.0) | (record.time > 2.5))))
+    assert finding.code == "missing_samples"
+    assert "501 of 6500 samples (7.7 %) are missing (1 gap, the longest 0.502 s at 1.999 s)" in finding.sentence
+
+
+def test_a_single_lost_sample_is_no_warning() -> None:
+    record = experiment()
+    (finding,) = check(keep(record, np.delete(np.arange(record.samples), 700)))
+    assert (finding.severity, finding.code) == ("info", "missing_samples")
+
+
+def test_jitter_is_told() -> None:
+    record = experiment()
+    rng = np.random.default_rng(1)
+    jittery = replace(record, time=record.time + rng.uniform(-4e-4, 4e-4, record.samples))
+    finding = next(finding for finding in check(jittery) if finding.code == "jitter")
+    assert finding.severity == "warning"
+    assert "around 1 ms" in finding.sentence or "around 0.99" in finding.sentence or "around 1.00" in finding.sentence
+    slight = replace(record, time=record.time + rng.uniform(-1e-4, 1e-4, record.samples))
+    (finding,) = [finding for finding in check(slight) if finding.code == "jitter"]
+    assert finding.severity == "info"
+    assert missing_samples(slight) == 0
+
+
+def test_a_rate_that_changes_is_told() -> None:
+    record = experiment()
+    finding = only(keep(record, np.union1d(np.arange(3000), np.arange(3000, 6000, 5))))
+    assert finding.code == "two_rates"
+    assert "200 Hz" in finding.sentence
+    assert "1000 Hz" in finding.sentence
+
+
+@pytest.mark.parametrize(("every", "words"), [(10, ["1000 Hz", "100 Hz"]), (1, ["1000 Hz and 1000 Hz"])])
+def test_two_publishers_on_one_topic_are_told(every: int, words: list[str]) -> None:
+    record = experiment()
+    other = record.time[:-1:every] + 3e-4
+    time = np.concatenate([record.time, other])
+    order = np.argsort(time)
+    between = STEP * np.round(np.interp(other, record.time, record.position) / STEP)
+    position = np.concatenate([record.position, between])[order]
+    finding = only(replace(record, time=time[order], position=position))
+    assert finding.code == "two_rates"
+    for word in words:
+        assert word in finding.sentence
+
+
+def test_a_clipped_encoder_is_told() -> None:
+    record = experiment()
+    highest = STEP * np.round(0.018 / STEP)
+    finding = only(replace(record, position=np.minimum(record.position, highest)))
+    assert finding.code == "clipped_position"
+    assert f"stops dead at {highest:.4g} m, the end of its range" in finding.sentence
+
+
+def test_a_stuck_encoder_is_told() -> None:
+    record = experiment()
+    position = record.position.copy()
+    position[1050:1090] = position[1050]
+    finding = only(replace(record, position=position))
+    assert finding.code == "stuck_position"
+    assert "for 0.04 s from 1.050 s on" in finding.sentence
+
+
+def test_a_cart_that_sticks_is_no_stuck_encoder() -> None:
+    codes = {finding.code for name in ("paper", "steps") for finding in check(experiment(name, "sticky"))}
+    assert codes == set()
+
+
+def test_an_encoder_that_is_read_too_seldom_is_told() -> None:
+    record = experiment("sweep")
+    finding = only(replace(record, position=np.repeat(record.position[::10], 10)[: record.samples]))
+    assert finding.code == "held_samples"
+    assert "only every 10 samples (10 ms)" in finding.sentence
+
+
+def test_a_rate_too_low_for_the_motion_is_told() -> None:
+    finding = only(experiment(rate=36.0))
+    assert finding.code == "low_rate"
+    assert "one oscillation of 0.2" in finding.sentence
+    assert "8.5 samples; expected 12 or more" in finding.sentence or "8.0 samples" in finding.sentence
+
+
+def test_a_position_that_never_changes_is_an_error() -> None:
+    record = experiment()
+    findings = check(replace(record, position=np.full(record.samples, 0.25)))
+    assert [(finding.severity, finding.code) for finding in findings] == [("error", "constant_position")]
+    assert "never changes (0.25 m in all 6500 samples)" in findings[0].sentence
+
+
+def test_no_excitation_is_an_error() -> None:
+    record = experiment("rest", "sticky")
+    (finding,) = check(record)
+    assert (finding.severity, finding.code) == ("error", "no_excitation")
+    pushed = replace(record, force=np.array([0.0, 0.5]), force_time=np.array([0.0, 1.0]))
+    (finding,) = check(pushed)
+    assert (finding.severity, finding.code) == ("error", "no_motion")
+    assert "the force changes by 0.5 N" in finding.sentence
+
+
+def test_a_free_decay_is_told() -> None:
+    (finding,) = check(experiment("release"))
+    assert (finding.severity, finding.code) == ("info", "free_decay")
+    assert "the force is zero all the time" in finding.sentence
+
+
+@pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        (1000.0, ["spans 37.97 m", "factor of 1000", "in millimetres, use --position-scale 0.001"]),
+        (0.001, ["spans 3.797e-05 m", "factor of 1000", "1000 times larger"]),
+    ],
+)
+def test_a_unit_that_is_wrong_by_1000_is_told_with_the_number(scale: float, words: list[str]) -> None:
+    record = experiment()
+    finding = only(replace(record, position=scale * record.position))
+    assert (finding.severity, finding.code) == ("warning", "wrong_unit")
+    for word in words:
+        assert word in finding.sentence
+
+
+def test_a_small_motion_in_millimetres_is_told_by_its_mass() -> None:
+    record = experiment()
+    finding = only(replace(record, position=50.0 * record.position, force=0.05 * record.force))
+    assert finding.code == "wrong_unit"
+    assert "the moving mass is about 0.000" in finding.sentence
+
+
+@pytest.mark.parametrize(("shift", "words"), [(0.1, "moves 0.08"), (-0.2, "only 0.21")])
+def test_clocks_apart_are_told(shift: float, words: str) -> None:
+    record = experiment()
+    finding = only(replace(record, force_time=record.force_time + shift))
+    assert finding.code == "clocks_apart"
+    assert words in finding.sentence
+
+
+def test_a_force_for_half_of_the_time_is_told() -> None:
+    record = experiment()
+    time = record.time[: record.samples // 2]
+    finding = only(replace(record, force_time=time, force=record.force_at(time)))
+    assert finding.code == "partial_overlap"
+    assert "the force ends before the position by 3.250 s of 6.499 s" in finding.sentence
+
+
+def test_a_motion_of_few_steps_is_told() -> None:
+    record = experiment()
+    coarse = 0.003
+    finding = only(replace(record, position=coarse * np.round(record.position / coarse)))
+    assert finding.code == "coarse_encoder"
+    assert "13 encoder steps of 0.003 m" in finding.sentence
+
+
+def test_a_motion_in_much_noise_is_told() -> None:
+    record = experiment()
+    noise = 0.002 * np.random.default_rng(3).standard_normal(record.samples)
+    finding = only(replace(record, position=record.position + noise))
+    assert finding.code == "noisy_position"
+    assert "times the measurement noise of 0.00" in finding.sentence
+
+
+def test_errors_come_first() -> None:
+    record = experiment("rest", "sticky")
+    holes = keep(record, np.flatnonzero((record.time < 0.5) | (record.time > 1.0)))
+    assert [finding.severity for finding in check(holes)] == ["error", "warning"]
+
+
+def test_long_records_are_checked_quickly_enough_to_do_it_always() -> None:
+    """A million samples; the bound is a hundred times what it takes, and stands against quadratic cost."""
+    t = np.arange(1_000_000) / 1000
+    rng = np.random.default_rng(0)
+    record = from_samples(t, np.sign(np.sin(t)), np.sin(t) + 1e-3 * rng.standard_normal(t.size))
+    assert serious(record) == []
+
+
+def test_missing_samples_of_any_train_of_stamps() -> None:
+    regular = np.arange(100) * 0.01
+    assert missing_in(regular) == 0
+    assert missing_in(np.delete(regular, [10, 50, 51])) == 3
+    assert missing_in(np.array([0.0, 0.1, 3.1, 9.0])) == 0, "a force that is sent when it changes"
+    assert missing_in(np.array([0.0, 5.0])) == missing_in(np.zeros(1)) == 0

@@ -1,0 +1,81 @@
+"""Records from streams: late, repeated and lost stamps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from msd_ident.data.streams import batch_stamps, from_seconds, from_stamps
+from msd_ident.errors import DataError
+
+T = np.arange(30) / 10
+X = np.sin(T)
+
+
+@given(
+    start=st.integers(0, 2**62),
+    gaps=arrays(np.int64, 40, elements=st.integers(1, 10**11)),
+)
+def test_nanoseconds_can_be_got_back(start: int, gaps: np.ndarray) -> None:
+    ns = start + np.cumsum(gaps)
+    record = from_stamps(ns, np.arange(40.0), ns[:1], [0.0])
+    np.testing.assert_array_equal(record.start_ns + np.rint(record.time * 1e9).astype(np.int64), ns)
+
+
+@given(order=st.permutations(range(3)), repeated=st.lists(st.integers(0, 99), max_size=2))
+def test_late_and_repeated_samples_change_nothing_but_the_notes(order: list[int], repeated: list[int]) -> None:
+    ns = 10**18 + 10**6 * np.arange(100, dtype=np.int64)
+    x = np.arange(100.0)
+    clean = from_stamps(ns, x, ns[:1], [0.0])
+    places = [*range(40), *(40 + i for i in order), *range(43, 100)]
+    for i in repeated:
+        places.insert(places.index(i), i)
+    record = from_stamps(ns[places], x[places], ns[:1], [0.0])
+    np.testing.assert_array_equal(record.time, clean.time)
+    np.testing.assert_array_equal(record.position, clean.position)
+    late = any(a > b for a, b in zip(places, places[1:], strict=False))
+    assert any("came late" in note for note in record.notes) == late
+    assert any(f"{len(repeated)} samples with duplicate stamps" in note for note in record.notes) == bool(repeated)
+
+
+def test_stamps_that_jump_back_are_refused() -> None:
+    ns = 10**18 + 10**6 * np.arange(100, dtype=np.int64)
+    for places, words in (
+        ([*range(100), *range(50)], "0.099 s back at sample 101 of 150 \\(50 samples in all\\)"),
+        ([*range(99, -1, -1)], "0.001 s back at sample 2 of 100 \\(99 samples in all\\)"),
+    ):
+        with pytest.raises(DataError, match=words):
+            from_stamps(ns[places], np.arange(float(len(places))), ns[:1], [0.0])
+    reset = np.append(ns, ns[-3:] - 5 * 10**9)
+    with pytest.raises(DataError, match="5.002 s back at sample 101 of 103|5.000 s back at sample 101 of 103"):
+        from_stamps(reset, np.arange(103.0), ns[:1], [0.0])
+
+
+def test_an_old_message_that_is_sent_again_is_no_jump() -> None:
+    """A publisher that keeps its last message sends it again to every new subscriber."""
+    ns = 10**18 + 10**9 * np.arange(30, dtype=np.int64)
+    record = from_stamps(ns, np.arange(30.0), ns[[0, 10, 20, 0]], [0.0, 1.0, 2.0, 0.0])
+    assert record.force.tolist() == [0.0, 1.0, 2.0]
+
+
+def test_streams_of_different_length_are_refused() -> None:
+    with pytest.raises(DataError, match="3 stamps for 2 position values"):
+        from_stamps([1, 2, 3], [0.0, 0.0], [1], [0.0])
+    with pytest.raises(DataError, match="no force samples"):
+        from_stamps(np.arange(30), np.arange(30.0), [], [])
+
+
+def test_seconds_count_from_the_first_position() -> None:
+    record = from_seconds(T + 5.0, X, np.array([4.0, 7.0]), np.array([1.0, 2.0]))
+    np.testing.assert_allclose(record.time, T, atol=1e-15)
+    np.testing.assert_allclose(record.force_time, [-1.0, 2.0])
+    with pytest.raises(DataError, match="position time holds 1 values that are not finite"):
+        from_seconds(np.where(T == 1.0, np.nan, T), X, T, X)
+
+
+def test_batches_are_stamped_by_their_period() -> None:
+    assert batch_stamps(10**18 + 1, 33, 4).tolist() == [10**18 + 1 + 33 * i for i in range(4)]
+    assert batch_stamps(5, 33, 0).size == 0

@@ -1,0 +1,147 @@
+"""diagnose_records: contract, progress, cancelling, identities, free decay, several records, oddities."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis, diagnose_records
+from msd_ident.errors import UsageError
+from msd_sim.api import simulate
+
+RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
+ENCODER = {"counts_per_metre": 100000.0, "noise": 0.0}
+STEPS = {"name": "steps", "force": 8.0, "hold": 0.6}
+
+
+def measured(effects: Mapping[str, Mapping[str, float]], **more: Any) -> Record:
+    made = simulate({**RIG, "encoder": ENCODER, "experiment": STEPS, "effects": effects, **more})
+    return Record(made.time, made.position, made.force_time, made.force)
+
+
+@pytest.fixture(scope="module")
+def rubbing() -> Diagnosis:
+    return diagnose_records([measured({"coulomb_friction": {"coulomb_force": 0.15}})])
+
+
+def test_the_contract(rubbing: Diagnosis) -> None:
+    found = json.loads(json.dumps(rubbing.to_json_dict()))
+    assert found["schema"] == "msd.diagnosis/2"
+    assert found["verdict"] == "explained"
+    cause = found["causes"][0]
+    assert cause["name"] == "coulomb_friction" and cause["tied_with"] == []
+    assert cause["probability"] > 0.99
+    assert cause["parameters"]["coulomb_force"]["value"] == pytest.approx(0.15, rel=0.01)
+    assert cause["parameters"]["coulomb_force"]["unit"] == "N"
+    assert set(found["base"]["parameters"]) == {"mass", "damping", "stiffness"}
+    assert set(found["extended"]["parameters"]) == {"mass", "damping", "stiffness", "coulomb_force"}
+    gain = found["gain"]
+    assert gain["heldout_see_extended_m"] < gain["heldout_see_base_m"]
+    low, high = gain["interval_percent"]
+    assert low <= gain["heldout_reduction_percent"] <= high
+    assert found["noise_floor_m"] == pytest.approx(1e-5 / np.sqrt(12.0), rel=0.2)
+    assert found["next_experiment"] is None
+
+
+def test_the_extended_model_has_the_rigs_numbers(rubbing: Diagnosis) -> None:
+    for name in ("mass", "damping", "stiffness"):
+        quantity = rubbing.extended.quantities[name]
+        assert abs(quantity.value / RIG[name] - 1.0) < 0.005
+    assert rubbing.adequacy.ratio < 1.2 < rubbing.base_adequacy.ratio
+    assert rubbing.summary.startswith("The model lacks Coulomb friction")
+
+
+def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
+    tried: list[str] = []
+    found = diagnose_records([measured({})], progress=lambda stage, fraction, cause: tried.append(cause))
+    assert found.verdict == "adequate" and found.causes == ()
+    assert not any(tried)
+    assert "enough" in found.summary
+
+
+def test_progress_rises_and_names_causes() -> None:
+    seen: list[tuple[str, float, str]] = []
+    diagnose_records(
+        [measured({"quadratic_drag": {"drag_coefficient": 3.0}})], progress=lambda *told: seen.append(told)
+    )
+    fractions = [fraction for _, fraction, _ in seen]
+    assert fractions == sorted(fractions) and 0.9 < fractions[-1] <= 1.0  # the pipeline says when all is done
+    assert {"quadratic_drag", "backlash", "second_mode"} <= {cause for _, _, cause in seen}
+
+
+def test_what_progress_raises_ends_it() -> None:
+    class Cancelled(Exception):
+        pass
+
+    def cancel(stage: str, fraction: float, cause: str) -> None:
+        if cause:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        diagnose_records([measured({"quadratic_drag": {"drag_coefficient": 3.0}})], progress=cancel)
+
+
+def test_offset_beside_friction_is_said_to_be_asymmetric_friction() -> None:
+    """Known zero or bent spring apart, an offset with a linear spring is only a zero; on a plain axis it is seen."""
+    record = measured(
+        {"coulomb_friction": {"coulomb_force": 0.5}, "force_offset": {"offset_force": 0.2}},
+        stiffness=0.0, experiment={"name": "random_steps", "force": 3.0, "duration": 4.0, "shortest": 0.1},
+    )  # fmt: skip
+    found = diagnose_records([record], sprung=False)
+    assert {cause.name for cause in found.causes} == {"coulomb_friction", "force_offset"}
+    assert any("asymmetric friction" in sentence for sentence in found.warnings)
+
+
+def test_two_records_share_one_model() -> None:
+    records = [
+        measured({"cubic_spring": {"cubic_stiffness": 2e5}}, seed=seed, experiment=experiment)
+        for seed, experiment in ((1, STEPS), (2, {"name": "step", "force": 5.0, "hold": 1.5}))
+    ]
+    found = diagnose_records(records)
+    assert [cause.name for cause in found.causes] == ["cubic_spring"]
+    assert len(found.missing) == 2
+
+
+def test_a_free_decay_knows_ratios_only() -> None:
+    record = measured(
+        {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.02, "duration": 3.0}
+    )
+    found = diagnose_records([record])
+    assert found.causes[0].name == "quadratic_drag"
+    assert any("only as ratios" in sentence for sentence in found.warnings)
+    fitted = found.extended.quantities
+    assert fitted["drag_coefficient"].value / fitted["mass"].value == pytest.approx(3.0, rel=0.02)
+
+
+def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -> None:
+    record = measured({"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}})
+    found = diagnose_records([record])
+    assert found.verdict in ("ambiguous", "unexplained") and found.left.exceeds
+    assert all(cause.probability < 0.9 for cause in found.causes)
+    assert "more than the tolerance of 1 %" in found.summary
+    assert "Of its variance" in found.summary or "goes with neither" in found.summary
+    assert found.characteristics is not None
+    spring = found.characteristics.spring
+    slope = np.polyfit(spring.over, spring.force, 1)[0]
+    assert slope == pytest.approx(600.0, rel=0.1)
+
+
+def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
+    """Neither a force nor a spring says how large a force may be: the inertia does."""
+    record = measured(
+        {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.0, "duration": 1.0},
+        stiffness=0.0, initial_velocity=0.3,
+    )  # fmt: skip
+    found = diagnose_records([record], sprung=False)
+    assert found.base.quantities["stiffness"].value == 0.0
+    assert [cause.name for cause in found.causes] == ["quadratic_drag"]
+
+
+def test_no_records_is_refused() -> None:
+    with pytest.raises(UsageError, match="no records to diagnose"):
+        diagnose_records([])

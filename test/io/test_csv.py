@@ -1,0 +1,200 @@
+"""CSV files of many writers, and what is said about those that cannot be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msd_ident.data.record import from_samples
+from msd_ident.errors import DataError, MsdError, UsageError
+from msd_ident.io import SourceOptions, read, write_csv
+
+ROWS = [(i / 100, 1.5 * (i > 5), 0.001 * i * i) for i in range(40)]
+
+
+def table(
+    separator: str = ",", header: str = "time_s,force_n,position_m", rows: object = None, comma: str = "."
+) -> str:
+    """Text of a file with ``ROWS``."""
+    lines = [header.replace(",", separator)]
+    for row in ROWS if rows is None else rows:  # type: ignore[attr-defined]
+        lines.append(separator.join(str(cell).replace(".", comma) for cell in row))
+    return "\n".join(lines) + "\n"
+
+
+def read_text(folder: Path, text: str | bytes, **options: object) -> object:
+    path = folder / "data.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read(path, SourceOptions(**options))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        table(),
+        table(";"),
+        table("\t"),
+        table(" "),
+        table("  "),
+        table(";", comma=","),
+        table("\t", comma=","),
+        table().replace("\n", "\r\n"),
+        table().replace("\n", "\r"),
+        table().rstrip("\n"),
+        table() + "\n\n",
+        "\ufeff" + table(),
+        table().encode("utf-16"),
+        "# rig 3, 2024\n\n% made by hand\n" + table(),
+        "# " + table(),
+        table().replace("\n0.07,", "\n# pause\n\n0.07,"),
+        table(header='"time_s","force_n","position_m"'),
+        table(header=" Time_S , Force [N] , position (m)"),
+        table(rows=[(f'"{t}"', f, x) for t, f, x in ROWS]),
+        table(rows=[(*row, "") for row in ROWS]),  # a separator at the end of each line
+        table(header="note,position_m,force_n,time_s", rows=[("a", x, f, t) for t, f, x in ROWS]),
+        table(header="time_ms,force_mn,position_mm", rows=[(t * 1000, f * 1000, x * 1000) for t, f, x in ROWS]),
+        table(header="t,force_kn,position_um", rows=[(t, f / 1000, x * 1e6) for t, f, x in ROWS]),
+        table(header="timestamp_ns,force,position", rows=[(int(t * 1e9 + 0.5), f, x) for t, f, x in ROWS]),
+    ],
+)
+def test_every_way_to_write_it_gives_the_same_record(tmp_path: Path, text: str | bytes) -> None:
+    record = read_text(tmp_path, text)
+    t, f, x = np.array(ROWS).T
+    np.testing.assert_allclose(record.time, t, rtol=1e-12)
+    np.testing.assert_allclose(record.force, f, rtol=1e-12)
+    np.testing.assert_allclose(record.position, x, rtol=1e-12)
+    assert (record.force_unit, record.position_unit, record.name) == ("N", "m", "data.csv")
+
+
+def test_columns_scales_and_units_by_option(tmp_path: Path) -> None:
+    text = table(header="sample,volts_v,encoder_counts")
+    record = read_text(
+        tmp_path, text, time="sample", force="volts_v", position="ENCODER_COUNTS", position_scale=-2.0, time_scale=0.1
+    )
+    t, f, x = np.array(ROWS).T
+    np.testing.assert_allclose(record.time, 0.1 * t, rtol=1e-12)
+    np.testing.assert_array_equal(record.position, -2.0 * x)
+    np.testing.assert_array_equal(record.force, f)
+    assert (record.force_unit, record.position_unit) == ("V", "m")
+    record = read_text(tmp_path, text, time="sample", force="volts_v", position="encoder_counts", force_scale=35.0)
+    assert (record.force_unit, record.position_unit) == ("N", "count")
+    joint = table(header="time_s,force_nm,position_deg")
+    record = read_text(tmp_path, joint)
+    assert (record.force_unit, record.position_unit) == ("N·m", "rad")
+    np.testing.assert_allclose(record.position, np.deg2rad(x))
+    assert record.notes == ("column position_deg was multiplied by 0.0174533, as its unit says.",)
+
+
+def test_a_free_decay_has_no_force_column(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(header="time_s,voltage,position_m"), force="none")
+    assert record.force.tolist() == [0.0]
+
+
+def test_time_that_does_not_begin_at_zero(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(rows=[(t + 1000.5, f, x) for t, f, x in ROWS]))
+    assert record.time[0] == record.force_time[0] == 0.0
+    np.testing.assert_allclose(record.time, np.array(ROWS)[:, 0], atol=1e-9)
+
+
+def test_empty_cells_are_no_samples(tmp_path: Path) -> None:
+    rows = [(t, f if i % 10 == 0 else "", x) for i, (t, f, x) in enumerate(ROWS)]
+    record = read_text(tmp_path, table(rows=rows))
+    assert record.force_time.tolist() == [0.0, 0.1, 0.2, 0.3]
+    assert record.samples == 40
+
+
+def changed(line: int, text: str) -> str:
+    """A good file with one line replaced; line 1 is the header."""
+    lines = table().splitlines()
+    lines[line - 1] = text
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["is empty", "time_s,force_n,position_m"]),
+        ("\n\n# nothing\n", ["is empty"]),
+        ("time_s,force_n,position_m\n", ["has one line"]),
+        (table().split("\n", 1)[1], ["begins with numbers", "add one"]),
+        (changed(7, "0.05,1.5"), ["line 7 has 2 cells", "expected 3", "time_s, force_n, position_m"]),
+        (changed(7, "0.05,1.5,0.1,9"), ["line 7 has 4 cells"]),
+        (changed(8, "0.06,abc,0.1"), ["line 8", "column force_n holds 'abc'"]),
+        (changed(8, "0.06,1.5,nan"), ["line 8", "column position_m holds 'nan'", "finite"]),
+        (changed(8, "0.06,1.5,inf"), ["line 8", "'inf'"]),
+        (changed(8, ",1.5,0.1"), ["1 lines have no time_s"]),
+        (table(comma=","), ["line 2 has 6 cells", "decimal points, or semicolons"]),
+        (table(header="time_s,force_n,x"), ["no column called position", "time_s, force_n, x", "--position COLUMN"]),
+        (table(header="time_s,f,position_m"), ["no column called force", "--force none for a free decay"]),
+        (table(header="a,force,position"), ["no column called time", "--time COLUMN"]),
+        (table(header="time_s,force_n,position_m,position_mm", rows=[(*r, 0) for r in ROWS]), ["2 columns called pos"]),
+        (table(rows=ROWS[:5]), ["5 position samples", "at least 20"]),
+        (table(rows=[(t, f, 0.25) for t, f, _ in ROWS]), ["never changes (0.25 m in all 40 samples)"]),
+        (table(rows=ROWS + ROWS), ["position stamps run backwards: 0.390 s back at sample 41 of 80", "looped"]),
+        (table(rows=[(t, "", x) for t, _, x in ROWS]), ["no force samples"]),
+        (table(rows=[(t, f, "") for t, f, _ in ROWS]), ["no position samples"]),
+        (b"\x89PNG\r\n" + bytes(50), ["is not text"]),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(tmp_path: Path, text: str | bytes, words: list[str]) -> None:
+    with pytest.raises(DataError) as refused:
+        read_text(tmp_path, text)
+    line = str(refused.value)
+    assert "\n" not in line
+    for word in words:
+        assert word in line
+
+
+def test_a_column_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="has no column torque; the columns are: time_s, force_n, position_m"):
+        read_text(tmp_path, table(), force="torque")
+
+
+def test_duplicate_and_late_lines_are_repaired_with_a_note(tmp_path: Path) -> None:
+    rows = list(ROWS)
+    rows[10], rows[11] = rows[11], rows[10]
+    rows.insert(20, (*ROWS[20][:2], 99.0))
+    record = read_text(tmp_path, table(rows=rows))
+    assert record.samples == 40
+    assert record.position[20] == 99.0
+    assert "position: 1 of 41 samples came late and were put in their place by their stamps." in record.notes
+    assert "position: 1 samples with duplicate stamps were dropped, 1 of them with another value." in record.notes
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    record = from_samples(*np.array(ROWS).T)
+    path = tmp_path / "new" / "data.csv"
+    write_csv(record, path)
+    assert path.read_text().splitlines()[:2] == ["time_s,force_n,position_m", "0.0,0.0,0.0"]
+    with pytest.raises(UsageError, match="exists; expected a new name"):
+        write_csv(record, path)
+    write_csv(record, path, overwrite=True)
+
+
+def test_a_place_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(MsdError, match="cannot write"):
+        write_csv(from_samples(*np.array(ROWS).T), tmp_path / "file" / "data.csv")
+
+
+def test_a_table_that_would_fill_the_memory_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "huge.csv"
+    with path.open("wb") as file:
+        file.write(b"time_s,force_n,position_m\n")
+        file.truncate(3 * 10**9)  # a hole: nothing is on the disk
+    with pytest.raises(DataError, match="huge.csv has 3000 MB; expected at most 500: cut it, or make it a bag"):
+        read(path)
+
+
+def test_measured_files(shared_data: Path) -> None:
+    options = SourceOptions(force="control_effort_v", position="encoder_counts", position_scale=-1 / 56000)
+    step = read(shared_data / "ecp210" / "step_1.csv", options)
+    assert (step.samples, step.force_unit, step.position_unit) == (677, "V", "m")
+    assert step.position.max() == pytest.approx(263 / 56000)
+    assert step.notes == ()
+    axis = read(shared_data / "emps" / "emps_train.csv")
+    assert (axis.samples, axis.force_unit, axis.duration) == (24841, "N", pytest.approx(24.84))
+    with pytest.raises(DataError, match="the columns are: time_s, control_effort_v, encoder_counts"):
+        read(shared_data / "ecp210" / "step_1.csv")

@@ -1,0 +1,325 @@
+"""Files as instruments write them: brackets, decimal commas, no times, runs side by side, MAT files, rounded stamps."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+from badinputs import run
+
+from msd_ident.data.quality import check, missing_samples
+from msd_ident.data.record import Record
+from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.io import SourceOptions, describe, read, read_all
+
+T = np.arange(300) * 0.01
+X = np.exp(-T) * np.cos(12.0 * T)
+
+
+def write(path: Path, lines: list[str]) -> Path:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def comma(value: float) -> str:
+    return f"{value:.4f}".replace(".", ",")
+
+
+def ecp(path: Path) -> Path:
+    """An ECP export: brackets, a semicolon a line, headings with spaces in them, times with three decimals."""
+    rows = [f"{i:6d} {i * 0.0088544:8.3f} {round(1000 * x):8d} {0.5:8.4f};" for i, x in enumerate(X)]
+    rows[0], rows[-1] = f"[{rows[0]}", f"{rows[-1][:-1]}]"
+    return write(path, [" Sample   Time     Encoder 1 Pos   Control Effort", "", *rows])
+
+
+def side_by_side(path: Path) -> Path:
+    """Two runs of different length, each with its own times, and decimal commas."""
+    head = ";".join(f'"{name} Run #{n}"' for n in (1, 2) for name in ("Time (s)", "Angle, Ch 1+2 (rad)", "Force (N)"))
+    rows = []
+    for i, (t, x) in enumerate(zip(T, X, strict=True)):
+        second = [comma(t), comma(2.0 * x), "0,5"] if i < 200 else ["", "", ""]
+        rows.append(";".join([comma(t), comma(x), "0", *second]))
+    return write(path, ["\ufeff" + head, *rows])
+
+
+def no_times(path: Path, heading: str = "Position (mm)") -> Path:
+    return write(path, [f"{heading};Temperature (°C)", *(f"{comma(1000 * x)};20,5" for x in X)])
+
+
+def test_an_ecp_export_is_read(tmp_path: Path) -> None:
+    source = SourceOptions("Control Effort", "Encoder 1 Pos", force_unit="V", position_scale=1e-3)
+    record = read(ecp(tmp_path / "export.csv"), source)
+    np.testing.assert_allclose(record.position, np.round(1000 * X) / 1000, atol=1e-12)
+    assert (record.force_unit, record.position_unit, np.ptp(record.force)) == ("V", "m", 0.0)
+    np.testing.assert_allclose(record.time, 0.0088544 * np.arange(300), atol=2e-4)
+    assert np.ptp(np.diff(record.time)) < 1e-12, "rounded stamps are rebuilt"
+
+
+def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
+    path = side_by_side(tmp_path / "runs.csv")
+    source = SourceOptions("none", "Angle, Ch 1+2", run="2")
+    second = read(path, source)
+    assert (second.samples, second.position_unit, second.force_unit, second.name) == (
+        200,
+        "rad",
+        "N·m",
+        "runs.csv run 2",
+    )
+    np.testing.assert_allclose(second.position, 2.0 * X[:200], atol=1e-4)
+    both = read_all(path, SourceOptions("Force", "Angle, Ch 1+2", run="all"))
+    assert [(record.samples, float(record.force[0])) for record in both] == [(300, 0.0), (200, 0.5)]
+
+
+def test_every_run_gets_its_result_on_the_command_line(tmp_path: Path) -> None:
+    path = side_by_side(tmp_path / "runs.csv")
+    found = run("identify", path, "--force", "none", "--position", "Angle, Ch 1+2", "--run", "all", "--json", "-")
+    lines = [json.loads(line) for line in found.out.splitlines()]
+    assert [line["path"] for line in lines] == [f"{path} run 1", f"{path} run 2"]
+    assert [line["data"][0]["samples"] > 250 for line in lines] == [True, False]
+    one = run(
+        "identify", path, "--force", "none", "--position", "angle, ch 1+2", "--run", "all", "--together", "--json", "-"
+    )
+    assert len(json.loads(one.out)["data"]) == 2
+
+
+def test_a_rate_stands_in_for_times(tmp_path: Path) -> None:
+    record = read(no_times(tmp_path / "sonar.csv"), SourceOptions("none", rate=100.0))
+    np.testing.assert_allclose(record.time, T, atol=1e-12)
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+    assert "the stamps are those of 100 samples a second, as --rate says." in record.notes
+
+
+@pytest.mark.parametrize(
+    ("heading", "unit", "factor"),
+    [
+        ("Position (mm)", "m", 1e-3),
+        ("position [cm]", "m", 1e-2),
+        ("Position (°)", "rad", math.pi / 180),
+        ("Position (µm)", "m", 1e-6),
+        ("Position (counts)", "count", 1.0),
+        ("Position (left)", "m", 1.0),
+    ],
+)
+def test_units_in_headings(heading: str, unit: str, factor: float, tmp_path: Path) -> None:
+    record = read(no_times(tmp_path / "x.csv", heading), SourceOptions("none", rate=100.0))
+    assert record.position_unit == unit
+    assert record.position[0] == pytest.approx(1000 * factor)
+
+
+def rounded(lost: tuple[int, ...] = (), jitter: float = 0.0, counter: bool = True) -> list[str]:
+    """Lines of 2 000 samples at 887 Hz whose stamps have three decimals."""
+    time = np.arange(2000) / 887.1 + jitter * np.random.default_rng(3).uniform(-1.0, 1.0, 2000)
+    rows = [(i, t, math.sin(20.0 * t)) for i, t in enumerate(time) if i not in lost]
+    if counter:
+        return ["Sample,time_s,position_m", *(f"{i},{t:.3f},{x:.6f}" for i, t, x in rows)]
+    return ["time_s,position_m", *(f"{t:.3f},{x:.6f}" for _, t, x in rows)]
+
+
+def of(path: Path, lines: list[str]) -> Record:
+    return read(write(path, lines), SourceOptions("none"))
+
+
+@pytest.mark.parametrize("counter", [True, False])
+def test_rounded_stamps_are_no_lost_messages(counter: bool, tmp_path: Path) -> None:
+    record = of(tmp_path / "x.csv", rounded(counter=counter))
+    np.testing.assert_allclose(record.time, np.arange(2000) / 887.1, atol=5e-4)
+    assert missing_samples(record) == 0
+    assert not [finding for finding in check(record) if finding.code in ("missing_samples", "jitter")]
+    evidence = "Sample numbers the samples" if counter else "the stamps stay within one rounding of even ones"
+    assert f"time_s is rounded to 0.001 s, and {evidence}: the true times are rebuilt, 887.1 Hz." in record.notes
+
+
+def test_a_counter_tells_what_is_really_lost(tmp_path: Path) -> None:
+    record = of(tmp_path / "x.csv", rounded(lost=(700, 701, 702, 1500)))
+    assert missing_samples(record) == 4
+    np.testing.assert_allclose(record.time[-1], 1999 / 887.1, atol=5e-4)
+
+
+def test_stamps_that_truly_jitter_or_lose_are_left_as_they_are(tmp_path: Path) -> None:
+    for lines in (rounded(jitter=2e-3, counter=False), rounded(lost=(700, 701, 702), counter=False)):
+        times = sorted({float(line.split(",")[0]) for line in lines[1:]})
+        try:
+            record = of(tmp_path / "x.csv", [lines[0], *sorted(lines[1:], key=lambda line: float(line.split(",")[0]))])
+        except DataError:
+            continue
+        np.testing.assert_allclose(record.time, np.array(times) - times[0], atol=1e-9)
+
+
+def test_a_counter_shows_a_clock_that_drifts(tmp_path: Path) -> None:
+    time = np.cumsum(np.where(np.arange(6000) < 3000, 1.1270e-3, 1.1290e-3))
+    rows = [f"{i},{t:.3f},{math.sin(20.0 * t):.6f}" for i, t in enumerate(time)]
+    record = of(tmp_path / "x.csv", ["Sample,time_s,position_m", *rows])
+    assert missing_samples(record) == 0
+    np.testing.assert_allclose(record.time, time - time[0], atol=6e-4)
+    assert np.median(np.diff(record.time)[:2500]) == pytest.approx(1.1270e-3, rel=3e-4)
+
+
+def mat(path: Path, **variables: object) -> Path:
+    scipy.io.savemat(path, variables)
+    return path
+
+
+def test_a_mat_file_is_read(tmp_path: Path) -> None:
+    path = mat(tmp_path / "x.mat", time=T, force=np.ones_like(T), position=X[:, None], fs=100.0, note="rig 3")
+    record = read(path)
+    np.testing.assert_array_equal(record.position, X)
+    np.testing.assert_allclose(record.time, T, atol=1e-12)
+    assert describe(path).kind == "MAT file"
+    assert [topic.name for topic in describe(path).topics] == ["time", "force", "position"]
+
+
+def test_structures_and_matrices_of_a_mat_file(tmp_path: Path) -> None:
+    path = mat(tmp_path / "x.mat", log={"t": T, "out": np.stack([X, 2 * X], axis=1)}, u=np.zeros((1, 300)))
+    record = read(path, SourceOptions("u", "log.out(:,2)", "log.t"))
+    np.testing.assert_array_equal(record.position, 2 * X)
+
+
+def test_a_mat_file_of_version_7_3(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "x.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["log/time"], file["log/position"] = T[None, :], X[None, :]
+        file["both"] = np.stack([X, 2 * X])  # MATLAB's (300, 2)
+    with path.open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    record = read(path, SourceOptions("none", "both(:,2)", "log.time"))
+    np.testing.assert_array_equal(record.position, 2 * X)
+
+
+def test_version_7_3_without_h5py_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "x.mat"
+    path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(400) + b"\x89HDF\r\n\x1a\n" + bytes(600))
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(SetupError, match=r"version 7.3, which needs h5py; .* pip install 'msd_ident\[mat\]', or save"):
+        read(path)
+    monkeypatch.undo()
+    pytest.importorskip("h5py")
+    with pytest.raises(
+        DataError, match="cannot be read as a MAT file of version 7.3 .*; expected one that MATLAB saved"
+    ):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, "has 2 runs side by side (1, 2); expected one at a time: say which with --run 1, or --run all"),
+        ({"run": "7"}, "has the runs 1, 2; expected a run 7, which is not there: say --run 1, or --run all"),
+        ({"run": "1"}, "no column called force; the columns are: Time (s), Angle, Ch 1+2 (rad), "),
+    ],
+)
+def test_runs_that_cannot_be_read_name_the_option(options: dict[str, str], words: str, tmp_path: Path) -> None:
+    path = side_by_side(tmp_path / "runs.csv")
+    path.write_text(path.read_text(encoding="utf-8").replace("Force (N)", "Power (W)"), encoding="utf-8")
+    with pytest.raises(DataError) as refused:
+        read(path, SourceOptions(position="Angle, Ch 1+2", **options))  # type: ignore[arg-type]
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, "no column called time; the columns are: Position (mm), Temperature (°C): say which with --time COLUMN, "
+         "or the sampling rate with --rate HZ"),
+        ({"position": "Temperature", "rate": 9.0}, "column Temperature (°C) is in °C; expected a length, an angle or "
+         "counts: choose another --position, or give --position-unit and --position-scale"),
+        ({"run": "1", "rate": 9.0}, "has no runs side by side; expected a run 1, which is not there: leave --run away"),
+    ],
+)  # fmt: skip
+def test_tables_that_cannot_be_read_name_the_option(options: dict[str, object], words: str, tmp_path: Path) -> None:
+    with pytest.raises(DataError) as refused:
+        read(no_times(tmp_path / "sonar.csv"), SourceOptions("none", **options))  # type: ignore[arg-type]
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_unit_given_by_option_beats_a_heading_of_something_else(tmp_path: Path) -> None:
+    source = SourceOptions("none", "Temperature", rate=100.0, position_unit="count")
+    path = no_times(tmp_path / "x.csv")
+    path.write_text(path.read_text(encoding="utf-8").replace(";20,5", ";30,5", 5), encoding="utf-8")
+    assert read(path, source).position_unit == "count"
+
+
+@pytest.mark.parametrize(
+    ("variables", "options", "words"),
+    [
+        (
+            {"t": T, "F": X, "x": X},
+            {},
+            "x.mat has no column called position; the columns are: t, F, x: say which with --pos",
+        ),
+        (
+            {"t": T, "x": X[:250]},
+            {"position": "x"},
+            "different lengths (x 250, t 300); expected one number for each sam",
+        ),
+        (
+            {"fs": 100.0, "note": "rig"},
+            {},
+            "x.mat holds no vector of numbers; expected variables with a number for each",
+        ),
+    ],
+)
+def test_mat_files_without_the_variables(
+    variables: dict[str, object], options: dict[str, str], words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DataError) as refused:
+        read(mat(tmp_path / "x.mat", **variables), SourceOptions("none", **options))  # type: ignore[arg-type]
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_broken_mat_file_is_refused(tmp_path: Path) -> None:
+    path = mat(tmp_path / "x.mat", time=T, position=X)
+    path.write_bytes(path.read_bytes()[:700])
+    with pytest.raises(
+        DataError, match="cannot be read as a MAT file .*; expected one that MATLAB saved: save it again"
+    ):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"rate": 0.0}, "rate is 0; expected samples a second above 0, e.g. --rate 100"),
+        ({"rate": 9.0, "time": "t"}, "a rate of 9 and the time column t; expected one of them"),
+        ({"run": "first"}, "run is 'first'; expected its number, or all, e.g. --run 2"),
+    ],
+)
+def test_options_that_make_no_sense(options: dict[str, object], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        SourceOptions(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("words", "says"), [(("--rate", "100"), "--rate"), (("--run", "1"), "--run")])
+def test_bags_have_their_own_stamps(words: tuple[str, str], says: str) -> None:
+    bag = Path(__file__).resolve().parents[2] / "bags" / "paper_step"
+    found = run("identify", bag, *words)
+    assert found.code == 2
+    assert f"{says} with the bag {bag}; expected it for a table: messages have their own stamps" in found.err
+
+
+@pytest.mark.parametrize(
+    ("file", "source", "samples"),
+    [
+        ("raw/ecp_native_export.csv", SourceOptions("none", "Encoder 2 Pos", position_unit="count"), 677),
+        ("raw/sensor_no_time_column.csv", SourceOptions("none", run="1", rate=100.0), 1993),
+        ("raw/several_runs.csv", SourceOptions("Output Current", "Angle, Ch 1+2", run="10"), None),
+        (
+            "ecp2025_11_16_25.txt",
+            SourceOptions("Control Effort", "Encoder 1 Pos", force_unit="V", position_unit="count"),
+            10000,
+        ),
+    ],
+)
+def test_measured_files(file: str, source: SourceOptions, samples: int | None, shared_data: Path) -> None:
+    path = shared_data / "real" / file
+    if not path.exists():
+        pytest.skip(f"no {path}")
+    record = read(path, source)
+    assert samples is None or record.samples == samples
+    assert missing_samples(record) == 0
+    assert not [finding for finding in check(record) if finding.code == "missing_samples"]

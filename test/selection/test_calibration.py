@@ -1,0 +1,123 @@
+"""The confusion matrix and what it makes of the probabilities, by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from msd_ident.data.record import from_samples
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection.calibration import Calibration, Row, corrected, odds
+from msd_ident.selection.evidence import Ranking
+from msd_ident.selection.hypothesis import Experiment, Fitted, posed
+from msd_ident.selection.naming import leading, tied
+
+RUB, PEAK, DRAG, NOTHING = (
+    frozenset(names) for names in (["coulomb_friction"], ["stribeck_friction"], ["quadratic_drag"], [])
+)
+BASE = Plant(1.0, 2.0, 400.0)
+
+
+def row(causes: frozenset[str], any_strength: bool = True, **said: int) -> Row:
+    names = {"rub": RUB, "peak": PEAK, "nothing": NOTHING, "both": RUB | DRAG}
+    return Row(causes, any_strength, {names[name]: count for name, count in said.items()})
+
+
+@pytest.fixture(scope="module")
+def fitted() -> dict[frozenset[str], Fitted]:
+    """Sets at some values; nothing here looks at how well they fit."""
+    time = np.linspace(0.0, 1.0, 200)
+    experiment = Experiment(prepare([from_samples(time, np.ones(200), 0.002 * time)]), BASE, frozenset())
+    models: list[Model] = [
+        BASE, BASE + CoulombFriction(0.2), BASE + StribeckFriction(0.2, 0.3, 0.01),
+        BASE + CoulombFriction(0.2) + QuadraticDrag(1.0),
+    ]  # fmt: skip
+    found = {}
+    for model in models:
+        problem, weighting, point = posed(experiment, model, experiment.problem(model).initial)
+        causes = frozenset(model.effect_names)
+        found[causes] = Fitted(causes, model, problem, weighting.exact(point, weighting.steps(None)))
+    return found
+
+
+def ranking(fitted: dict[frozenset[str], Fitted], **probability: float) -> Ranking:
+    names = {"rub": RUB, "peak": PEAK, "nothing": NOTHING, "both": RUB | DRAG}
+    sets = [fitted[names[name]] for name in probability]
+    return Ranking(tuple(sets), tuple(map(math.log, probability.values())), tuple(probability.values()))
+
+
+def test_odds_are_the_ratio_of_the_shares_that_were_called_so() -> None:
+    lead = row(RUB, rub=8)
+    assert odds(lead, row(PEAK, rub=4, peak=4), "coulomb_friction") == pytest.approx((4.5 / 9.0) / (8.5 / 9.0))
+    assert odds(lead, row(PEAK, both=4, peak=4), "coulomb_friction") == pytest.approx((4.5 / 9.0) / (8.5 / 9.0))
+    assert odds(lead, row(PEAK, peak=8), "coulomb_friction") == 0.0
+
+
+def test_a_rival_is_likelier_than_what_leads_only_beyond_chance() -> None:
+    assert odds(row(RUB, rub=7, nothing=1), row(PEAK, rub=16), "coulomb_friction") == 1.0
+    assert odds(row(RUB, rub=2, nothing=6), row(PEAK, rub=16), "coulomb_friction") > 3.0
+
+
+def test_what_copies_of_a_rival_are_called_too_is_no_certainty(fitted: dict[frozenset[str], Fitted]) -> None:
+    stated = ranking(fitted, rub=0.999, nothing=0.001)
+    rows = [row(RUB, rub=8), row(PEAK, rub=16), row(NOTHING, nothing=20)]
+    after = leading(corrected(stated, rows, fitted))
+    assert after.best.causes == RUB, "as likely is no reason to name the richer law"
+    assert after.of_cause("coulomb_friction") == pytest.approx(
+        1.0 / (1.0 + (16.5 / 17.0) / (8.5 / 9.0) / 2.0), abs=0.02
+    )
+    assert tied(after, "coulomb_friction") == ("stribeck_friction",)
+    assert sum(after.probability) == pytest.approx(1.0)
+    assert all(math.isfinite(value) for value in after.evidence)
+
+
+def test_a_cause_that_falls_below_a_rival_loses_the_headline(fitted: dict[frozenset[str], Fitted]) -> None:
+    stated = ranking(fitted, rub=0.999, nothing=0.001)
+    rows = [row(RUB, rub=2, nothing=6), row(PEAK, rub=16)]
+    after = leading(corrected(stated, rows, fitted))
+    assert after.best.causes == PEAK
+    assert after.of_cause("stribeck_friction") > after.of_cause("coulomb_friction")
+
+
+def test_without_confusion_a_name_stays_as_sure_as_the_copies_allow(fitted: dict[frozenset[str], Fitted]) -> None:
+    rows = [row(RUB, rub=8), row(PEAK, peak=16), row(NOTHING, nothing=8)]
+    for stated in (ranking(fitted, rub=0.9999, nothing=0.0001), ranking(fitted, rub=1.0, nothing=1e-300)):
+        after = corrected(stated, rows, fitted)
+        assert after.of_cause("coulomb_friction") == pytest.approx(25.0 / 26.0)
+        assert tied(after, "coulomb_friction") == ()
+    unsure = ranking(fitted, rub=0.8, nothing=0.2)
+    assert corrected(unsure, rows, fitted).of_cause("coulomb_friction") == pytest.approx(0.8), "never surer than before"
+
+
+def test_a_rival_that_was_not_fitted_and_has_no_stand_in_changes_nothing(fitted: dict[frozenset[str], Fitted]) -> None:
+    stated = ranking(fitted, rub=0.9, nothing=0.1)
+    assert corrected(stated, [row(RUB, rub=8), row(PEAK, rub=16)], {}).probability == stated.probability
+
+
+def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], Fitted]) -> None:
+    stated = ranking(fitted, both=0.98, rub=0.01, nothing=0.01)
+    rows = [row(RUB | DRAG, both=8), row(RUB, False, rub=14, both=6), row(NOTHING, False, nothing=20)]
+    after = corrected(stated, rows, fitted)
+    assert after.of_cause("quadratic_drag") < 0.85
+    assert after.of_cause("coulomb_friction") > 0.9
+
+
+def test_json_holds_every_count() -> None:
+    found = Calibration(
+        (row(RUB, rub=7, nothing=1), row(PEAK, rub=16)), {"coulomb_friction": 0.99}, {"coulomb_friction": 0.5}
+    )
+    told = found.to_json_dict()
+    assert told["copies"] == 24 and told["causes"] == [{"name": "coulomb_friction", "stated": 0.99, "corrected": 0.5}]
+    assert told["rows"][0] == {
+        "causes": ["coulomb_friction"], "any_strength": True, "copies": 8, "right": 7,
+        "said": [{"causes": ["coulomb_friction"], "copies": 7}, {"causes": [], "copies": 1}],
+    }  # fmt: skip
+    assert found.columns == (RUB, NOTHING), "what was never said has no column"
+    assert replace(found, rows=found.rows[1:]).copies == 16

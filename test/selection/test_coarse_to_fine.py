@@ -1,0 +1,41 @@
+"""The search on part of the data: when it may stop, and when the whole must go on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from msd_ident.data.record import Record, from_samples
+from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.selection import structure_search
+from msd_ident.workflow import pipeline
+from msd_sim import api
+
+STOP = {"stop_position": 0.0114, "stop_stiffness": 6300.0}
+
+
+def swept() -> Record:
+    """A stiff stop in a sweep: far from the noise for all that does not know it, and a new force with each sample."""
+    made = api.simulate(
+        {"mass": 0.57, "damping": 5.0, "stiffness": 759.0, "friction_coefficient": 0.0, "effects": {"end_stop": STOP},
+         "experiment": {"name": "sweep", "force": 2.6, "duration": 10.0, "rate": 500.0, "natural_frequency": 36.5},
+         "encoder": {"counts_per_metre": 2e5, "noise": 2e-6}, "rate": 500.0, "seed": 3}
+    )  # fmt: skip
+    place = np.searchsorted(made.force_time, made.time + 1e-9, side="right") - 1
+    return from_samples(made.time, made.force[np.maximum(place, 0)], made.position)
+
+
+def test_mean_forces_are_left_once_they_hide_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They keep the truth itself from the noise: searched for it, everything helps a little, for minutes."""
+    fitted: set[frozenset[str]] = set()
+    keep = structure_search.Search._keep
+
+    def noted(self: structure_search.Search, one: structure_search.Fitted) -> None:
+        fitted.add(one.causes)
+        keep(self, one)
+
+    monkeypatch.setattr(structure_search.Search, "_keep", noted)
+    diagnosis = pipeline.diagnose([swept()])
+    assert [cause.name for cause in diagnosis.causes] == ["end_stop"] and diagnosis.verdict == "explained"
+    assert diagnosis.extended.model["stop_position"] == pytest.approx(EndStop(**STOP).stop_position, rel=1e-3)
+    assert max(map(len, fitted)) <= 2

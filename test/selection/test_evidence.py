@@ -1,0 +1,204 @@
+"""Evidence: parameters pay, the likeliest set leads, model error tempers, probabilities add up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from msd_ident.data.record import Record
+from msd_ident.estimate.broyden import State
+from msd_ident.model import Model, Plant
+from msd_ident.model.effects import by_name
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.power_drag import PowerDrag
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection import evidence
+from msd_ident.selection.hypothesis import Experiment, Fitted
+from msd_sim.api import simulate
+
+BASE = Plant(1.0, 2.0, 400.0)
+
+
+@pytest.fixture(scope="module")
+def experiment() -> Experiment:
+    made = simulate(
+        {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "experiment": "steps"}
+    )
+    return Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
+
+
+def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3) -> Fitted:
+    """A set with a given chi², every parameter known to its natural size over ``known``."""
+    problem = experiment.problem(model)
+    rows = known * np.diag(1.0 / problem.scale)
+    residual = np.zeros(problem.size)
+    residual[0] = math.sqrt(chi)
+    return Fitted(
+        frozenset(model.effect_names),
+        model,
+        problem,
+        State(
+            problem.vector(dict(zip(model.names, model.values.tolist(), strict=True)), problem.initial),
+            residual,
+            rows,
+            True,
+        ),
+    )
+
+
+def ranked(sets: Mapping[str, Fitted], noise: float = 840.0) -> evidence.Ranking:
+    """All sets, where noise alone leaves so much chi²."""
+    return evidence.rank({one.causes: one for one in sets.values()}, evidence.Scale(noise))
+
+
+def odds(ranking: evidence.Ranking) -> dict[frozenset[str], tuple[float, float]]:
+    """Evidence and probability by set."""
+    return {
+        one.causes: (value, p)
+        for one, value, p in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True)
+    }
+
+
+def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:
+    friction, drag = CoulombFriction(0.1), QuadraticDrag(1.0)
+    for gain, leads in ((10.0, 0), (160.0, 1)):
+        found = ranked(
+            {
+                "friction": fitted(experiment, BASE + friction, 1000.0),
+                "both": fitted(experiment, BASE + friction + drag, 1000.0 - gain),
+            }
+        )
+        assert len(found.best.causes) == 1 + leads
+
+
+def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Experiment) -> None:
+    """However uncertain a further cause makes the others: the smaller set's determinant may be wrong at a knee."""
+    found = ranked(
+        {
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0, known=1e6),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 998.0, known=1.0),
+        }
+    )
+    assert found.best.causes == {"coulomb_friction"}
+    scale = evidence.Scale(840.0)
+    gain = scale.log_likelihood(998.0) - scale.log_likelihood(1000.0)
+    assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
+
+
+def test_the_likelier_of_two_laws_leads_and_the_other_is_told(experiment: Experiment) -> None:
+    """Neither is a part of the other, so that the simpler one has no claim to the headline."""
+    coulomb = fitted(experiment, BASE + CoulombFriction(0.1), 1000.0)
+    for chi in (940.0, 900.0, 860.0):
+        stribeck = fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01), chi, known=30.0)
+        found = ranked({"coulomb": coulomb, "stribeck": stribeck})
+        assert found.evidence[0] == max(found.evidence)
+        assert sum(found.probability) == pytest.approx(1.0)
+        assert found.of_cause("coulomb_friction") + found.of_cause("stribeck_friction") == pytest.approx(1.0)
+        (name,) = found.best.causes
+        other = {"coulomb_friction", "stribeck_friction"} - {name}
+        near = found.evidence[0] - found.evidence[1] <= evidence.DECISIVE
+        assert set(evidence.alternatives(found, name)) == (other if near else set())
+
+
+@pytest.mark.parametrize(("peak", "own"), [(1.005, False), (1.02, True)])
+def test_a_breakaway_no_higher_than_the_sliding_force_is_no_law_of_its_own(
+    experiment: Experiment, peak: float, own: bool
+) -> None:
+    found = ranked(
+        {
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0),
+            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.1 * peak, 0.3), 940.0, known=1e6),
+        }
+    )
+    assert found.best.causes == {"coulomb_friction"}
+    assert (len(found.sets) == 2) is own
+
+
+def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> None:
+    """Where few independent samples let the base lead a tie, and the likelier set predicts better beyond doubt."""
+    found = ranked(
+        {
+            "base": fitted(experiment, BASE, 1000.0),
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 980.0),
+            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 999.0),
+        }
+    )
+    assert not found.best.causes
+    friction = next(one for one in found.sets if one.causes == {"coulomb_friction"})
+    led = found.led_by(friction)
+    assert led.best is friction
+    assert odds(led) == odds(found)
+
+
+@pytest.mark.parametrize("samples", [1e3, 1e5, 1e7])
+def test_far_from_the_noise_only_the_ratio_of_what_is_left_counts(samples: float) -> None:
+    """A record of a hundred swings shows the same wrong law a hundred times: its length is no evidence."""
+    scale = evidence.Scale(samples)
+    gain = scale.log_likelihood(100.0 * samples) - scale.log_likelihood(110.0 * samples)
+    assert gain == pytest.approx(0.5 * evidence.SHAPES * math.log(109.0 / 99.0), rel=0.01)
+
+
+def test_a_law_that_leaves_nothing_but_noise_gains_with_every_sample() -> None:
+    gains = []
+    for samples in (1e3, 1e5):
+        scale = evidence.Scale(samples)
+        gains.append(scale.log_likelihood(samples) - scale.log_likelihood(1.1 * samples))
+    assert 10.0 < gains[0] < gains[1]
+
+
+def test_the_noise_is_what_was_estimated_or_the_least_that_a_set_leaves_near_it(experiment: Experiment) -> None:
+    pieces = sum(part.evidence for part in experiment.readings)
+    for part, noise in ((0.9, 0.9), (1.05, 1.05), (1.5, 1.0), (0.2, 0.0)):
+        found = evidence.scale_from([fitted(experiment, BASE, part * pieces)], experiment.readings)
+        assert found.noise == pytest.approx(noise * pieces)
+
+
+def test_a_strength_may_be_of_any_order_of_magnitude(experiment: Experiment) -> None:
+    """What a small cause pays for its parameter hangs on how well it is known, not on how small it is."""
+    costs = []
+    for force in (1e-3, 1e-1):
+        one = fitted(experiment, BASE + CoulombFriction(force), 840.0)
+        rows = one.state.jacobian.copy()
+        place = one.problem.names.index("coulomb_force")
+        rows[place] *= 1e3 / (rows[place, place] * force) * 1e-1
+        known = replace(one, state=replace(one.state, jacobian=rows))
+        costs.append(evidence.log_evidence(known, evidence.Scale(840.0)))
+    assert costs[0] == pytest.approx(costs[1], abs=0.1)
+
+
+def test_a_law_no_better_than_its_limit_is_its_limit(experiment: Experiment) -> None:
+    """What the data does not see of a law costs nothing, so it would take a share of the simple law's probability."""
+    coulomb = fitted(experiment, BASE + CoulombFriction(0.1), 900.0)
+    for gain, own in ((1.0, False), (50.0, True)):
+        load = fitted(experiment, BASE + LoadDependentFriction(0.1, 0.02), 900.0 - gain)
+        assert (len(ranked({"coulomb": coulomb, "load": load}).sets) == 2) is own
+
+
+def test_a_strength_wanders_and_a_frequency_does_not(experiment: Experiment) -> None:
+    """A parameter that is known a thousand times better costs no more, but for those that no law can be wrong about."""
+    for model, costs in ((BASE + QuadraticDrag(1.0), 1), (BASE + PeriodicDisturbance(0.1, 20.0, 0.3), 3)):
+        sharp, sharper = (evidence.occam(fitted(experiment, model, 900.0, known=known), 1.0) for known in (1e6, 1e9))
+        sure = math.log(1e3) * len(by_name(model.effect_names[0]).exact)
+        assert sharper - sharp == pytest.approx(sure, abs=0.01)
+        assert sharp - sure * 2 <= costs * math.log(1.0 / evidence.LEAST_SPREAD) + 0.01
+
+
+def test_what_moves_a_cart_at_rest_is_not_there(experiment: Experiment) -> None:
+    scale = evidence.Scale(840.0)
+    assert scale.log_likelihood(900.0, 1e4) < scale.log_likelihood(2000.0)
+
+
+def test_the_simple_law_leads_where_a_form_is_hardly_better(experiment: Experiment) -> None:
+    drag = fitted(experiment, BASE + QuadraticDrag(1.0), 900.0)
+    power = fitted(experiment, BASE + PowerDrag(1.0, 1.0, 1.7), 850.0)
+    found = ranked({"drag": drag, "power": power})
+    assert found.best.causes == {"quadratic_drag"}
+    assert found.of_cause("quadratic_drag") == found.of_cause("power_drag") == pytest.approx(1.0)

@@ -1,0 +1,39 @@
+"""Numbers that depend on which law of the force's gain acts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident.data.record import Record
+from msd_ident.workflow import pipeline
+from msd_sim import api
+
+MASS = 1.3
+
+
+def stepped(sizes: tuple[float, ...]) -> Record:
+    """Steps of these sizes on a drive that gives 7 N at most."""
+    at = np.arange(len(sizes)) * 0.8
+    made = api.simulate(
+        {"mass": MASS, "damping": 8.0, "stiffness": 700.0, "friction_coefficient": 0.0, "seed": 4,
+         "effects": {"force_gain_nonlinearity": {"gain_slope": 0.0, "force_limit": 7.0}},
+         "encoder": {"counts_per_metre": 0.0, "noise": 5e-6}, "rate": 500.0, "duration": 0.8 * len(sizes),
+         "force_time": at.tolist(), "force": list(sizes)}
+    )  # fmt: skip
+    return Record(made.time, made.position, made.force_time, made.force)
+
+
+def test_of_two_sizes_of_force_the_mass_is_said_to_depend_on_the_law() -> None:
+    found = pipeline.diagnose([stepped((5.0, 0.0, 10.0, 0.0, -5.0, 0.0, -10.0, 0.0))])
+    assert [cause.name for cause in found.causes] == ["force_gain_nonlinearity"]
+    low, high = found.spread["mass"]
+    assert low * 0.999 < MASS < high * 1.001 and high > 1.05 * low
+    assert any("laws of one cause" in warning and "mass" in warning for warning in found.warnings)
+
+
+def test_of_four_sizes_it_is_known() -> None:
+    found = pipeline.diagnose([stepped((3.0, 0.0, 6.0, 0.0, -8.0, 0.0, -10.0, 0.0))])
+    assert [cause.name for cause in found.causes] == ["force_gain_nonlinearity"]
+    low, high = found.spread.get("mass", (MASS, MASS))
+    assert high < 1.01 * low
+    assert abs(found.extended.model["mass"] / MASS - 1.0) < 0.005

@@ -1,0 +1,113 @@
+"""A spring is not silently decided away or into a plain axis, and a closed loop is recognised."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from msd_ident.data.quality import check
+from msd_ident.data.record import Record, from_samples
+from msd_ident.io import SourceOptions, read
+from msd_ident.model import Plant, simulate
+from msd_ident.workflow import pipeline
+from msd_ident.workflow.identification import Identification
+
+STEP = 2e-5
+
+
+def controlled(stiffness: float = 30.0, gain: float = 300.0) -> Record:
+    """A cart under a proportional controller with setpoints, which reads a rounding encoder at 100 Hz."""
+    mass, damping, fine, period = 0.06, 1.8, 20, 0.01
+    x = v = 0.0
+    rows = []
+    for i in range(800):
+        setpoint = 0.02 if i % 400 < 200 else 0.0
+        reading = round(x / STEP) * STEP
+        force = round(gain * (setpoint - reading), 4)
+        rows.append((i * period, force, reading))
+        for _ in range(fine):
+            v += period / fine * (force - damping * v - stiffness * x) / mass
+            x += period / fine * v
+    return from_samples(*np.array(rows).T, name="closed")
+
+
+def open_loop(force: np.ndarray, stiffness: float = 700.0) -> Record:
+    asked = from_samples(np.arange(force.size) * 2e-3, force, np.zeros(force.size), name="open")
+    position = simulate(Plant(1.0, 3.0, stiffness), asked).position
+    return replace(asked, position=np.round(position / 1e-6) * 1e-6)
+
+
+def sentences(found: Identification) -> str:
+    return " ".join(found.warnings)
+
+
+def closed(record: Record) -> list[str]:
+    return [finding.sentence for finding in check(record) if finding.code == "closed_loop"]
+
+
+def test_a_closed_loop_is_said_with_its_gain() -> None:
+    (said,) = closed(controlled())
+    assert said.startswith("the force follows the readings (-300 N/m): a controller makes it from them.")
+    assert "push with a force that does not depend on the position" in said
+
+
+T = np.arange(4000) * 2e-3
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        5.0 * np.sin(10.0 * T),
+        5.0 * np.sin(120.0 * T),
+        5.0 * np.sin(2.0 * T + 4.0 * T**2),
+        np.random.default_rng(0).normal(0.0, 5.0, T.size),
+        np.where(T % 2.0 < 1.0, 5.0, 0.0),
+        np.where(T % 2.0 < 1.0, 5.0 * np.sin(120.0 * T), 0.0),
+        np.minimum(T, 8.0 - T),
+    ],
+    ids=["below resonance", "above resonance", "sweep", "noise", "steps", "bursts", "ramp"],
+)
+def test_an_open_loop_is_none(force: np.ndarray) -> None:
+    assert closed(open_loop(force)) == []
+
+
+def test_a_stiff_spring_that_follows_slow_pulses_is_no_controller() -> None:
+    pulses = 500.0 * np.where(T % 2.0 < 1.0, np.sin(np.pi * T) ** 2, 0.0)
+    assert closed(open_loop(pulses, stiffness=7e4)) == []
+
+
+def test_the_spring_of_a_controlled_cart_is_kept() -> None:
+    found = pipeline.identify([controlled()])
+    assert found.refined.parameters["stiffness"].value == pytest.approx(30.0, rel=0.05)
+    if found.standard_form is None:
+        assert "No response shows whether a spring acts; one is taken to: fitted, its stiffness is" in sentences(found)
+        assert "if none does, say --model no_spring." in sentences(found)
+
+
+def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None:
+    rng = np.random.default_rng(2)
+    force = np.repeat(rng.normal(0.0, 3.0, 200), 20)
+    record = open_loop(force - force.mean(), stiffness=0.0)
+    found = pipeline.identify([record])
+    assert found.refined.model["stiffness"] == 0.0
+    said = next(one for one in found.warnings if "spring" in one)
+    assert said.startswith("No response shows a spring, and none is taken to act: fitted, its stiffness is ")
+    assert "times as likely as none" in said and said.endswith("% of the force; if there is one, say --model spring.")
+    told = pipeline.identify([record], pipeline.Options(model="no_spring"))
+    assert not any("spring" in one for one in told.warnings), "who decides needs no odds"
+
+
+def test_measured_records(shared_data: Path) -> None:
+    path = shared_data / "real" / "ecp2023_closed_loop.csv"
+    if not path.exists():
+        pytest.skip(f"no {path}")
+    record = read(path, SourceOptions("effort_v", "encoder", force_unit="V", position_scale=1.7857e-5))
+    found = pipeline.identify([record])
+    assert 28.5 < found.refined.parameters["stiffness"].value < 30.5
+    assert found.refined.see < 0.55e-3
+    assert any("the force follows the readings (-27." in warning for warning in found.warnings)
+    axis = pipeline.identify([read(shared_data / "emps" / "emps_train.csv")])
+    assert axis.refined.model["stiffness"] == 0.0
