@@ -23,7 +23,7 @@ from msd_ident.model import Plant
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import noise_model
 from msd_ident.selection.cross_validation import HeldOut, predict
-from msd_ident.selection.hypothesis import Experiment, Fitted, refine
+from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine
 from msd_sim import lottery
 from msd_sim.api import simulate
 
@@ -92,13 +92,13 @@ def _of_truth(seed: int, name: str, data: Experiment, start: Initial, law: dict[
     return _trial(seed, name, data, base, refine(data, frozenset({name}), model, (start,)))
 
 
-def _trial(seed: int, name: str, data: Experiment, base: Fitted, extended: Fitted) -> Trial:
+def _trial(seed: int, name: str, data: Experiment, base: Hypothesis, extended: Hypothesis) -> Trial:
     began = time.process_time()
     held = predict(data, base, extended)
     return Trial(seed, name, base.chi - extended.chi, held, time.process_time() - began)
 
 
-def _guessed(data: Experiment, base: Fitted, name: str) -> Fitted:
+def _guessed(data: Experiment, base: Hypothesis, name: str) -> Hypothesis:
     """The base model with one effect more, the best from its first guesses."""
     guesses = by_name(name).guess(data.records[0], base.model)[:2]
     found = [refine(data, frozenset({name}), base.model + guess, base.initial) for guess in guesses]

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from msd_ident.design.evaluation import Question
-from msd_ident.design.library import Pace, family
+from msd_ident.design.library import TimeScale, family
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
@@ -22,7 +22,7 @@ from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 #: The design page's rig: 1 kg on 100 N/m, 0.2 mm of noise at 500 Hz; pushed with up to 10 N for up to 20 s.
@@ -61,21 +61,21 @@ CHOSEN = (
 )  # fmt: skip
 
 
-def contender(name: str, share: float = 1.0) -> Contender:
+def contender(name: str, share: float = 1.0) -> CandidateModel:
     """The plant with an effect (or without), about which nothing has been measured; of a share of the stated size."""
     values = {key: value * (share if key in SHRINKING else 1.0) for key, value in SIZES.get(name, {}).items()}
     model: Model = PLANT + by_name(name).from_values(values) if name else PLANT
     free = tuple(p.name for p in model.parameters if np.isfinite(model[p.name]))
     typical = Magnitudes(10.0, 0.1, 0.1)
     scale = np.array([typical.of(p.unit) for p in model.parameters if p.name in free])
-    return Contender(
+    return CandidateModel(
         (name,) if name else (), 1.0, 0.0, 0.0, model, free, scale, np.zeros((len(free),) * 2), (Initial(),)
     )
 
 
 def chosen(question: Question) -> list[Profile]:
     """The experiments of the table, as strong as the limits allow."""
-    made = family(Pace(question.period, LIMITS.duration))
+    made = family(TimeScale(question.period, LIMITS.duration))
     found = []
     for start in CHOSEN:
         unit = next(profile for profile in made if profile.name.startswith(start))

@@ -1,7 +1,8 @@
-"""Stopping work that takes long: between two simulations a fit asks whether anybody still waits for it.
+"""Cancelling work that takes long: between two simulations a fit asks whether anybody still waits for it.
 
-Who starts the work says with ``when`` how to ask; the work below calls ``check``. The question belongs to the context,
-so that two works in two threads do not stop each other; ``carried`` takes it into a thread of a pool.
+Who starts the work says with ``cancel_when`` how to ask; the work below calls ``raise_if_cancelled``. The question
+belongs to the context, so that two works in two threads do not stop each other; ``in_this_context`` takes it into a
+thread of a pool.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ _Done = TypeVar("_Done")
 _asked: ContextVar[Callable[[], bool] | None] = ContextVar("asked", default=None)
 
 
-class Stopped(Exception):
+class Cancelled(Exception):
     """The work was stopped on request: neither an error nor a result."""
 
 
 @contextmanager
-def when(asked: Callable[[], bool]) -> Iterator[None]:
-    """Work inside the block ends with ``Stopped`` soon after ``asked()`` has become true."""
+def cancel_when(asked: Callable[[], bool]) -> Iterator[None]:
+    """Work inside the block ends with ``Cancelled`` soon after ``asked()`` has become true."""
     token = _asked.set(asked)
     try:
         yield
@@ -31,18 +32,18 @@ def when(asked: Callable[[], bool]) -> Iterator[None]:
         _asked.reset(token)
 
 
-def check() -> None:
+def raise_if_cancelled() -> None:
     """Go on, or not.
 
     Raises:
-        Stopped: the work was asked to stop.
+        Cancelled: the work was asked to stop.
     """
     asked = _asked.get()
     if asked is not None and asked():
-        raise Stopped
+        raise Cancelled
 
 
-def carried(work: Callable[_Given, _Done]) -> Callable[_Given, _Done]:
+def in_this_context(work: Callable[_Given, _Done]) -> Callable[_Given, _Done]:
     """The same work, to be called once in another thread, stoppable as it would be here."""
     context = copy_context()
 

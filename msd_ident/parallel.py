@@ -16,5 +16,5 @@ _Done = TypeVar("_Done")
 def each(work: Callable[[_Task], _Done], tasks: Sequence[_Task]) -> list[_Done]:
     """What comes of each task, in their order."""
     with ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 4)) as pool:
-        jobs = [pool.submit(cancellation.carried(work), task) for task in tasks]
+        jobs = [pool.submit(cancellation.in_this_context(work), task) for task in tasks]
         return [job.result() for job in jobs]

@@ -34,7 +34,7 @@ def test_a_fit_is_stopped_between_two_simulations() -> None:
         asked.append(len(asked) >= 5)
         return asked[-1]
 
-    with pytest.raises(cancellation.Stopped), cancellation.when(enough):
+    with pytest.raises(cancellation.Cancelled), cancellation.cancel_when(enough):
         fit(Plant(1.0, 1.0, 300.0), stepped())
     assert asked == [False] * 5 + [True], "nothing is simulated after the word"
 
@@ -53,20 +53,20 @@ def test_the_threads_of_a_search_hear_it_too() -> None:
         if stage == "search":
             stop.set()
 
-    with pytest.raises(cancellation.Stopped), cancellation.when(enough):
+    with pytest.raises(cancellation.Cancelled), cancellation.cancel_when(enough):
         diagnose_records([stepped()], progress=progress)
     assert any(name.startswith("ThreadPoolExecutor") for name in heard)
     assert stages.count("search") < 5 and "verdict" not in stages
 
 
 def test_only_the_work_that_was_meant_is_stopped() -> None:
-    with cancellation.when(lambda: True):
+    with cancellation.cancel_when(lambda: True):
         with ThreadPoolExecutor(1) as pool:
-            pool.submit(cancellation.check).result()
-            with pytest.raises(cancellation.Stopped):
-                pool.submit(cancellation.carried(cancellation.check)).result()
-        with cancellation.when(lambda: False):
-            cancellation.check()
-        with pytest.raises(cancellation.Stopped):
-            cancellation.check()
-    cancellation.check()
+            pool.submit(cancellation.raise_if_cancelled).result()
+            with pytest.raises(cancellation.Cancelled):
+                pool.submit(cancellation.in_this_context(cancellation.raise_if_cancelled)).result()
+        with cancellation.cancel_when(lambda: False):
+            cancellation.raise_if_cancelled()
+        with pytest.raises(cancellation.Cancelled):
+            cancellation.raise_if_cancelled()
+    cancellation.raise_if_cancelled()

@@ -14,7 +14,7 @@ from bench.reliability import cuts, datafaults, estimates, fulldisk, kills, muta
 from bench.reliability.page import Row, put
 from bench.reliability.powercut import Disk
 from msd_ident.io import BagWriter
-from msd_ident.ros.recorder.recording import Limits
+from msd_ident.ros.recorder.recording import QueueLimits
 
 
 def killed(root: Path, seed: int) -> Iterator[Row]:
@@ -22,7 +22,7 @@ def killed(root: Path, seed: int) -> Iterator[Row]:
     found = []
     for batch in range(10):
         seeds = range(seed + 5 * batch, seed + 5 * batch + 5)
-        found += kills.kill_writers(root / str(batch), seeds, 4.0, Limits())
+        found += kills.kill_writers(root / str(batch), seeds, 4.0, QueueLimits())
     yield Row("recording killed with `kill -9`, 0 to 4 s after its begin", len(found), _readers(found))
     yield Row("folder copied while it is written", len(found), "every copy opened in msd, rosbags and mcap")
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from bench.reliability.kills import TOPIC, TYPE, message
 from msd_ident.io import repair
-from msd_ident.ros.recorder.recording import Limits, Recording
+from msd_ident.ros.recorder.recording import QueueLimits, Recording
 
 #: Mounts a disk where it is told to, in a name space of its own, and leaves with it.
 _MOUNT = 'mount -t tmpfs -o size="$1" none "$2" && shift 2 && exec "$@"'
@@ -43,7 +43,7 @@ def _fill(folder: Path, seed: int) -> dict[str, Any]:
     import random
 
     noise = random.Random(seed)
-    recording = Recording(folder / "bag", "zstd", limits=Limits(sync_seconds=0.02))
+    recording = Recording(folder / "bag", "zstd", limits=QueueLimits(sync_seconds=0.02))
     recording.add_topic(TOPIC, TYPE, [])
     sent = 0
     while not recording.summary.error:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from bench.reliability.readers import READERS
 from msd_ident.io import repair
-from msd_ident.ros.recorder.recording import Limits, Recording
+from msd_ident.ros.recorder.recording import QueueLimits, Recording
 
 TOPIC, TYPE = "/count", "std_msgs/msg/UInt64"
 #: Messages a second that the recorder is given, and how long it may take until its first [s].
@@ -38,7 +38,7 @@ class Found:
     lost_seconds: float
 
 
-def record_forever(folder: str, limits: Limits) -> None:
+def record_forever(folder: str, limits: QueueLimits) -> None:
     """Messages that count up, each stamped with the machine's monotonic time, through the node's own recording."""
     recording = Recording(Path(folder), "zstd", limits=limits)
     recording.add_topic(TOPIC, TYPE, [])
@@ -72,7 +72,7 @@ def check(folder: Path, ended_ns: int, where: str) -> Found:
     return Found(where, counts["msd"], (ended_ns - _last(folder)) / 1e9)
 
 
-def kill_writers(root: Path, seeds: Sequence[int], longest: float, limits: Limits) -> list[Found]:
+def kill_writers(root: Path, seeds: Sequence[int], longest: float, limits: QueueLimits) -> list[Found]:
     """Recordings killed after up to ``longest`` seconds from their first message, several at a time."""
     root.mkdir(exist_ok=True)
     fork = multiprocessing.get_context("fork")

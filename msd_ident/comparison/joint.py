@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from msd_ident.comparison.estimates import Estimate
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.formulation import pose
-from msd_ident.estimate.least_squares import Limits, Normal, minimise
+from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
 
 #: Records of a group that a joint fit is made of, at most: the numbers come from all, the fit checks them.
@@ -80,7 +80,7 @@ def joint_fit(estimates: Sequence[Estimate], groups: Sequence[str], differing: C
         upper[place] = np.minimum(upper[place], part.problem.upper)
         scale[place] = np.maximum(scale[place], part.problem.scale)
     objective = _Groups(parts, places, size)
-    outcome = minimise(objective, point / count, Limits(lower, upper, scale, _ITERATIONS))
+    outcome = minimise(objective, point / count, SolverOptions(lower, upper, scale, _ITERATIONS))
     values = np.array([outcome.point[place[: len(free)]] for place in places])
     kept = tuple(name for name in free if name in set(differing))
     return JointFit(kept, values, 2.0 * outcome.cost, outcome.converged)
@@ -90,7 +90,7 @@ def _part(estimates: Sequence[Estimate]) -> tuple[SquaredError, FloatArray]:
     """One group's sum of squares, and its vector where each record's own fit ended."""
     first = estimates[0].fit
     fixed = {name: first.model[name] for name in first.model.names if name not in first.free}
-    problem = pose(first.model, tuple(one.used for one in estimates), fixed)
+    problem = formulate(first.model, tuple(one.used for one in estimates), fixed)
     weights = []
     for one in estimates:
         left = one.fit.residuals[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: What tells of an effect without any force profile.
 _MEASURE = {
@@ -30,7 +30,7 @@ _MEASURE = {
 WEIGH = "weigh the cart, or add a known mass and repeat: mass, damping, stiffness and friction share the unknown gain"
 
 
-def measurement(one: Contender, other: Contender) -> str:
+def measurement(one: CandidateModel, other: CandidateModel) -> str:
     """What to measure to tell two explanations apart that no profile parts."""
     apart = sorted({*one.causes} ^ {*other.causes})
     told = [_MEASURE[name] for name in apart if name in _MEASURE]

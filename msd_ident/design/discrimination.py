@@ -30,7 +30,7 @@ _UNKNOWN = 1e5
 
 
 @dataclass(frozen=True)
-class Parting:
+class Discrimination:
     """How well a profile parts rivals.
 
     Attributes:
@@ -43,7 +43,7 @@ class Parting:
     decided: FloatArray
     probability: float
 
-    def asked(self, truths: FloatArray) -> Parting:
+    def asked(self, truths: FloatArray) -> Discrimination:
         """The same where the rivals have these probabilities (r,)."""
         return replace(self, probability=float(truths @ self.decided / max(math.fsum(truths), 1e-300)))
 
@@ -115,14 +115,14 @@ def sharpened(predictor: Predictor, prediction: Prediction, weight: FloatArray) 
     return np.asarray(predictor.contender.information + added)
 
 
-def part(
+def discriminate(
     predictors: Sequence[Predictor],
     predictions: Sequence[Prediction],
     on: Grid,
     seen: Sensing,
     truths: FloatArray,
     shares: FloatArray | None = None,
-) -> Parting:
+) -> Discrimination:
     """How well readings on a grid part rivals.
 
     Args:
@@ -149,7 +149,7 @@ def part(
         ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
         margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
         decided[a] = float(np.mean(special.ndtr(margins.min(axis=0))))
-    return Parting(chi, decided, math.nan).asked(truths)
+    return Discrimination(chi, decided, math.nan).asked(truths)
 
 
 def differences(true: Prediction, rival: Prediction) -> FloatArray:

@@ -11,13 +11,13 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design import discrimination, safety
-from msd_ident.design.discrimination import Parting
-from msd_ident.design.library import Pace, family
+from msd_ident.design.discrimination import Discrimination
+from msd_ident.design.library import TimeScale, family
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing, grid, instants
 from msd_ident.design.profile import Profile
 from msd_ident.parallel import each
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
 ENOUGH = 0.97
@@ -35,7 +35,7 @@ class Option:
     profile: Profile
     grid: Grid
     predictions: tuple[Prediction, ...]
-    parting: Parting
+    parting: Discrimination
     travel: tuple[float, float]
     peak_speed: float
     shares: FloatArray
@@ -69,17 +69,17 @@ class Question:
 
     @staticmethod
     def of(
-        contenders: Sequence[Contender], truths: Sequence[float], seen: Sensing, limits: Limits,
+        contenders: Sequence[CandidateModel], truths: Sequence[float], seen: Sensing, limits: Limits,
         records: Sequence[Record] = (),
     ) -> Question:  # fmt: skip
         """The question which of these is true, each with its probability, after ``records`` were measured."""
         predictors = tuple(Predictor(one, 10.0 * seen.noise) for one in contenders)
-        stronger = safety.caution(contenders[0], records) if records else None
+        stronger = safety.worst_case_actuator(contenders[0], records) if records else None
         cautions = () if stronger is None else (Predictor(stronger, 10.0 * seen.noise),)
         return Question(predictors, np.asarray(truths), seen, limits, period_of(contenders[0], limits), cautions)
 
     @property
-    def contenders(self) -> tuple[Contender, ...]:
+    def contenders(self) -> tuple[CandidateModel, ...]:
         """The rivals."""
         return tuple(one.contender for one in self.predictors)
 
@@ -89,7 +89,7 @@ class Question:
         return float(rows * instants(profile, self.period, self.sensing))
 
 
-def period_of(contender: Contender, limits: Limits) -> float:
+def period_of(contender: CandidateModel, limits: Limits) -> float:
     """The plant's own period [s]; of an axis without spring, a part of what its damping or the limits allow."""
     model = contender.model
     if model.stiffness > 0.0:
@@ -105,7 +105,7 @@ def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
 
 def family_of(question: Question, unit: str = "N") -> list[Profile]:
     """The family in the plant's own time, the shortest first."""
-    made = family(Pace(question.period, question.limits.duration), unit)
+    made = family(TimeScale(question.period, question.limits.duration), unit)
     return sorted(made, key=lambda profile: profile.duration)
 
 
@@ -128,14 +128,14 @@ def judge(question: Question, profile: Profile) -> Option:
     """What the rivals predict for a profile, and how well it parts them."""
     on = grid(profile, question.period, question.sensing)
     predictions = tuple(one.predict(on.record) for one in question.predictors)
-    parting = discrimination.part(question.predictors, predictions, on, question.sensing, question.truths)
+    parting = discrimination.discriminate(question.predictors, predictions, on, question.sensing, question.truths)
     low, high, speed = safety.extremes(question.predictors, predictions)
     return Option(profile, on, predictions, parting, (low, high), speed, np.ones_like(parting.chi))
 
 
 def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
     """The same option when real refits leave only this part (r, r) of what linear ones do."""
-    parting = discrimination.part(
+    parting = discrimination.discriminate(
         question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
     )
     return replace(option, parting=parting, shares=kept)

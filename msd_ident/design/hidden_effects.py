@@ -15,7 +15,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.discrimination import occam
-from msd_ident.design.nearest_rival import SILENT, Measured, settled
+from msd_ident.design.nearest_rival import SILENT, Measured, nearest
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
@@ -23,7 +23,7 @@ from msd_ident.estimate.parameter_units import in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY
 from msd_ident.parallel import each
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.evidence import log_prior
 
 #: Sizes against the library's own guess that are worth a test.
@@ -36,7 +36,7 @@ _PLAYS = (1.0, 0.5, 0.25, 0.12)
 _SAMPLES = 1200
 
 
-def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
+def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
     """The explanation that stands first, then one rival for each effect that may hide behind it; alone if none may."""
     if not diagnosis.contenders:
         return ()
@@ -46,7 +46,7 @@ def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[Contender, ...]:
     return (lead, *(rival for rival in found if rival is not None))
 
 
-def beside(diagnosis: Diagnosis, effect: Effect) -> Contender:
+def beside(diagnosis: Diagnosis, effect: Effect) -> CandidateModel:
     """The explanation that stands with one more effect, of the size given, the rest refitted around it.
 
     Raises:
@@ -72,13 +72,13 @@ def _thin(record: Record) -> Record:
     return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
 
 
-def _hiding(kind: type[Effect], lead: Contender, data: Measured) -> Contender | None:
+def _hiding(kind: type[Effect], lead: CandidateModel, data: Measured) -> CandidateModel | None:
     """The rival that this effect makes at its largest silent size; ``None`` when it cannot hide."""
     shrinking = _shrinking(kind)
     if shrinking is None or lead.model.has(kind.name):
         return None
     record = max(data.records, key=lambda one: float(np.ptp(one.position)))
-    best: tuple[float, Contender] | None = None
+    best: tuple[float, CandidateModel] | None = None
     for guess in _guesses(kind, record, lead.model):
         found = _largest(lead, guess, shrinking, data)
         if found is not None and (best is None or found[0] > best[0]):
@@ -102,7 +102,9 @@ def _guesses(kind: type[Effect], record: Record, model: Model) -> Sequence[Effec
     return kind.guess(record, model)[:2]
 
 
-def _largest(lead: Contender, guess: Effect, shrinking: str, data: Measured) -> tuple[float, Contender] | None:
+def _largest(
+    lead: CandidateModel, guess: Effect, shrinking: str, data: Measured
+) -> tuple[float, CandidateModel] | None:
     """Part of the guessed size at which the data is still silent, and the rival there."""
     share = 1.0
     for _ in range(_SHRINKS):
@@ -117,7 +119,9 @@ def _largest(lead: Contender, guess: Effect, shrinking: str, data: Measured) -> 
     return None
 
 
-def _refitted(lead: Contender, effect: Effect, data: Measured, hopeless: float = math.inf) -> tuple[Contender, float]:
+def _refitted(
+    lead: CandidateModel, effect: Effect, data: Measured, hopeless: float = math.inf
+) -> tuple[CandidateModel, float]:
     """The rival with the lead's parameters refitted around the effect, and the rise of chi² that is left.
 
     The lead's readings stand for the data, so that the rise is the effect's own, without the noise.
@@ -130,14 +134,16 @@ def _refitted(lead: Contender, effect: Effect, data: Measured, hopeless: float =
     return min(tries, key=lambda one: one[1])
 
 
-def _playing(kind: type[Effect], lead: Contender, record: Record, shrinking: str, data: Measured) -> Contender | None:
+def _playing(
+    kind: type[Effect], lead: CandidateModel, record: Record, shrinking: str, data: Measured
+) -> CandidateModel | None:
     """The rival in which the cart began inside a play, of the size that the data allows; ``None`` without any.
 
     The lead has taken half the play for a start away from rest, and the stiffness for less. There is a valley of its
     own around the true size, and none of the smaller sizes leads there.
     """
     known = data.resting(lead)
-    found: list[tuple[Contender, float, FloatArray]] = []
+    found: list[tuple[CandidateModel, float, FloatArray]] = []
     for guess in _guesses(kind, record, lead.model)[:1]:
         values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
         least = values[shrinking]
@@ -148,17 +154,17 @@ def _playing(kind: type[Effect], lead: Contender, record: Record, shrinking: str
             if not any(spread > known[r] + 0.5 * share * least for r, spread in wider.items() if r in known):
                 return None  # the cart begins where it would without the effect
             held = tuple(len(lead.free) + 2 * r for r in range(len(data.records)))
-            found.append(settled(lead, trial, len(lead.free), data, held, _HOPELESS))
+            found.append(nearest(lead, trial, len(lead.free), data, held, _HOPELESS))
     if not found:
         return None
-    nearest = min(found, key=lambda one: one[1])[0]
-    rival, rise, information = settled(lead, nearest, len(nearest.free), data, hopeless=_HOPELESS)
+    held_start = min(found, key=lambda one: one[1])[0]
+    rival, rise, information = nearest(lead, held_start, len(held_start.free), data, hopeless=_HOPELESS)
     if rise > SILENT or rival.model[shrinking] < _SMALLEST * least:
         return None
     return _told(lead, rival, rise, information)
 
 
-def _resting(trial: Contender) -> Contender:
+def _resting(trial: CandidateModel) -> CandidateModel:
     """Each record begins at rest in the middle, at the same reading."""
     initial = tuple(
         replace(one, position=0.0, zero=one.zero + one.position) if one.velocity == 0.0 else one
@@ -174,25 +180,27 @@ def _gain(effect: Effect, records: Sequence[Record]) -> float:
     return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0
 
 
-def _around(lead: Contender, model: Model, effect: Effect, data: Measured, hopeless: float) -> tuple[Contender, float]:
+def _around(
+    lead: CandidateModel, model: Model, effect: Effect, data: Measured, hopeless: float
+) -> tuple[CandidateModel, float]:
     """The same from one start."""
-    trial, rise, information = settled(lead, _trial(lead, model, effect, data), len(lead.free), data, hopeless=hopeless)
+    trial, rise, information = nearest(lead, _trial(lead, model, effect, data), len(lead.free), data, hopeless=hopeless)
     return _told(lead, trial, rise, information), rise
 
 
-def _trial(lead: Contender, model: Model, effect: Effect, data: Measured) -> Contender:
+def _trial(lead: CandidateModel, model: Model, effect: Effect, data: Measured) -> CandidateModel:
     """A rival yet to be fitted: the lead's parameters first, the effect's own last."""
     own = tuple(p.name for p in effect.parameters if np.isfinite(model[p.name]))
     free = tuple(dict.fromkeys((*lead.free, *own)))
     sizes = dict(zip(lead.free, lead.scale, strict=True))
     scale = np.array([sizes.get(p, data.typical.of(_unit(model, p))) for p in free])
-    return Contender(
+    return CandidateModel(
         causes=tuple(sorted({*lead.causes, effect.name})), probability=0.0, evidence=lead.evidence, chi=lead.chi,
         model=model, free=free, scale=scale, information=np.zeros((len(free),) * 2), initial=lead.initial,
     )  # fmt: skip
 
 
-def _told(lead: Contender, trial: Contender, rise: float, information: FloatArray) -> Contender:
+def _told(lead: CandidateModel, trial: CandidateModel, rise: float, information: FloatArray) -> CandidateModel:
     """The rival with its information, and its evidence beside the lead's."""
     trial = replace(trial, information=information)
     complete = Predictor(trial, 0.0)

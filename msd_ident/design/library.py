@@ -14,14 +14,14 @@ _FINE = 40.0
 
 
 @dataclass(frozen=True)
-class Pace:
+class TimeScale:
     """The plant's own time: its period [s], and the longest experiment [s]."""
 
     period: float
     longest: float
 
 
-def family(pace: Pace, unit: str = "N") -> list[Profile]:
+def family(pace: TimeScale, unit: str = "N") -> list[Profile]:
     """All experiments that are not longer than allowed, of at most 1 unit of force either way.
 
     Steps of several sizes in both directions, releases from a held force, ramps with dwell, sweeps, staircases, small
@@ -46,7 +46,7 @@ def turned(profile: Profile) -> Profile:
 Shape = tuple[str, tuple[Segment, ...]]
 
 
-def _shapes(pace: Pace, rest: float) -> Iterator[Shape]:
+def _shapes(pace: TimeScale, rest: float) -> Iterator[Shape]:
     room = pace.longest - rest
     if room <= 0.0:
         return

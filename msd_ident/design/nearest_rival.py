@@ -13,9 +13,9 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.prediction import Predictor, Sensing
-from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes
-from msd_ident.selection.candidate_models import Contender, marginal
+from msd_ident.selection.candidate_models import CandidateModel, marginal
 
 #: Rise of chi² below which the data cannot object.
 SILENT = 12.0
@@ -40,20 +40,20 @@ class Measured:
         share = record.period / self.seen.period
         return np.asarray(self.seen.weight(speed) * (share / self.seen.noise**2))
 
-    def resting(self, contender: Contender) -> Mapping[int, float]:
+    def resting(self, contender: CandidateModel) -> Mapping[int, float]:
         """How well it is known under a contender where each record that begins at rest began [m], by its index."""
         kept = frozenset(contender.model.names) - set(contender.free)
-        return {balance.record: balance.spread for balance in pose(contender.model, self.records, kept).balances}
+        return {balance.record: balance.spread for balance in formulate(contender.model, self.records, kept).balances}
 
 
-def settled(
-    lead: Contender,
-    trial: Contender,
+def nearest(
+    lead: CandidateModel,
+    trial: CandidateModel,
     moving: int,
     data: Measured,
     held: Sequence[int] = (),
     hopeless: float = math.inf,
-) -> tuple[Contender, float, FloatArray]:
+) -> tuple[CandidateModel, float, FloatArray]:
     """A trial moved to where it leaves least: the trial there, the rise of chi² over the lead's own, information.
 
     Damped steps (Levenberg–Marquardt), each from the best place so far: the valley of rest and samples is bent.
@@ -112,7 +112,7 @@ class _System:
         information: (p, p) of all free parameters.
     """
 
-    trial: Contender
+    trial: CandidateModel
     normal: FloatArray
     right: FloatArray
     total: float
@@ -130,13 +130,13 @@ class _System:
         return move, max(left, 0.0)
 
 
-def _values(trial: Contender, moving: int) -> FloatArray:
+def _values(trial: CandidateModel, moving: int) -> FloatArray:
     """(moving,) its first free parameters."""
     return np.array([trial.model[name] for name in trial.free[:moving]])
 
 
 def _system(
-    trial: Contender, rows: Sequence[_Row], moving: int, resting: Mapping[int, float], begun: FloatArray
+    trial: CandidateModel, rows: Sequence[_Row], moving: int, resting: Mapping[int, float], begun: FloatArray
 ) -> _System:
     """Normal equations of the first parameters, with the readings and with what rest at the start says.
 
@@ -162,7 +162,7 @@ def _system(
     return _System(trial, normal, right, total, information)
 
 
-def _beside_rest(trial: Contender, row: _Row, index: int, resting: Mapping[int, float]) -> _Row:
+def _beside_rest(trial: CandidateModel, row: _Row, index: int, resting: Mapping[int, float]) -> _Row:
     """The same with one pseudo-reading more: the cart began where spring and offset cancel (``fit.Balance``)."""
     difference, jacobian, weight = row
     if index not in resting:
@@ -175,7 +175,7 @@ def _beside_rest(trial: Contender, row: _Row, index: int, resting: Mapping[int, 
     )
 
 
-def _imbalance(trial: Contender, index: int) -> tuple[float, FloatArray]:
+def _imbalance(trial: CandidateModel, index: int) -> tuple[float, FloatArray]:
     """How far [m] a record begins from where spring and offset cancel, and its change (p + 2,) with all entries."""
     model = trial.model
     slope = np.zeros(len(trial.free) + 2)
@@ -187,7 +187,7 @@ def _imbalance(trial: Contender, index: int) -> tuple[float, FloatArray]:
     return trial.initial[index].position + lean, slope
 
 
-def _shifted(trial: Contender, move: FloatArray, moving: int) -> Contender:
+def _shifted(trial: CandidateModel, move: FloatArray, moving: int) -> CandidateModel:
     """The trial after a step of its first parameters and of its records' start positions and zeros."""
     names = dict(zip(trial.free[:moving], move[:moving], strict=True))
     values = {n: max(trial.model[n] + d, 0.2 * trial.model[n]) for n, d in names.items() if trial.model[n] > 0.0}

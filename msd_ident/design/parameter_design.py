@@ -28,7 +28,7 @@ from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.paper.refinement import GRAVITY
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 _FRICTION = "friction_coefficient"
 _NEEDS = {_FRICTION: "coulomb_force", "natural_frequency": "stiffness", "damping_ratio": "stiffness"}
@@ -121,7 +121,7 @@ def compared(duration: float, period: float) -> tuple[Profile, Profile]:
     return step, Profile((lead, *random), "random steps")
 
 
-def _knowing(diagnosis: Diagnosis, targets: Sequence[str]) -> Contender:
+def _knowing(diagnosis: Diagnosis, targets: Sequence[str]) -> CandidateModel:
     """The explanation that stands, with friction beside it where friction is asked for."""
     if not diagnosis.contenders or not targets:
         raise UsageError("no parameter to sharpen; expected names such as mass,friction_coefficient")

@@ -15,7 +15,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
 _A_PERIOD, _A_SWING = 30.0, 8.0
@@ -125,7 +125,7 @@ class Predictor:
         nudge: finite-difference step of the start position [m].
     """
 
-    contender: Contender
+    contender: CandidateModel
     nudge: float
 
     @cached_property

@@ -43,7 +43,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     seen: list[Option] = []
     closer: list[tuple[Option, Refits]] = []
     for begin in range(0, len(profiles), _AT_ONCE):
-        cancellation.check()
+        cancellation.raise_if_cancelled()
         if seen and work > _SCREENING:
             break
         batch = options(question, profiles[begin : begin + _AT_ONCE])
@@ -62,7 +62,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     closer = [(_asked(question, one), refits) for one, refits in closer]
     known = {one.profile.name for one, _ in closer}
     for pick in _promising(seen):
-        cancellation.check()
+        cancellation.raise_if_cancelled()
         if closer and (_in_vain(closer) or work > _SCREENING + _LOOKING):
             break
         if pick.profile.name in known:

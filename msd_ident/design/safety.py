@@ -13,7 +13,7 @@ from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.selection.candidate_models import Contender
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: Part of the travel and of the speed that a design plans to use: no rival is exactly right.
 MARGIN = 0.8
@@ -26,7 +26,7 @@ _MOVES = 10.0
 _LEAST = 1e-3
 
 
-def caution(lead: Contender, records: Sequence[Record]) -> Contender | None:
+def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:
     """The explanation with an actuator that was at its limit in all that was measured, and is stronger below.
 
     One amplitude says nothing of the gain at another, so that no rival needs to know of it; ``None`` where smaller

@@ -18,7 +18,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.diagnosis.result import Diagnosis
 from msd_ident.model import Effect, Model
 from msd_ident.residuals import noise_model
-from msd_ident.residuals.disturbance import MissingForce, missing_force
+from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
 
 Signal = Literal["velocity", "position", "time", "applied"]
 
@@ -54,8 +54,8 @@ class Beyond:
         named: number of causes.
     """
 
-    measured: tuple[MissingForce, ...]
-    explained: tuple[MissingForce, ...]
+    measured: tuple[DisturbanceEstimate, ...]
+    explained: tuple[DisturbanceEstimate, ...]
     laws: tuple[LawCurve, ...]
     named: int
 
@@ -80,7 +80,7 @@ def beyond(diagnosis: Diagnosis) -> Beyond:
     return Beyond(tuple(measured), tuple(explained), law_curves(model, measured), len(model.effects))
 
 
-def law_curves(model: Model, motion: Sequence[MissingForce]) -> tuple[LawCurve, ...]:
+def law_curves(model: Model, motion: Sequence[DisturbanceEstimate]) -> tuple[LawCurve, ...]:
     """Curves of all effects that depend on one signal alone, over the range that the motion covers."""
     found: dict[Signal, list[Effect]] = {}
     for effect in model.effects:
@@ -109,7 +109,7 @@ def _signal(effect: Effect) -> Signal | None:
     return None
 
 
-def _curve(model: Model, effects: Sequence[Effect], signal: Signal, motion: Sequence[MissingForce]) -> LawCurve:
+def _curve(model: Model, effects: Sequence[Effect], signal: Signal, motion: Sequence[DisturbanceEstimate]) -> LawCurve:
     reach = np.concatenate([getattr(part, signal) for part in motion])
     over = np.linspace(float(reach.min()), float(reach.max()), _POINTS)
     if signal == "velocity":  # dry friction jumps at rest: show the jump, not a slope

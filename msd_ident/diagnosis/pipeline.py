@@ -16,13 +16,13 @@ from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.base_fits import Shared
 from msd_ident.estimate.problem import Initial
-from msd_ident.estimate.summary import conclude
+from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import judge
-from msd_ident.residuals.disturbance import MissingForce, missing_force
+from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
 from msd_ident.residuals.ringdown import RingDown
 from msd_ident.residuals.unexplained import TOLERANCE, remainders
 from msd_ident.selection import (
@@ -37,10 +37,10 @@ from msd_ident.selection import (
     spread,
 )
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
-from msd_ident.selection.candidate_models import Contender, standing
-from msd_ident.selection.cause_assessment import noted, tried
+from msd_ident.selection.candidate_models import CandidateModel, of_ranking
+from msd_ident.selection.cause_assessment import assess, noted
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Experiment, Fitted
+from msd_ident.selection.hypothesis import Experiment, Hypothesis
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
 
 _RIVALS = 8
@@ -131,7 +131,7 @@ def diagnose_records(
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
-        ranking = noted(evidence.rank({NOTHING: base}, evidence.Scale()), experiment)
+        ranking = noted(evidence.rank({NOTHING: base}, evidence.NoiseScale()), experiment)
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, base, ranking, shared, progress)
@@ -161,7 +161,7 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
     if earlier is None:
         return []
 
-    def began(contender: Contender, record: Record) -> Initial:
+    def began(contender: CandidateModel, record: Record) -> Initial:
         for known, initial in zip(earlier.records, contender.initial, strict=True):
             if np.array_equal(known.time, record.time) and np.array_equal(known.position, record.position):
                 return initial
@@ -175,7 +175,7 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
 
 
 def _conclude(
-    task: Task, experiment: Experiment, base: Fitted, ranking: Ranking, shared: Shared, progress: Progress
+    task: Task, experiment: Experiment, base: Hypothesis, ranking: Ranking, shared: Shared, progress: Progress
 ) -> Diagnosis:
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
@@ -223,8 +223,8 @@ def _conclude(
         calibration=matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=_read(task.ring_down, causes),
-        contenders=standing(ranking, scale, experiment.readings),
-        tried=tried(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
+        contenders=of_ranking(ranking, scale, experiment.readings),
+        tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
 
 
@@ -234,7 +234,7 @@ def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | Non
     return ring_down and ring_down.read_with(named, {name for cause in causes for name in cause.tied_with})
 
 
-def _causes(ranking: Ranking, best: Fitted, result: FitResult) -> tuple[Cause, ...]:
+def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Cause, ...]:
     """The causes of a set, the one first without which most is left."""
     found = []
     for name in best.causes:
@@ -249,17 +249,19 @@ def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
     return {name: q for name, q in parameters.items() if math.isfinite(q.value)}
 
 
-def _resting(experiment: Experiment, fitted: Fitted) -> Fitted:
+def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
     """The same set with what rest at the start says: where the samples leave it open, it decides."""
     missed = see(fitted.residuals())  # a wrong model errs at rest too
-    known = tuple(replace(balance, spread=balance.spread + missed) for balance in rest_constraint.balances(fitted))
-    fitted = rest_constraint.settled(fitted, experiment.readings, known)
+    known = tuple(
+        replace(balance, spread=balance.spread + missed) for balance in rest_constraint.rest_constraints(fitted)
+    )
+    fitted = rest_constraint.constrained(fitted, experiment.readings, known)
     return replace(fitted, problem=replace(fitted.problem, balances=known))
 
 
-def _result(experiment: Experiment, fitted: Fitted, shared: Shared) -> FitResult:
+def _result(experiment: Experiment, fitted: Hypothesis, shared: Shared) -> FitResult:
     """The model that is handed over: the set refitted by plain simulation error."""
-    return conclude(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
+    return summarise_fit(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
 
 
 def _floor(experiment: Experiment) -> float:
@@ -267,7 +269,7 @@ def _floor(experiment: Experiment) -> float:
     return math.sqrt(sum(part.record.samples * part.noise**2 for part in experiment.readings) / samples)
 
 
-def _missing(experiment: Experiment, fitted: Fitted) -> tuple[MissingForce, ...]:
+def _missing(experiment: Experiment, fitted: Hypothesis) -> tuple[DisturbanceEstimate, ...]:
     plant = (fitted.model.mass, fitted.model.damping, fitted.model.stiffness)
     return tuple(
         missing_force(part.record, plant, part.noise, state.zero)
@@ -275,7 +277,7 @@ def _missing(experiment: Experiment, fitted: Fitted) -> tuple[MissingForce, ...]
     )
 
 
-def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, ...]:
+def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[DisturbanceEstimate, ...]:
     """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
     found = []
@@ -287,7 +289,7 @@ def _still_missing(experiment: Experiment, best: Fitted) -> tuple[MissingForce, 
     return tuple(found)
 
 
-def _rivals(ranking: Ranking, best: Fitted, experiment: Experiment) -> tuple[Rival, ...]:
+def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:
     pieces = experiment.evidence
     found = [
         Rival(tuple(sorted(fitted.causes)), p, math.sqrt(fitted.chi / pieces))

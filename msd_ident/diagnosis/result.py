@@ -13,13 +13,13 @@ from msd_ident.estimate import FitResult
 from msd_ident.quantity import Quantity
 from msd_ident.residuals.adequacy import Adequacy
 from msd_ident.residuals.dependence import Dependence
-from msd_ident.residuals.disturbance import MissingForce
+from msd_ident.residuals.disturbance import DisturbanceEstimate
 from msd_ident.residuals.nonparametric import Characteristics
 from msd_ident.residuals.ringdown import RingDown
 from msd_ident.residuals.unexplained import Remainders
 from msd_ident.selection.calibration import Calibration
-from msd_ident.selection.candidate_models import Contender
-from msd_ident.selection.cause_assessment import Tried
+from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.selection.cause_assessment import CauseAssessment
 from msd_ident.selection.cross_validation import HeldOut
 
 Verdict = Literal["adequate", "explained", "mostly_explained", "ambiguous", "unexplained"]
@@ -97,17 +97,17 @@ class Diagnosis:
     base_adequacy: Adequacy
     adequacy: Adequacy
     left: Remainders
-    missing: tuple[MissingForce, ...]
+    missing: tuple[DisturbanceEstimate, ...]
     dependences: tuple[Dependence, ...]
-    still_missing: tuple[MissingForce, ...]
+    still_missing: tuple[DisturbanceEstimate, ...]
     characteristics: Characteristics | None
     spread: Mapping[str, tuple[float, float]]
     rivals: tuple[Rival, ...]
     warnings: tuple[str, ...]
     ring_down: RingDown | None = None
     next_experiment: Mapping[str, Any] | None = None
-    contenders: tuple[Contender, ...] = ()
-    tried: tuple[Tried, ...] = ()
+    contenders: tuple[CandidateModel, ...] = ()
+    tried: tuple[CauseAssessment, ...] = ()
     turned: bool = False
     calibration: Calibration | None = None
 

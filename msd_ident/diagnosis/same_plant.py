@@ -14,7 +14,7 @@ from msd_ident.features import extract, pooled
 _ANOTHER = 1.25
 
 
-def doubt(records: Sequence[Record]) -> str:
+def warning(records: Sequence[Record]) -> str:
     """A sentence where natural frequencies are far apart, else an empty one, as for a single record."""
     found = []
     for record in records if len(records) > 1 else ():
@@ -38,5 +38,5 @@ def check(diagnosis: Diagnosis) -> None:
     Raises:
         DataError: their natural frequencies are far apart, and nothing explains it.
     """
-    if diagnosis.left.exceeds and (said := doubt(diagnosis.records)):
+    if diagnosis.left.exceeds and (said := warning(diagnosis.records)):
         raise DataError(said)

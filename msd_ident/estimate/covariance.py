@@ -24,7 +24,7 @@ _REST_SAMPLES = 10
 
 
 @dataclass(frozen=True)
-class Sensed:
+class Linearisation:
     """One record's part: residual (n,), its Jacobian (p, n), model positions (n,), encoder step [m] (0: unknown)."""
 
     residual: FloatArray
@@ -65,7 +65,7 @@ def rounding_variance(encoder_step: float, noise: float) -> float:
     return float(np.sum(0.5 * (encoder_step / (np.pi * order)) ** 2 * damping))
 
 
-def evidence(sensed: Sensed) -> Evidence:
+def evidence(sensed: Linearisation) -> Evidence:
     """The middle of the sandwich for one record. Uses the Jacobian up, to keep to one of them in memory."""
     residual, step = sensed.residual, sensed.encoder_step
     rests = [span for span in rest_phases(sensed.position, step) if abs(float(np.mean(residual[span]))) < step]

@@ -12,22 +12,22 @@ from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.formulation import (
     Zero,
+    formulate,
     guess_vectors,
     neighbour_vectors,
     own_vectors,
-    pose,
     regressed,
     starting_states,
     wide_vectors,
 )
 from msd_ident.estimate.frequency_scan import harmonic_vectors
-from msd_ident.estimate.least_squares import Outcome, minimise
+from msd_ident.estimate.least_squares import Solution, minimise
 from msd_ident.estimate.multistart import limits, robust, valleys
 from msd_ident.estimate.noise_floors import noise_floor
 from msd_ident.estimate.objective import Loss, SquaredError
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.result import FitResult
-from msd_ident.estimate.summary import conclude
+from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model
 
 Search = Literal["wide", "near"]
@@ -64,16 +64,16 @@ def fit(
         UsageError: no record, an unknown name in ``fixed``, a start of another structure, or nothing left to fit.
     """
     group = (records,) if isinstance(records, Record) else tuple(records)
-    problem = pose(model, group, fixed, zero)
+    problem = formulate(model, group, fixed, zero)
     floor = noise_floor(group)
     models = [model, *(_same_structure(model, other) for other in starts)]
     outcome = _near(problem, models, initial) if search == "near" else _wide(problem, models, floor)
     if loss == "linear":
-        return conclude(problem, outcome, floor)
+        return summarise_fit(problem, outcome, floor)
     for _ in range(2):  # the scale of the first round is still spoiled by what it is meant to keep out
         softness = _softness(problem, outcome, floor)
         outcome = robust(problem, outcome, softness)
-    return conclude(problem, outcome, floor, softness)
+    return summarise_fit(problem, outcome, floor, softness)
 
 
 def _same_structure(model: Model, other: Model) -> Model:
@@ -82,7 +82,7 @@ def _same_structure(model: Model, other: Model) -> Model:
     return other
 
 
-def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
+def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Solution:
     regressions = regressed(problem)
     return valleys(problem, floor).deepest(
         wide_vectors(problem, models, regressions),
@@ -92,7 +92,7 @@ def _wide(problem: Problem, models: Sequence[Model], floor: float) -> Outcome:
     )
 
 
-def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial]) -> Outcome:
+def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial]) -> Solution:
     if initial and len(initial) != len(problem.records):
         raise UsageError(f"{len(initial)} initial states for {len(problem.records)} records; expected one each")
     states = list(initial) or [Initial(*state) for state in starting_states(problem)]
@@ -104,7 +104,7 @@ def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial])
     return min(outcomes, key=lambda outcome: outcome.cost)
 
 
-def _softness(problem: Problem, outcome: Outcome, floor: float) -> float:
+def _softness(problem: Problem, outcome: Solution, floor: float) -> float:
     """1.5 robust standard deviations of the residual, never below the noise floor."""
     residual = np.concatenate([problem.residual(outcome.point, r) for r in range(len(problem.records))])
     spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))

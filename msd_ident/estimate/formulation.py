@@ -13,7 +13,7 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.objective import SquaredError
-from msd_ident.estimate.problem import Balance, Initial, Nuisance, Problem, build
+from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
 from msd_ident.model.effects.base import Effect
@@ -27,7 +27,7 @@ _WIDEST_NOISE = 7.0
 _HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
 
 
-def pose(
+def formulate(
     model: Model, records: tuple[Record, ...], fixed: Mapping[str, float] | Collection[str] = (), zero: Zero = "free"
 ) -> Problem:
     """The problem that ``fit`` solves: what is free, and each record's own entries."""
@@ -66,7 +66,7 @@ def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int
     holding = sum(values.get(name, 0.0) for name in _HOLDING) / max(values["stiffness"], 1e-300) / math.sqrt(3.0)
     length = problem.typical.length
     spread = min(holding + values.get("backlash_half_width", 0.0), 1e3 * length) + max(noise, 1e-4 * length)
-    return replace(problem, balances=tuple(Balance(r, spread, noise) for r in resting))
+    return replace(problem, balances=tuple(RestConstraint(r, spread, noise) for r in resting))
 
 
 def starts_unpushed(record: Record, at_rest: bool) -> bool:
@@ -197,7 +197,7 @@ def regression_start(records: Record | Sequence[Record], model: Model, *, fixed:
     linearly, or stand in ``fixed``, keep the model's values; so do all when the regression makes no sense.
     """
     group = (records,) if isinstance(records, Record) else tuple(records)
-    problem = pose(model, group, fixed)
+    problem = formulate(model, group, fixed)
     objective = SquaredError(problem)
     starts = regressed(problem)
     vectors = wide_vectors(problem, [model], starts) or own_vectors(problem, model, starts)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.least_squares import Limits, minimise
+from msd_ident.estimate.least_squares import SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.effects import typical
@@ -57,7 +57,7 @@ def _without(problem: Problem, best: FloatArray, term: _Term) -> FloatArray:
     upper[term.amplitude] = 0.0
     start = best.copy()
     start[term.amplitude] = 0.0
-    return minimise(SquaredError(problem), start, Limits(problem.lower, upper, problem.scale, 40)).point
+    return minimise(SquaredError(problem), start, SolverOptions(problem.lower, upper, problem.scale, 40)).point
 
 
 def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:

@@ -40,7 +40,7 @@ class Objective(Protocol):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Solution:
     """Where the solver ended. A bad end is a value too: ``converged`` False and a sentence.
 
     ``matrix`` (p, p) is the last Gauss–Newton matrix, at the point or one small step before it.
@@ -55,7 +55,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Limits:
+class SolverOptions:
     """Bounds (p,) of the point, typical size (p,) of its entries, and when to stop."""
 
     lower: FloatArray
@@ -75,7 +75,7 @@ _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."
 
 
-def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome:
+def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> Solution:
     """Least squares from ``start``, inside the bounds."""
     point = np.clip(start, limits.lower, limits.upper)
     normal = objective.linearise(point)
@@ -84,13 +84,13 @@ def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome
         step = _step(normal, damping, point, limits)
         expected = _expected_gain(normal, step)
         if expected <= limits.cost_tolerance * 1e-2 * normal.cost:
-            return _release(objective, normal, Outcome(point, normal.cost, iteration, True, _NO_STEP), limits)
+            return _release(objective, normal, Solution(point, normal.cost, iteration, True, _NO_STEP), limits)
         cost = objective.cost(point + step)
         gain = normal.cost - cost
         if not gain > 0.0:
             damping, growth = damping * growth, growth * 2.0
             if damping > _DAMPING_END or _small(step, point, limits):
-                return _release(objective, normal, Outcome(point, normal.cost, iteration, True, _NO_SMALLER), limits)
+                return _release(objective, normal, Solution(point, normal.cost, iteration, True, _NO_SMALLER), limits)
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
         done = done or _small(step, point, limits)
@@ -98,16 +98,16 @@ def minimise(objective: Objective, start: FloatArray, limits: Limits) -> Outcome
         damping, growth = damping * max(1.0 / 10.0, 1.0 - (2.0 * gain / expected - 1.0) ** 3), 2.0
         if done:
             normal = Normal(cost, normal.gradient + normal.matrix @ step, normal.matrix)
-            return _release(objective, normal, Outcome(point, cost, iteration, True, _SETTLED), limits)
+            return _release(objective, normal, Solution(point, cost, iteration, True, _SETTLED), limits)
         normal = objective.linearise(point)
-    return Outcome(point, normal.cost, limits.iterations, False, _not_settled(limits), normal.matrix)
+    return Solution(point, normal.cost, limits.iterations, False, _not_settled(limits), normal.matrix)
 
 
 def _expected_gain(normal: Normal, step: FloatArray) -> float:
     return -float(normal.gradient @ step) - 0.5 * float(step @ normal.matrix @ step)
 
 
-def _release(objective: Objective, normal: Normal, outcome: Outcome, limits: Limits) -> Outcome:
+def _release(objective: Objective, normal: Normal, outcome: Solution, limits: SolverOptions) -> Solution:
     """The outcome after one undamped step.
 
     Damping holds back along directions that the data tells faintly, such as the scale of a single step; the last step
@@ -127,15 +127,15 @@ def _release(objective: Objective, normal: Normal, outcome: Outcome, limits: Lim
     return replace(outcome, matrix=normal.matrix)
 
 
-def _not_settled(limits: Limits) -> str:
+def _not_settled(limits: SolverOptions) -> str:
     return f"Not converged: the error still fell after {limits.iterations} iterations; give a better start."
 
 
-def _small(step: FloatArray, point: FloatArray, limits: Limits) -> bool:
+def _small(step: FloatArray, point: FloatArray, limits: SolverOptions) -> bool:
     return bool(np.all(np.abs(step) <= limits.step_tolerance * (np.abs(point) + 1e-3 * limits.scale)))
 
 
-def _step(normal: Normal, damping: float, point: FloatArray, limits: Limits) -> FloatArray:
+def _step(normal: Normal, damping: float, point: FloatArray, limits: SolverOptions) -> FloatArray:
     """Damped step, cut at the bounds; entries that would leave them are held there and the rest solved again."""
     free = np.ones(point.size, dtype=bool)
     step = np.zeros(point.size)

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.least_squares import Limits, Outcome, minimise
+from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 
@@ -52,9 +52,9 @@ _JUMPS = (0.55, 0.8, 1.25, 1.8)
 _MOST_HOPS = 4
 
 
-def limits(problem: Problem, iterations: int = _LONG) -> Limits:
+def limits(problem: Problem, iterations: int = _LONG) -> SolverOptions:
     """Bounds and sizes of a problem for the solver."""
-    return Limits(problem.lower, problem.upper, problem.scale, iterations)
+    return SolverOptions(problem.lower, problem.upper, problem.scale, iterations)
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Valleys:
         given: Sequence[Sequence[FloatArray]],
         guesses: Callable[[FloatArray], Sequence[FloatArray]],
         neighbours: Callable[[FloatArray], Sequence[FloatArray]],
-    ) -> Outcome:
+    ) -> Solution:
         """The deepest valley found.
 
         Args:
@@ -94,7 +94,7 @@ class Valleys:
             best = _deeper(best, self._grow(likely))
         return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
 
-    def _deepest_of(self, best: Outcome, others: Sequence[FloatArray]) -> Outcome:
+    def _deepest_of(self, best: Solution, others: Sequence[FloatArray]) -> Solution:
         """The best of what was found and of what the other starts lead to."""
         if set(_MULTISTABLE) & set(self.problem.names):
             best = _deeper(best, self._grow(others))
@@ -106,20 +106,20 @@ class Valleys:
                 break
         return best
 
-    def _roughly(self) -> Limits:
+    def _roughly(self) -> SolverOptions:
         return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
 
-    def _race(self, starts: Sequence[FloatArray]) -> list[Outcome]:
+    def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
         """A few iterations from every start; the leaders."""
         outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
         return sorted(outcomes, key=_cost)[:_REFINED]
 
-    def _explore(self, start: FloatArray, until: Limits) -> Outcome:
+    def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
         """From a start down its valley, rests weighted down first."""
         down = minimise(self.rough, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
         return minimise(self.plain, down.point, until)
 
-    def at_floor(self, outcome: Outcome) -> bool:
+    def at_floor(self, outcome: Solution) -> bool:
         """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
         if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
             return False
@@ -130,7 +130,7 @@ class Valleys:
             for part, step in zip(moving, self.problem.encoder_steps, strict=True)
         )
 
-    def _jump(self, best: Outcome, all_entries: bool) -> Outcome:
+    def _jump(self, best: Solution, all_entries: bool) -> Solution:
         """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
         kinked = [entry for entry, name in enumerate(self.problem.names) if name in _KINKED]
         if not kinked:
@@ -144,7 +144,7 @@ class Valleys:
             best = self._jump_one(best, entry)
         return best
 
-    def _hop(self, best: Outcome, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Outcome:
+    def _hop(self, best: Solution, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Solution:
         """From valley to valley, as long as it leads down and there is something left to find."""
         for _ in range(_MOST_HOPS):
             before, near = best.cost, neighbours(best.point)
@@ -156,7 +156,7 @@ class Valleys:
                 break
         return best
 
-    def _jump_one(self, best: Outcome, entry: int) -> Outcome:
+    def _jump_one(self, best: Solution, entry: int) -> Solution:
         problem = self.problem
         matrix = self.weighted.linearise(best.point).matrix
         others = np.arange(problem.size) != entry
@@ -171,7 +171,7 @@ class Valleys:
             best = _deeper(best, minimise(self.plain, outcome.point, self._roughly()))
         return best
 
-    def _grow(self, starts: Sequence[FloatArray]) -> Outcome:
+    def _grow(self, starts: Sequence[FloatArray]) -> Solution:
         """Fit the first swings from every start, then go on with the two best over more and more of the records."""
         points = list(starts)
         for horizon in _HORIZONS:
@@ -184,11 +184,11 @@ class Valleys:
             best = _deeper(best, self._explore(point, self._roughly()))
         return best
 
-    def _spread(self, outcome: Outcome) -> float:
+    def _spread(self, outcome: Solution) -> float:
         samples = sum(record.samples for record in self.problem.records)
         return math.sqrt(2.0 * outcome.cost / samples)
 
-    def _relative(self, outcome: Outcome) -> float:
+    def _relative(self, outcome: Solution) -> float:
         return self._spread(outcome) / self.problem.typical.length
 
 
@@ -210,11 +210,11 @@ def _patternless(residual: FloatArray) -> bool:
     return True
 
 
-def _cost(outcome: Outcome) -> float:
+def _cost(outcome: Solution) -> float:
     return outcome.cost
 
 
-def _deeper(one: Outcome, other: Outcome) -> Outcome:
+def _deeper(one: Solution, other: Solution) -> Solution:
     return one if one.cost <= other.cost else other
 
 
@@ -239,6 +239,6 @@ def _part_of_a_swing(problem: Problem, record: Record) -> int:
     return max(10, min(round(0.6 * problem.typical.time / record.period), record.samples // 10))
 
 
-def robust(problem: Problem, start: Outcome, softness: float) -> Outcome:
+def robust(problem: Problem, start: Solution, softness: float) -> Solution:
     """Refine with soft-L1 loss: residuals beyond ``softness`` [m] count by their size, not its square."""
     return minimise(SquaredError(problem, soft=softness), start.point, limits(problem))

@@ -51,7 +51,7 @@ class Initial:
 
 
 @dataclass(frozen=True)
-class Balance:
+class RestConstraint:
     """What rest before the first push says: the spring's force and the offset cancel, within what friction holds.
 
     A pseudo-observation ``x0 + F0/k = 0 ± spread`` [m] of one record, beside samples with ``noise`` [m]. It decides
@@ -92,7 +92,7 @@ class Problem:
     scale: FloatArray
     lower: FloatArray
     upper: FloatArray
-    balances: tuple[Balance, ...] = ()
+    balances: tuple[RestConstraint, ...] = ()
 
     @cached_property
     def encoder_steps(self) -> tuple[float, ...]:
@@ -214,7 +214,7 @@ class Problem:
         steps = np.minimum(np.maximum(_RELATIVE_STEP * self.typical.length / effect, 1e-3 * first), 1e3 * first)
         return np.asarray(steps)
 
-    def imbalance(self, vector: FloatArray, balance: Balance) -> tuple[float, FloatArray]:
+    def imbalance(self, vector: FloatArray, balance: RestConstraint) -> tuple[float, FloatArray]:
         """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
         gradient = np.zeros(vector.size)
         start = len(self.free) + self.nuisances.index(Nuisance(balance.record, "initial position"))

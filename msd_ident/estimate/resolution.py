@@ -15,7 +15,7 @@ from msd_ident.data.record import Record
 from msd_ident.estimate.problem import Problem
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.base import Seen
+from msd_ident.model.effects.base import RecordScales
 
 
 def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
@@ -24,14 +24,14 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
     return {name: limits for effect in LIBRARY for name, limits in effect.resolvable(shown).items()}
 
 
-def seen(records: Sequence[Record], plant: Model) -> Seen:
+def seen(records: Sequence[Record], plant: Model) -> RecordScales:
     """What the records show of a plant that is roughly the given one."""
     mass, stiffness = plant.mass, plant.stiffness
     span = max(float(np.ptp(record.position)) for record in records)
     duration = max(record.duration for record in records)
     rate = max(np.sqrt(stiffness / mass), 10.0 * np.pi / duration)  # of the plant's motion, or of a few swings
     force = max(float(np.max(np.abs(record.force))) for record in records)
-    return Seen(
+    return RecordScales(
         mass=mass,
         stiffness=stiffness,
         reach=max(float(np.max(np.abs(record.position))) for record in records),

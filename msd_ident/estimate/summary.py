@@ -11,7 +11,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate import covariance as uncertainty
 from msd_ident.estimate import identifiability
 from msd_ident.estimate.formulation import balanced
-from msd_ident.estimate.least_squares import Outcome
+from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.objective import SquaredError, gram
 from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.estimate.problem import Problem
@@ -34,7 +34,7 @@ class _Sandwich:
     effective: float
 
 
-def conclude(problem: Problem, outcome: Outcome, floor: float, soft: float = 0.0) -> FitResult:
+def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float = 0.0) -> FitResult:
     """The result of a fit that ended at ``outcome``.
 
     ``floor`` is the records' noise floor, ``soft`` the residual [m] where soft-L1 loss takes over (0: plain squares).
@@ -77,11 +77,11 @@ def _moves(problem: Problem, floor: float) -> bool:
     return any(float(np.ptp(record.position)) > still for record in problem.records)
 
 
-def _finite(outcome: Outcome, residuals: tuple[FloatArray, ...]) -> bool:
+def _finite(outcome: Solution, residuals: tuple[FloatArray, ...]) -> bool:
     return bool(np.isfinite(outcome.cost)) and all(bool(np.all(np.isfinite(residual))) for residual in residuals)
 
 
-def _sandwich(problem: Problem, outcome: Outcome, soft: float) -> _Sandwich:
+def _sandwich(problem: Problem, outcome: Solution, soft: float) -> _Sandwich:
     point = outcome.point
     matrix = outcome.matrix if outcome.matrix is not None else SquaredError(problem).linearise(point).matrix
     steps = 10.0 * problem.steps(matrix)
@@ -93,7 +93,7 @@ def _sandwich(problem: Problem, outcome: Outcome, soft: float) -> _Sandwich:
         entries = np.ix_(problem.entries(r), problem.entries(r))
         weight = 1.0 / np.sqrt(1.0 + (residual / soft) ** 2) if soft > 0.0 else None
         pull = residual if weight is None else weight * residual
-        sensed = uncertainty.Sensed(pull, jacobian, residual + record.position, problem.encoder_steps[r])
+        sensed = uncertainty.Linearisation(pull, jacobian, residual + record.position, problem.encoder_steps[r])
         bread[entries] += gram(jacobian, None if weight is None else weight**3)  # the slope of the loss, not its weight
         found = uncertainty.evidence(sensed)
         meat[entries] += found.meat

@@ -19,7 +19,7 @@ from msd_ident.export.mujoco_replay import at_samples, averages, lagged
 from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
 from msd_ident.export.saying import Saying
-from msd_ident.export.target import Start
+from msd_ident.export.target import InitialState
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
@@ -91,7 +91,7 @@ class FmuTarget(PythonTarget):
         text = python_source.text(plan, said, name) + _filled(plan, name)
         return {out: built(text, name)}
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         record, initial = start.record, start.initial
         force = plan.force_scale * plan.saved.force_sign * averages(record, 1)[:, 0]
         given = np.zeros(force.size + 1, dtype=[("time", np.float64), ("force", np.float64)])

@@ -9,7 +9,7 @@ from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target
 from msd_ident.export.mujoco_elements import NATIVE
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
-from msd_ident.export.target import Start, Target
+from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
@@ -48,5 +48,5 @@ class MujocoXmlTarget(Target):
         made = mujoco_elements.elements(plan)
         return {out: mujoco_target.model(plan, made, self.what).encode()}
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         return mujoco_replay.run(out, None, plan, start)

@@ -16,7 +16,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError, SetupError
 from msd_ident.export.mujoco_elements import ACTUATOR, SECOND, SENSOR
 from msd_ident.export.plan import Plan
-from msd_ident.export.target import Start
+from msd_ident.export.target import InitialState
 
 
 def library() -> Any:
@@ -58,7 +58,7 @@ def load(path: Path) -> Any:
         raise DataError(f"MuJoCo cannot load {path}: {why}; expected a model that it loads") from None
 
 
-def run(path: Path, callback: Path | None, plan: Plan, start: Start) -> FloatArray:
+def run(path: Path, callback: Path | None, plan: Plan, start: InitialState) -> FloatArray:
     """Readings (n,) of an exported model at the record's samples, from the start given."""
     mujoco, model = library(), load(path)
     model.opt.timestep = start.record.period / plan.steps
@@ -109,7 +109,7 @@ def impulses(record: Record, at: FloatArray) -> FloatArray:
     return np.asarray(whole[place] + since * here)
 
 
-def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: Start) -> None:
+def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: InitialState) -> None:
     """The state at the record's first sample: joint, second mass, what the actuator has filtered and delays."""
     record, initial = start.record, start.initial
     data.time = float(record.time[0])

@@ -12,7 +12,7 @@ from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
-from msd_ident.export.target import Start, Target
+from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
@@ -68,7 +68,7 @@ class MujocoTarget(Target):
     def beside(self, out: Path) -> tuple[Path, ...]:
         return (callback_path(out),)
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         called = mujoco_elements.elements(plan).called
         return mujoco_replay.run(out, callback_path(out) if called else None, plan, start)
 

@@ -14,7 +14,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.export.nearest import plain
-from msd_ident.export.target import Start
+from msd_ident.export.target import InitialState
 from msd_ident.workflow.validation import simulated
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _run(made: Export, record: Record) -> FloatArray:
     initial, _ = simulated(written, (record,), not written.zeros)
     plan = made.plan
     shift = initial[0].zero - plan.zero
-    start = Start(record, Initial(initial[0].position, initial[0].velocity, initial[0].zero))
+    start = InitialState(record, Initial(initial[0].position, initial[0].velocity, initial[0].zero))
     return np.asarray(made.target.replay(made.out, plan, start) + shift)
 
 
@@ -146,5 +146,5 @@ def _bases(made: Export, records: Sequence[Record]) -> list[FloatArray]:
             out = Path(folder, f"base{made.out.suffix}")
             for path, content in made.target.files(plan, out).items():
                 path.write_bytes(content)
-            runs.append(made.target.replay(out, plan, Start(record, initial)))
+            runs.append(made.target.replay(out, plan, InitialState(record, initial)))
     return runs

@@ -11,7 +11,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.export import header, laws, mujoco_replay, python_source
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
-from msd_ident.export.target import Start, Target
+from msd_ident.export.target import InitialState, Target
 from msd_ident.model.effects import Effect
 
 
@@ -35,7 +35,7 @@ class PythonTarget(Target):
         said = "\n".join(header.lines(plan, self.what))
         return {out: python_source.text(plan, said, out.stem).encode()}
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         module = mujoco_replay.imported(out)
         record = start.record
         readings = module.simulate(
@@ -86,7 +86,7 @@ class PythonMsdTarget(Target):
     def beside(self, out: Path) -> tuple[Path, ...]:
         return (out.with_suffix(".json"),)
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         module = mujoco_replay.imported(out)
         raw = replace(start.record, force=plan.saved.force_sign * start.record.force)
         made = module.motion(raw, start.initial.position, start.initial.velocity)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Start:
+class InitialState:
     """From where a record is replayed.
 
     Attributes:
@@ -85,6 +85,6 @@ class Target:
         del out
         return ()
 
-    def replay(self, out: Path, plan: Plan, start: Start) -> FloatArray:
+    def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         """Run the written file in its target: readings (n,) at the record's samples, in the position unit."""
         raise NotImplementedError

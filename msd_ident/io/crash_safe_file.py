@@ -1,4 +1,4 @@
-"""GrowingFile: a file that shows nothing but complete states under its name, whatever happens to who writes it.
+"""CrashSafeFile: a file that shows nothing but complete states under its name, whatever happens to who writes it.
 
 An MCAP file ends with its index, so a file that grows is no bag while it does. Two copies therefore take turns: one
 stands under the name, whole and untouched, while the other, hidden, catches up, gets the new data and an index of all;
@@ -20,7 +20,7 @@ _BLOCK = 1 << 20
 _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.EXDEV)
 
 
-class GrowingFile:
+class CrashSafeFile:
     """Bytes that only grow, and an end that is replaced each time.
 
     Where the file system has no hard links there is one copy, written in place: a reader that comes in the

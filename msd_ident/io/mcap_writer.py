@@ -31,7 +31,7 @@ from mcap.records import (
 )
 
 from msd_ident.io.compression import compress
-from msd_ident.io.crash_safe_file import GrowingFile
+from msd_ident.io.crash_safe_file import CrashSafeFile
 from msd_ident.io.mcap_records import MAGIC
 
 _CHUNK_BYTES = 2**20
@@ -62,7 +62,7 @@ class McapWriter:
             attachment_count=0, channel_count=0, channel_message_counts=defaultdict(int), chunk_count=0,
             message_count=0, message_start_time=0, message_end_time=0, metadata_count=0, schema_count=0,
         )  # fmt: skip
-        self._file = GrowingFile(path)
+        self._file = CrashSafeFile(path)
         try:
             self._file.append(MAGIC + _bytes(Header(profile="ros2", library="msd_ident")))
             self.flush()

@@ -13,7 +13,7 @@ from bokeh.plotting import figure
 
 from msd_ident.data.record import FloatArray
 from msd_ident.live.scope import Curve, Frame
-from msd_ident.report.numbers import Scale
+from msd_ident.report.numbers import DisplayUnit
 
 #: Names of the plots from top to bottom, with their heights [px].
 PLOTS = {"force": 140, "position": 330, "residual": 190}
@@ -90,7 +90,7 @@ class Plots:
             line.line_color = colours[curve]
         self.band.fill_color = self.band.line_color = colours["noise"]
 
-    def shown(self, frame: Frame, scales: Mapping[str, Scale]) -> dict[str, object]:
+    def shown(self, frame: Frame, scales: Mapping[str, DisplayUnit]) -> dict[str, object]:
         """A frame in the units that are shown, for the browser."""
         curves = {"force": frame.force, "measured": frame.position, "model": frame.model, "residual": frame.residual}
         scaled = {name: _scaled(curve, scales[CURVES[name]]) for name, curve in curves.items()}
@@ -181,6 +181,6 @@ def _dress(plot: figure, colours: Mapping[str, str]) -> None:
     plot.grid.grid_line_color = colours["grid"]
 
 
-def _scaled(curve: Curve, scale: Scale) -> Curve:
+def _scaled(curve: Curve, scale: DisplayUnit) -> Curve:
     time, values = curve
     return time, values * scale.factor

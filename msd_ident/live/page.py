@@ -20,7 +20,7 @@ from bokeh.models import Button, CustomJS, Div, InlineStyleSheet, RadioButtonGro
 from msd_ident.live import cards, figures
 from msd_ident.live.board import Board, Controls, Known
 from msd_ident.live.scope import Frame, Scope
-from msd_ident.report.numbers import Scale, length_scale
+from msd_ident.report.numbers import DisplayUnit, length_scale
 
 #: Lengths of the window to choose from [s], and the one chosen first.
 WINDOWS = (5, 10, 30, 60)
@@ -161,11 +161,11 @@ class Page:
         number = {"number": self._pulse.asked}
         self._pulse.frame = {**number, **self._plots.shown(frame, scales), "texts": self._texts}
 
-    def _scales(self) -> dict[str, Scale]:
+    def _scales(self) -> dict[str, DisplayUnit]:
         known = self._of.board.known
         noise = max(self._sizes(), default=math.nan)
         return {
-            "force": Scale(1.0, known.force_unit),
+            "force": DisplayUnit(1.0, known.force_unit),
             "position": length_scale(1.0, known.position_unit),
             "residual": length_scale(10.0 * noise if math.isfinite(noise) else 1.0, known.position_unit),
         }

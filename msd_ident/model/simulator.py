@@ -124,7 +124,7 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
-        cancellation.check()
+        cancellation.raise_if_cancelled()
         row = self._row(values, initial_position, initial_velocity)
         out: FloatArray = np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, out, self._nothing)
@@ -134,7 +134,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
     ) -> FloatArray:
         """The same for several vectors in one call: values (r, p), initial states (r,) each; gives (r, n)."""
-        cancellation.check()
+        cancellation.raise_if_cancelled()
         given = np.asarray(values, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != self._place.size:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
@@ -149,7 +149,7 @@ class Simulator:
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
-        cancellation.check()
+        cancellation.raise_if_cancelled()
         row = self._row(values, initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
         self._run(self._bits, row, self._place, self._plan, x, v)

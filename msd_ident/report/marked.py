@@ -32,7 +32,7 @@ class Marked:
         return self.text
 
 
-def length(key: str, value: float, scale: numbers.Scale) -> Marked:
+def length(key: str, value: float, scale: numbers.DisplayUnit) -> Marked:
     """A length [m] in the unit given."""
     return Marked(key, value, f"{numbers.number(scale.factor * value, 3)} {scale.unit}")
 

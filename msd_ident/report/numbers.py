@@ -9,20 +9,20 @@ from msd_ident.quantity import Z95, Quantity
 
 
 @dataclass(frozen=True)
-class Scale:
+class DisplayUnit:
     """A unit for people: what an SI number is multiplied by, and its name."""
 
     factor: float
     unit: str
 
 
-def length_scale(size: float, unit: str) -> Scale:
+def length_scale(size: float, unit: str) -> DisplayUnit:
     """Centimetres, millimetres or micrometres for a length [m] of this size; other units stay."""
     if unit != "m" or not math.isfinite(size):
-        return Scale(1.0, unit)
+        return DisplayUnit(1.0, unit)
     if size >= 5e-3:
-        return Scale(100.0, "cm")
-    return Scale(1e3, "mm") if size >= 5e-4 else Scale(1e6, "µm")
+        return DisplayUnit(100.0, "cm")
+    return DisplayUnit(1e3, "mm") if size >= 5e-4 else DisplayUnit(1e6, "µm")
 
 
 def shown(quantity: Quantity) -> Quantity:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from msd_ident.report import words
-from msd_ident.report.numbers import Scale, length_scale
+from msd_ident.report.numbers import DisplayUnit, length_scale
 from msd_ident.report.plot import Panel, Plot, Role, Series
 from msd_ident.report.thinning import MAXIMUM_POINTS, spread, thinned
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from msd_ident.diagnosis import Diagnosis
     from msd_ident.diagnosis.nonlinear_laws import Beyond
     from msd_ident.model.frequency_response import FrequencyResponse
-    from msd_ident.residuals.disturbance import MissingForce
+    from msd_ident.residuals.disturbance import DisturbanceEstimate
     from msd_ident.residuals.ringdown import RingDown
     from msd_ident.workflow.identification import Identification
 
@@ -128,7 +128,7 @@ def force_panel(record: Record, points: int = MAXIMUM_POINTS) -> Panel:
     return Panel(f"force [{record.force_unit}]", (_force(record, points),), 0.7)
 
 
-def noise_band(record: Record, noise_floor: float, scale: Scale) -> Series:
+def noise_band(record: Record, noise_floor: float, scale: DisplayUnit) -> Series:
     """Twice the noise floor either way, over the whole record."""
     ends = record.time[[0, -1]]
     edge = np.full(2, 2.0 * noise_floor * scale.factor)
@@ -191,12 +191,12 @@ def _cloud(signal: str, label: str, factor: float, beyond: Beyond, index: int, u
     return Plot(f"missing_{signal}", f"Missing force against {signal}", label, (panel,), 340)
 
 
-def _points(name: str, role: Role, part: MissingForce, signal: str, factor: float, detail: Detail) -> Series:
+def _points(name: str, role: Role, part: DisturbanceEstimate, signal: str, factor: float, detail: Detail) -> Series:
     keep = spread(getattr(part, signal), detail.cloud)
     return Series(name, role, factor * getattr(part, signal)[keep], part.force[keep], "points")
 
 
-def ring_down_plot(ring_down: RingDown, scale: Scale) -> Plot:
+def ring_down_plot(ring_down: RingDown, scale: DisplayUnit) -> Plot:
     """Damping ratio and natural frequency against the amplitude of the swing, ± 2σ."""
     amplitude = scale.factor * np.asarray(ring_down.amplitude)
 

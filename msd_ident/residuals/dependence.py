@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.residuals.disturbance import MissingForce
+from msd_ident.residuals.disturbance import DisturbanceEstimate
 
 _BINS = 16
 #: A share of the variance below this is no dependence worth a word.
@@ -23,7 +23,7 @@ class Dependence:
     share: float
 
 
-def dependences(missing: Sequence[MissingForce]) -> tuple[Dependence, ...]:
+def dependences(missing: Sequence[DisturbanceEstimate]) -> tuple[Dependence, ...]:
     """All signals by falling share."""
     force = np.concatenate([part.force for part in missing])
     signals = {
@@ -53,7 +53,7 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
     return min(max(1.0 - loss / total, 0.0), 1.0)
 
 
-def sentence(missing: Sequence[MissingForce]) -> str:
+def sentence(missing: Sequence[DisturbanceEstimate]) -> str:
     """In words: what the missing force goes with."""
     known = [item for item in dependences(missing) if item.share >= _WORTH]
     if not known:

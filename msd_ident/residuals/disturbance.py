@@ -27,7 +27,7 @@ _SETTLED = 1e-9
 
 
 @dataclass(frozen=True)
-class MissingForce:
+class DisturbanceEstimate:
     """What the smoother found for one record, each (n,): time [s], position [m], velocity [m/s], the force applied [N].
 
     ``force`` stands on the left-hand side of the equation, so friction has the sign of the velocity; ``std`` is the
@@ -48,7 +48,9 @@ class MissingForce:
         return math.sqrt(float(np.mean(self.force**2)))
 
 
-def missing_force(record: Record, plant: tuple[float, float, float], noise: float, zero: float = 0.0) -> MissingForce:
+def missing_force(
+    record: Record, plant: tuple[float, float, float], noise: float, zero: float = 0.0
+) -> DisturbanceEstimate:
     """Smooth one record.
 
     Args:
@@ -77,7 +79,7 @@ def missing_force(record: Record, plant: tuple[float, float, float], noise: floa
     unlikely(float(found.x))
     spread = np.empty(record.samples)
     _smooth(steps, mass, damping, stiffness, variance, states, work, spread)
-    return MissingForce(
+    return DisturbanceEstimate(
         time=record.time,
         position=states[:, 0].copy(),
         velocity=states[:, 1].copy(),

@@ -19,7 +19,7 @@ from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
-from msd_ident.estimate.least_squares import Limits, Normal, minimise
+from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
 from msd_ident.model import Model
 from msd_ident.residuals.noise_model import Readings
 
@@ -121,7 +121,7 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
     problem, start = _pose(tuple(readings), records, model, initial)
     lower = np.full(start.size, -np.inf)
     lower[0] = 1e-3 * start[0]
-    limits = Limits(lower, np.full(start.size, np.inf), problem.scale, _ITERATIONS, 1e-4, 1e-6)
+    limits = SolverOptions(lower, np.full(start.size, np.inf), problem.scale, _ITERATIONS, 1e-4, 1e-6)
     point = minimise(problem, start, limits).point
     normal = problem.linearise(point)
     inflation = max(2.0 * normal.cost / sum(part.evidence for part in readings), 1.0)

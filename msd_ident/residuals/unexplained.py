@@ -19,7 +19,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.model import Model
 from msd_ident.residuals.adequacy import Adequacy
-from msd_ident.residuals.disturbance import MissingForce
+from msd_ident.residuals.disturbance import DisturbanceEstimate
 
 #: Part of the motion [%] that a lab does not care about, unless it says otherwise.
 TOLERANCE = 1.0
@@ -100,7 +100,7 @@ def remainders(
     records: Sequence[Record],
     noise: float,
     fits: tuple[FitResult, FitResult],
-    missing: tuple[Sequence[MissingForce], Sequence[MissingForce]],
+    missing: tuple[Sequence[DisturbanceEstimate], Sequence[DisturbanceEstimate]],
     left: tuple[Adequacy, Adequacy],
     tolerance: float = TOLERANCE,
 ) -> Remainders:
@@ -145,7 +145,7 @@ def _rms(parts: Sequence[FloatArray]) -> float:
     return math.sqrt(sum(float(part @ part) for part in parts) / sum(part.size for part in parts))
 
 
-def _force(missing: Sequence[MissingForce], plant: Model, is_noise: bool) -> tuple[float, tuple[float, float]]:
+def _force(missing: Sequence[DisturbanceEstimate], plant: Model, is_noise: bool) -> tuple[float, tuple[float, float]]:
     """Root mean square of the missing force and its 95 % interval."""
     sums, counts = np.concatenate([_by_swing(part, plant) for part in missing], axis=1)
     draws = np.random.default_rng(seeds.REMAINDER).integers(sums.size, size=(_DRAWS, sums.size))
@@ -155,7 +155,7 @@ def _force(missing: Sequence[MissingForce], plant: Model, is_noise: bool) -> tup
     return force, (0.0 if is_noise else min(float(low), force), max(float(high), force))
 
 
-def _by_swing(part: MissingForce, plant: Model) -> FloatArray:
+def _by_swing(part: DisturbanceEstimate, plant: Model) -> FloatArray:
     """(2, blocks): sums of the force's squares and numbers of samples, over blocks of about a swing."""
     duration = float(part.time[-1] - part.time[0])
     swing = 2.0 * math.pi * math.sqrt(plant["mass"] / plant["stiffness"]) if plant["stiffness"] > 0.0 else duration

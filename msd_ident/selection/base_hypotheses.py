@@ -6,7 +6,7 @@ from msd_ident.estimate import fit
 from msd_ident.estimate.base_fits import Shared, joint_fit, linear_fit
 from msd_ident.model import Model
 from msd_ident.selection.coarse_to_fine import MOST_SAMPLES
-from msd_ident.selection.hypothesis import COULOMB, Experiment, Fitted, refine
+from msd_ident.selection.hypothesis import COULOMB, Experiment, Hypothesis, refine
 from msd_ident.selection.starting_values import plain_axes
 from msd_ident.selection.structure_search import NOTHING
 
@@ -23,7 +23,7 @@ def shared_fits(experiment: Experiment, plant: Model) -> Shared:
     return Shared(joint, linear_fit(experiment.records, joint))
 
 
-def base_fit(experiment: Experiment, shared: Shared) -> tuple[Fitted, Fitted]:
+def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypothesis]:
     """The base model, and the one with Coulomb friction, each the best from several starts.
 
     Both start where an identification of the same records ends. The base also starts from what is left of the fit with

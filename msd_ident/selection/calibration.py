@@ -36,7 +36,7 @@ from scipy.stats import fisher_exact
 
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import Ranking, kinds
-from msd_ident.selection.hypothesis import Causes, Fitted
+from msd_ident.selection.hypothesis import Causes, Hypothesis
 
 #: Probability of as many more by chance, below which a rival may be likelier than what leads.
 _BY_CHANCE = 0.05
@@ -141,7 +141,7 @@ def odds(lead: Row, rival: Row, cause: str) -> float:
     return ratio if fisher_exact(table, "greater")[1] < _BY_CHANCE else min(ratio, 1.0)
 
 
-def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, Fitted]) -> Ranking:
+def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, Hypothesis]) -> Ranking:
     """The ranking with the probabilities that the copies allow.
 
     Args:
@@ -166,7 +166,7 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, F
     return ranking
 
 
-def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Causes, Fitted]) -> Ranking:
+def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Causes, Hypothesis]) -> Ranking:
     """The ranking with one of its sets, or a stand-in, at these odds or more against the leading one."""
     known = [i for i, one in enumerate(ranking.sets) if one.causes == causes]
     lead = ranking.probability[0]

@@ -12,15 +12,15 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection import rest_constraint
-from msd_ident.selection.evidence import DECISIVE, Ranking, Scale
-from msd_ident.selection.hypothesis import Fitted
+from msd_ident.selection.evidence import DECISIVE, NoiseScale, Ranking
+from msd_ident.selection.hypothesis import Hypothesis
 
 #: The least evidence [nats, against the best] at which an explanation is kept, and how many are.
 _KEPT_NATS, _MOST = DECISIVE + 2.5, 8
 
 
 @dataclass(frozen=True)
-class Contender:
+class CandidateModel:
     """One explanation with its fitted model and what the data says about its parameters.
 
     Attributes:
@@ -46,7 +46,7 @@ class Contender:
     initial: tuple[Initial, ...]
 
 
-def standing(ranking: Ranking, scale: Scale, readings: Sequence[Readings]) -> tuple[Contender, ...]:
+def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]) -> tuple[CandidateModel, ...]:
     """The leading explanation first, then the others that come near it, by falling evidence."""
     top = max(ranking.evidence)
     found = []
@@ -57,14 +57,14 @@ def standing(ranking: Ranking, scale: Scale, readings: Sequence[Readings]) -> tu
 
 
 def _contender(
-    fitted: Fitted, evidence: float, probability: float, data: tuple[Scale, Sequence[Readings]]
-) -> Contender:
+    fitted: Hypothesis, evidence: float, probability: float, data: tuple[NoiseScale, Sequence[Readings]]
+) -> CandidateModel:
     scale, readings = data
     count = len(fitted.problem.free)
-    known = rest_constraint.balances(fitted)
-    fitted = rest_constraint.settled(fitted, readings, known)
+    known = rest_constraint.rest_constraints(fitted)
+    fitted = rest_constraint.constrained(fitted, readings, known)
     information = fitted.information + rest_constraint.information(fitted.problem, fitted.point, known)
-    return Contender(
+    return CandidateModel(
         causes=tuple(sorted(fitted.causes)),
         probability=probability,
         evidence=evidence,

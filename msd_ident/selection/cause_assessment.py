@@ -19,7 +19,7 @@ _NOTHING = 0.05
 
 
 @dataclass(frozen=True)
-class Tried:
+class CauseAssessment:
     """One cause of the library.
 
     Attributes:
@@ -55,7 +55,9 @@ def noted(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Expe
     return replace(ranking, left=left)
 
 
-def tried(library: Collection[str], ranking: Ranking, named: Causes, tied: Collection[str]) -> tuple[Tried, ...]:
+def assess(
+    library: Collection[str], ranking: Ranking, named: Causes, tied: Collection[str]
+) -> tuple[CauseAssessment, ...]:
     """All causes, those of the extended model first, then the likeliest.
 
     Args:
@@ -68,10 +70,10 @@ def tried(library: Collection[str], ranking: Ranking, named: Causes, tied: Colle
     return tuple(sorted(found, key=lambda one: (not one.held, -one.probability, one.alone)))
 
 
-def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool) -> Tried:
+def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool) -> CauseAssessment:
     alone = ranking.left.get(frozenset({name}), math.nan)
     reason = _reason(name, possible, alone, ranking.left, named, tied)
-    return Tried(name, name in named, ranking.of_cause(name), alone, reason)
+    return CauseAssessment(name, name in named, ranking.of_cause(name), alone, reason)
 
 
 def _impossible(name: str) -> str:

@@ -12,7 +12,7 @@ from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
 from msd_ident.selection.cause_assessment import noted
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import NOISE_ERROR, Experiment, Fitted, refine
+from msd_ident.selection.hypothesis import NOISE_ERROR, Experiment, Hypothesis, refine
 from msd_ident.selection.structure_search import Progress, Remembered, Search
 
 #: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
@@ -27,7 +27,10 @@ _COMPARABLE = 10.0
 
 
 def search(
-    experiment: Experiment, known: tuple[Fitted, Fitted], progress: Progress, remembered: Sequence[Remembered] = ()
+    experiment: Experiment,
+    known: tuple[Hypothesis, Hypothesis],
+    progress: Progress,
+    remembered: Sequence[Remembered] = (),
 ) -> Ranking:
     """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
 
@@ -78,14 +81,14 @@ def _begun(
     return tuple(found)
 
 
-def _simpler(ahead: Ranking) -> list[Fitted]:
+def _simpler(ahead: Ranking) -> list[Hypothesis]:
     """Sets of fewer causes than the leader that leave not many times as much, the best first."""
     best = ahead.best
     found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < _COMPARABLE * best.chi]
     return sorted(found, key=lambda one: one.chi)[:_LEADERS]
 
 
-def _coarser(thin: Experiment, friction: Fitted, left: float) -> tuple[Experiment, Callable[[Fitted], bool]]:
+def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
     """With mean forces, where the model with friction is so far off that nothing will reach the noise; and whether a
     set fitted there leaves so little that the mean forces hide the rest.
 
@@ -98,7 +101,7 @@ def _coarser(thin: Experiment, friction: Fitted, left: float) -> tuple[Experimen
     return thin, lambda fitted: False
 
 
-def _change(thin: Experiment, coarse: Experiment, fitted: Fitted) -> float:
+def _change(thin: Experiment, coarse: Experiment, fitted: Hypothesis) -> float:
     """Chi² of what mean forces change of a model's motion."""
     exact, mean = (one.problem(fitted.model) for one in (thin, coarse))
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
@@ -109,9 +112,9 @@ def _change(thin: Experiment, coarse: Experiment, fitted: Fitted) -> float:
 
 
 def _searching(
-    experiment: Experiment, progress: Progress, blurred: Callable[[Fitted], bool] = lambda fitted: False
+    experiment: Experiment, progress: Progress, blurred: Callable[[Hypothesis], bool] = lambda fitted: False
 ) -> Search:
-    def at_floor(fitted: Fitted) -> bool:
+    def at_floor(fitted: Hypothesis) -> bool:
         # What is left above the noise by less than the noise's own error calls for no further cause.
         return (
             fitted.chi < (1.0 + NOISE_ERROR) * experiment.evidence

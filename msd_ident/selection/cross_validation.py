@@ -23,7 +23,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import see_reduction
 from msd_ident.estimate.broyden import State, descend
 from msd_ident.model import Model
-from msd_ident.selection.hypothesis import Experiment, Fitted, weigh
+from msd_ident.selection.hypothesis import Experiment, Hypothesis, weigh
 
 FOLDS = 4
 _SEGMENTS = 8
@@ -76,7 +76,7 @@ def segments(record: Record) -> FloatArray:
     return np.minimum(np.arange(record.samples) * _SEGMENTS // record.samples, _SEGMENTS - 1)
 
 
-def predict(experiment: Experiment, base: Fitted, extended: Fitted) -> HeldOut:
+def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:
     """Compare two fitted sets on left-out segments."""
     cuts = [segments(record) for record in experiment.records]
     errors = left_out(experiment, base, cuts)
@@ -85,7 +85,7 @@ def predict(experiment: Experiment, base: Fitted, extended: Fitted) -> HeldOut:
     return _compared(_blocks(experiment, base.model, (errors, left_out(experiment, extended, cuts)), cuts))
 
 
-def left_out(experiment: Experiment, fitted: Fitted, cuts: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
+def left_out(experiment: Experiment, fitted: Hypothesis, cuts: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
     """For each record the (n,) error [m] of predictions by fits that did not see the sample."""
     problem = fitted.problem
     errors = tuple(np.zeros(record.samples) for record in problem.records)
@@ -106,7 +106,7 @@ def training(cut: FloatArray, fold: int) -> FloatArray:
     return mask
 
 
-def refitted(experiment: Experiment, fitted: Fitted, masks: Sequence[FloatArray]) -> FloatArray:
+def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatArray]) -> FloatArray:
     """Vector (p,) of the fit to the samples with mask 1, from where the fit to all samples ended.
 
     All entries move. What these samples do not tell at all (a stop that they do not reach) stays as it was.

@@ -30,7 +30,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Fitted
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Hypothesis
 
 #: Independent features of a model's error that a record shows.
 SHAPES = 8.0
@@ -50,7 +50,7 @@ _NO_PEAK = 0.01
 
 
 @dataclass(frozen=True)
-class Scale:
+class NoiseScale:
     """How what is left is counted.
 
     Attributes:
@@ -76,7 +76,7 @@ class Scale:
         at_rest = 1.0 + stirred / self.shapes
         return -0.5 * self.shapes * (math.log(self.spread(chi)) + math.log(at_rest))
 
-    def of(self, fitted: Fitted) -> float:
+    def of(self, fitted: Hypothesis) -> float:
         """The same of a fitted set."""
         return self.log_likelihood(fitted.chi, fitted.stirred)
 
@@ -85,22 +85,22 @@ class Scale:
         return information / self.variance
 
 
-def scale_from(sets: Sequence[Fitted], readings: Sequence[Readings], shapes: float = SHAPES) -> Scale:
+def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes: float = SHAPES) -> NoiseScale:
     """The scale of an experiment: the noise's chi², as it was estimated, or the least that a set leaves near it."""
     pieces = sum(part.evidence for part in readings)
     least = min(fitted.chi for fitted in sets)
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < _OVERRATED * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
-    return Scale(noise, Scale(noise, shapes=shapes).spread(least), shapes)
+    return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes)
 
 
-def log_evidence(fitted: Fitted, scale: Scale) -> float:
+def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:
     """Log evidence [nats] of a set, prior included."""
     return scale.of(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
 
 
-def occam(fitted: Fitted, variance: float) -> float:
+def occam(fitted: Hypothesis, variance: float) -> float:
     """What the parameters of a set's causes cost [nats], those of the plant and of the records unknown beside them.
 
     -½ log det C, with C their covariance in units of their prior widths. To each is added what a real rig's parameter
@@ -131,12 +131,12 @@ def kinds(causes: Iterable[str]) -> frozenset[str]:
     return frozenset(by_name(name).cause() for name in causes)
 
 
-def _own(fitted: Fitted) -> tuple[str, ...]:
+def _own(fitted: Hypothesis) -> tuple[str, ...]:
     """Names of the parameters that a set has beyond the plant's."""
     return tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
 
 
-def prior_widths(fitted: Fitted) -> FloatArray:
+def prior_widths(fitted: Hypothesis) -> FloatArray:
     """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for
     the strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where
     this is narrower.
@@ -159,17 +159,17 @@ class Ranking:
     data alone.
     """
 
-    sets: tuple[Fitted, ...]
+    sets: tuple[Hypothesis, ...]
     evidence: tuple[float, ...]
     probability: tuple[float, ...]
     left: Mapping[Causes, float] = field(default_factory=dict)
 
     @property
-    def best(self) -> Fitted:
+    def best(self) -> Hypothesis:
         """The leading set: the likeliest, without causes that the data does not call for."""
         return self.sets[0]
 
-    def led_by(self, leader: Fitted) -> Ranking:
+    def led_by(self, leader: Hypothesis) -> Ranking:
         """The same with one of its sets first."""
         order = sorted(range(len(self.sets)), key=lambda i: self.sets[i] is not leader)
         return replace(
@@ -184,13 +184,13 @@ class Ranking:
         kind = by_name(name).cause()
         return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if kind in kinds(fitted.causes))
 
-    def within(self, nats: float) -> list[Fitted]:
+    def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
         least = self.evidence[0] - nats
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
 
 
-def _same_as(fitted: Fitted) -> set[Causes]:
+def _same_as(fitted: Hypothesis) -> set[Causes]:
     """Simpler sets that the fitted model is: an effect ended without strength, or Stribeck's law without its peak."""
     model, found = fitted.model, set()
     for name in fitted.causes:
@@ -203,7 +203,7 @@ def _same_as(fitted: Fitted) -> set[Causes]:
 
 
 def _ceilings(
-    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Fitted], scale: Scale
+    causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Hypothesis], scale: NoiseScale
 ) -> Iterator[float]:
     """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
 
@@ -225,7 +225,7 @@ def _simpler(causes: Causes) -> Iterator[Causes]:
             yield causes - {name} | {COULOMB}
 
 
-def _called_for(causes: Causes, sets: Mapping[Causes, Fitted], scale: Scale) -> bool:
+def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
     """Whether a set is none that turned out to be a simpler one under another name.
 
     That is one whose effect has no strength, and one whose law is no better than its limit.
@@ -236,7 +236,7 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Fitted], scale: Scale) -> 
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in limits)
 
 
-def rank(sets: Mapping[Causes, Fitted], scale: Scale) -> Ranking:
+def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.

@@ -7,13 +7,13 @@ then fit alike, each with a mass, damping and stiffness of its own.
 from __future__ import annotations
 
 from msd_ident.model.effects import by_name
-from msd_ident.selection.evidence import DECISIVE, Scale
+from msd_ident.selection.evidence import DECISIVE, NoiseScale
 from msd_ident.selection.hypothesis import (
     REACH,
     Causes,
     Experiment,
-    Fitted,
-    Start,
+    Hypothesis,
+    StartingPoint,
     begin,
     causes_that_fit,
     finish,
@@ -24,7 +24,7 @@ from msd_ident.selection.hypothesis import (
 from msd_ident.selection.starting_points import proposals
 
 
-def alike(experiment: Experiment, best: Fitted, scale: Scale) -> list[Fitted]:
+def alike(experiment: Experiment, best: Hypothesis, scale: NoiseScale) -> list[Hypothesis]:
     """The leading set with each other law of the force's gain that is not decisively less likely.
 
     Args:
@@ -44,9 +44,9 @@ def alike(experiment: Experiment, best: Fitted, scale: Scale) -> list[Fitted]:
     return [one for one in found if scale.of(one) > scale.of(best) - DECISIVE]
 
 
-def _fitted(experiment: Experiment, causes: Causes, bare: Fitted, best: Fitted) -> list[Fitted]:
+def _fitted(experiment: Experiment, causes: Causes, bare: Hypothesis, best: Hypothesis) -> list[Hypothesis]:
     """A set in each of its shapes (a slope, a limit), but for the one that ``best`` is."""
-    shapes: dict[Causes, list[Start]] = {}
+    shapes: dict[Causes, list[StartingPoint]] = {}
     for start in proposals(experiment, causes, [bare]):
         shapes.setdefault(switched_off(start.fitted.model), []).append(start)
     if causes == best.causes:

@@ -12,14 +12,14 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate import FitResult, see
 from msd_ident.estimate.base_fits import Shared
-from msd_ident.estimate.least_squares import Outcome, minimise
+from msd_ident.estimate.least_squares import Solution, minimise
 from msd_ident.estimate.multistart import limits
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.model.effects import by_name
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Fitted
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Hypothesis
 
 
-def simulating(fitted: Fitted, shared: Shared) -> Outcome:
+def simulating(fitted: Hypothesis, shared: Shared) -> Solution:
     """Where the plain sum of squares is least (half of it [m²]), near where a set ended or near the shared fit."""
     problem, objective = fitted.problem, SquaredError(fitted.problem)
     best = minimise(objective, fitted.point, limits(problem))
@@ -30,12 +30,12 @@ def simulating(fitted: Fitted, shared: Shared) -> Outcome:
     return min(best, other, key=lambda outcome: _see(fitted, outcome.point))
 
 
-def _see(fitted: Fitted, point: FloatArray) -> float:
+def _see(fitted: Hypothesis, point: FloatArray) -> float:
     """SEE [m] over all records."""
     return see([fitted.problem.residual(point, r) for r in range(len(fitted.problem.records))])
 
 
-def _comparable(fitted: Fitted, shared: Shared) -> FitResult:
+def _comparable(fitted: Hypothesis, shared: Shared) -> FitResult:
     """The shared fit whose causes a set holds too: the joint one where it can, else the linear one."""
     held = set(fitted.causes)
     if held & set(HOLDING_COULOMB):
@@ -43,7 +43,7 @@ def _comparable(fitted: Fitted, shared: Shared) -> FitResult:
     return shared.joint if set(shared.joint.model.effect_names) <= held else shared.linear
 
 
-def _from_shared(fitted: Fitted, known: FitResult) -> FloatArray:
+def _from_shared(fitted: Hypothesis, known: FitResult) -> FloatArray:
     """Vector (p,) of the set at the shared fit: what that does not have is without strength, inside the bounds."""
     model, problem = fitted.model, fitted.problem
     values = dict(zip(model.names, model.values.tolist(), strict=True))

@@ -12,7 +12,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import State, Weighting, descend
-from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
@@ -135,7 +135,7 @@ class Experiment:
     @cached_property
     def nuisances(self) -> tuple[Nuisance, ...]:
         """Free entries of each record: the same for all candidates."""
-        return pose(self.base, self.records, self.fixed).nuisances
+        return formulate(self.base, self.records, self.fixed).nuisances
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -153,7 +153,7 @@ class Experiment:
         return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
 
 
-def posed(
+def formulated(
     experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
 ) -> tuple[Problem, Weighting, FloatArray]:
     """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds.
@@ -175,7 +175,7 @@ def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatA
 
 
 @dataclass(frozen=True)
-class Fitted:
+class Hypothesis:
     """A set of causes, fitted: the model, its problem, and the state in which the descent ended."""
 
     causes: Causes
@@ -242,7 +242,7 @@ def causes_that_fit(causes: Causes) -> bool:
 
 
 @dataclass(frozen=True)
-class Start:
+class StartingPoint:
     """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
 
     A start is judged by its promise, not by where it stands: a guess of the wrong size but the right shape is a good
@@ -250,7 +250,7 @@ class Start:
     """
 
     promise: float
-    fitted: Fitted
+    fitted: Hypothesis
     beside: float
 
     @property
@@ -264,7 +264,7 @@ class Start:
         return self.promise < max(reach, _MUCH * self.beside)
 
 
-def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[Fitted]:
+def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
     """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
     best first.
     """
@@ -273,7 +273,7 @@ def begin(experiment: Experiment, found: Sequence[Start], reach: float) -> list[
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
-def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fitted:
+def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) -> Hypothesis:
     """The best of a set's beginnings, refined.
 
     Args:
@@ -287,7 +287,7 @@ def finish(experiment: Experiment, begun: Sequence[Fitted], least: float) -> Fit
     return min([best, *kicked], key=lambda fitted: fitted.chi)
 
 
-def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
+def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     """A few steps down from where there may be another valley.
 
     From either side of a harmonic law's phase: where a cart sticks in its wells, the surface has valleys within a
@@ -311,7 +311,7 @@ def _kicked(experiment: Experiment, fitted: Fitted) -> list[Fitted]:
     return found
 
 
-def _begun(experiment: Experiment, fitted: Fitted) -> FloatArray:
+def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
     """The fitted vector (p,) with each record begun at its first reading, where it begins far from it."""
     problem, point = fitted.problem, fitted.point.copy()
     for entry, nuisance in enumerate(problem.nuisances, start=len(problem.free)):
@@ -323,16 +323,16 @@ def _begun(experiment: Experiment, fitted: Fitted) -> FloatArray:
     return np.asarray(np.clip(point, problem.lower, problem.upper))
 
 
-def _distinct(begun: Sequence[Fitted]) -> list[Fitted]:
+def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Beginnings that did not meet in one valley."""
-    kept: list[Fitted] = []
+    kept: list[Hypothesis] = []
     for fitted in begun:
         if all(abs(fitted.chi - other.chi) > 1e-3 * other.chi for other in kept):
             kept.append(fitted)
     return kept
 
 
-def _settled(experiment: Experiment, fitted: Fitted, least: float) -> Fitted:
+def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
     for _ in range(_CHUNKS):
         before = fitted.chi
         fitted = _lower(experiment, fitted, _CHUNK)
@@ -354,13 +354,13 @@ def _hopeless(experiment: Experiment, least: float) -> float:
     return experiment.worse(least, _HOPELESS)
 
 
-def _settled_gain(experiment: Experiment, fitted: Fitted) -> float:
+def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
     slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
     return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
 
 
-def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
+def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
     """The same with a Jacobian computed at its very point, after a last step with it."""
     if fitted.state.exact:
         return fitted
@@ -372,15 +372,15 @@ def exactly(experiment: Experiment, fitted: Fitted) -> Fitted:
     return _at(experiment, fitted.causes, fitted.problem, state)
 
 
-def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Fitted:
+def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Hypothesis:
     """A set refined from given values to the last digit."""
-    problem, weighting, point = posed(experiment, model, initial)
+    problem, weighting, point = formulated(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
     state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 
-def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
+def without(fitted: Hypothesis, name: str) -> tuple[Model, tuple[Initial, ...]]:
     """A fitted model without one of its effects, the other parameters moved as the effect fades.
 
     With sensitivities J of the residual, the strengths r go to their neutral values by Δr, and the others o follow by
@@ -404,11 +404,11 @@ def without(fitted: Fitted, name: str) -> tuple[Model, tuple[Initial, ...]]:
     return replace(model, effects=tuple(e for e in model.effects if e.name != name)), problem.initials(moved)
 
 
-def _lower(experiment: Experiment, fitted: Fitted, steps: int) -> Fitted:
+def _lower(experiment: Experiment, fitted: Hypothesis, steps: int) -> Hypothesis:
     weighting = weigh(fitted.problem, experiment.readings)
     state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
     return _at(experiment, fitted.causes, fitted.problem, state)
 
 
-def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Fitted:
-    return Fitted(causes, problem.model.with_values(problem.values(state.point)), problem, state, experiment.rests)
+def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Hypothesis:
+    return Hypothesis(causes, problem.model.with_values(problem.values(state.point)), problem, state, experiment.rests)

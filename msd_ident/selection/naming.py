@@ -14,7 +14,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.selection import evidence
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Causes, Experiment, Fitted
+from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis
 
 #: Probability from which a cause is named with certainty.
 CERTAIN = 0.9
@@ -41,7 +41,7 @@ def leading(ranking: Ranking) -> Ranking:
     return ranking.led_by(fair[0] if fair else asked[margins.index(max(margins))])
 
 
-def predicting(experiment: Experiment, base: Fitted, ranking: Ranking) -> tuple[Ranking, Fitted, HeldOut]:
+def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tuple[Ranking, Hypothesis, HeldOut]:
     """The leading set that predicts left-out data better than the base, or the base itself, and the ranking then.
 
     A set that does not is no explanation: the ranking is without it. Where the base leads, only because few
@@ -73,7 +73,7 @@ def margin(ranking: Ranking, named: Causes) -> float:
     return least - max((ranking.of_cause(name) for name in others), default=0.0)
 
 
-def without(ranking: Ranking, refused: Fitted) -> Ranking:
+def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
     """The ranking without one of its sets, the probabilities those given that it is not the right one."""
     kept = [i for i, one in enumerate(ranking.sets) if one is not refused]
     total = sum(ranking.probability[i] for i in kept)
@@ -100,12 +100,12 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _unnamed(sets: Iterable[Fitted], named: Causes) -> list[str]:
+def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:
     """Laws of these sets whose cause is not named in another form, sorted."""
     known = evidence.kinds(named)
     return sorted(name for name in _all(sets) if by_name(name).cause() not in known)
 
 
-def _all(sets: Iterable[Fitted]) -> frozenset[str]:
+def _all(sets: Iterable[Hypothesis]) -> frozenset[str]:
     """All causes of these sets."""
     return frozenset().union(*(one.causes for one in sets))

@@ -17,9 +17,9 @@ from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
 from msd_ident.selection import coarse_to_fine, evidence, naming
 from msd_ident.selection.calibration import Calibration, Row, corrected
-from msd_ident.selection.evidence import Ranking, Scale
+from msd_ident.selection.evidence import NoiseScale, Ranking
 from msd_ident.selection.excitation import poor
-from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Fitted, causes_that_fit, posed, refine
+from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Hypothesis, causes_that_fit, formulated, refine
 from msd_ident.selection.structure_search import NOTHING, Progress
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 
@@ -38,7 +38,7 @@ class Explanation:
     """One of the leading explanations: fitted, or of any strength beside the leading set where it is not."""
 
     causes: Causes
-    fitted: Fitted | None
+    fitted: Hypothesis | None
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,9 @@ class Study:
 
     experiment: Experiment
     thin: Experiment
-    lead: Fitted
-    plain: tuple[Fitted, ...]
-    scale: Scale
+    lead: Hypothesis
+    plain: tuple[Hypothesis, ...]
+    scale: NoiseScale
     disturbed: Disturbed
 
     def copy(self, of: Explanation, number: tuple[int, int]) -> tuple[Imagined, tuple[Record, ...]]:
@@ -94,7 +94,7 @@ def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
     """
     lead = ranking.best
     fitted = {one.causes: one for one in ranking.sets}
-    found: dict[Causes, Fitted | None] = {lead.causes: lead}
+    found: dict[Causes, Hypothesis | None] = {lead.causes: lead}
     top = max(ranking.evidence)
     for cause in sorted(lead.causes):
         near = [
@@ -121,7 +121,7 @@ def _family(cause: str, library: Sequence[str]) -> list[str]:
 
 
 def checked(
-    experiment: Experiment, base: Fitted, ranking: Ranking, asked: bool, progress: Progress
+    experiment: Experiment, base: Hypothesis, ranking: Ranking, asked: bool, progress: Progress
 ) -> tuple[Ranking, Calibration | None]:
     """The ranking as copies of the experiment correct it, and their matrix.
 
@@ -148,7 +148,7 @@ def checked(
     return after, Calibration(tuple(made), stated, allowed)
 
 
-def _study(experiment: Experiment, base: Fitted, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
+def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
     """What the copies share; the model with Coulomb friction is one that a diagnosis begins with."""
     asked = frozenset().union(*(row.causes for row in rows))
     asking = replace(experiment, asked=asked)
@@ -158,7 +158,7 @@ def _study(experiment: Experiment, base: Fitted, ranking: Ranking, rows: Sequenc
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
 
 
-def _poor(experiment: Experiment, base: Fitted) -> bool:
+def _poor(experiment: Experiment, base: Hypothesis) -> bool:
     """Whether the force asks the rig little; a plant without a spring swings as long as a twentieth of its record."""
     mass, stiffness = base.model.mass, base.model.stiffness
     longest = max(record.duration for record in experiment.records)
@@ -198,7 +198,7 @@ def _all(
         return imagined, study.said(records)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
-        jobs = [pool.submit(cancellation.carried(one), task) for task in tasks]
+        jobs = [pool.submit(cancellation.in_this_context(one), task) for task in tasks]
         try:
             for number, (task, job) in enumerate(zip(tasks, jobs, strict=True)):
                 imagined, said = job.result()
@@ -217,8 +217,8 @@ def _chi(experiment: Experiment, found: Imagined) -> float:
     return sum(part.chi(left) for part, left in zip(experiment.readings, found.residuals(), strict=True))
 
 
-def _stood(experiment: Experiment, found: Imagined) -> Fitted:
+def _stood(experiment: Experiment, found: Imagined) -> Hypothesis:
     """A set as drawn, as if it had been fitted there."""
     model = found.problem.model.with_values(found.problem.values(found.point))
-    problem, weighting, point = posed(experiment, model, found.problem.initials(found.point))
-    return Fitted(found.causes, model, problem, weighting.exact(point, weighting.steps(None)))
+    problem, weighting, point = formulated(experiment, model, found.problem.initials(found.point))
+    return Hypothesis(found.causes, model, problem, weighting.exact(point, weighting.steps(None)))

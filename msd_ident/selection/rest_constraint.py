@@ -14,11 +14,11 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting
-from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import in_force_unit
-from msd_ident.estimate.problem import Balance, Problem
+from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.hypothesis import Fitted, weigh
+from msd_ident.selection.hypothesis import Hypothesis, weigh
 
 _STEPS, _TRIES = 12, 40
 _WORTH = 0.05
@@ -26,14 +26,14 @@ _WORTH = 0.05
 _LITTLE, _OBJECTION = 0.25, 9.0
 
 
-def balances(fitted: Fitted) -> tuple[Balance, ...]:
+def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
     """What rest at the start of each record says."""
     problem = fitted.problem
     kept = frozenset(problem.model.names) - set(problem.names[: len(problem.free)])
-    return pose(fitted.model, problem.records, kept).balances
+    return formulate(fitted.model, problem.records, kept).balances
 
 
-def information(problem: Problem, point: FloatArray, known: Sequence[Balance]) -> FloatArray:
+def information(problem: Problem, point: FloatArray, known: Sequence[RestConstraint]) -> FloatArray:
     """(p, p) information that rest adds."""
     added = np.zeros((problem.size, problem.size))
     for balance in known:
@@ -42,7 +42,7 @@ def information(problem: Problem, point: FloatArray, known: Sequence[Balance]) -
     return added
 
 
-def settled(fitted: Fitted, readings: Sequence[Readings], known: Sequence[Balance]) -> Fitted:
+def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequence[RestConstraint]) -> Hypothesis:
     """The same set where rest at the start agrees too, as far as the samples let it.
 
     On the very edge of sticking a start may gain a little from the noise, and seems sharp: one step further the cart
@@ -62,16 +62,16 @@ def settled(fitted: Fitted, readings: Sequence[Readings], known: Sequence[Balanc
     return replace(fitted, model=problem.model.with_values(problem.values(state.point)), state=state)
 
 
-def _pull(problem: Problem, point: FloatArray, known: Sequence[Balance]) -> float:
+def _pull(problem: Problem, point: FloatArray, known: Sequence[RestConstraint]) -> float:
     return sum((problem.imbalance(point, balance)[0] / balance.spread) ** 2 for balance in known)
 
 
-def _cost(weighting: Weighting, point: FloatArray, known: Sequence[Balance]) -> float:
+def _cost(weighting: Weighting, point: FloatArray, known: Sequence[RestConstraint]) -> float:
     residual = weighting.residual(point)
     return float(residual @ residual) + _pull(weighting.problem, point, known)
 
 
-def _rescaled(fitted: Fitted, known: Sequence[Balance]) -> FloatArray:
+def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray:
     """All forces times what would have the cart start at the relaxed spring, its distance from the balance kept."""
     problem = fitted.problem
     record = problem.records[known[0].record]
@@ -99,7 +99,7 @@ def _with_peak(problem: Problem, point: FloatArray) -> FloatArray:
     return point
 
 
-def _descend(weighting: Weighting, state: State, known: Sequence[Balance]) -> State:
+def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]) -> State:
     """Levenberg–Marquardt on samples and rest together."""
     problem, damping, taken = weighting.problem, 1e-6, 0
     cost = state.chi + _pull(problem, state.point, known)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from msd_ident.selection.hypothesis import Fitted
+from msd_ident.selection.hypothesis import Hypothesis
 
 _WATCHED = ("mass", "damping", "stiffness", "coulomb_force")
 
 
-def between(sets: Sequence[Fitted]) -> dict[str, tuple[float, float]]:
+def between(sets: Sequence[Hypothesis]) -> dict[str, tuple[float, float]]:
     """Least and largest value of m, b, k and Fc over sets that fit alike and have them; empty for a single set."""
     if len(sets) < 2:
         return {}

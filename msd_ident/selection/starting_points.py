@@ -15,7 +15,15 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Experiment, Fitted, Start, posed
+from msd_ident.selection.hypothesis import (
+    COULOMB,
+    HOLDING_COULOMB,
+    Causes,
+    Experiment,
+    Hypothesis,
+    StartingPoint,
+    formulated,
+)
 from msd_ident.selection.starting_values import from_coulomb, guesses
 
 _KEPT = 3
@@ -31,7 +39,7 @@ _DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
 _ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
 
 
-def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model]:
+def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
     """Models to start from: the parent's values, with guesses for the effects that it lacks.
 
     A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
@@ -58,7 +66,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Fitted) -> list[Model
     return models
 
 
-def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted]) -> list[Start]:
+def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis]) -> list[StartingPoint]:
     """Starts of a set, the most promising first; empty when there is none.
 
     The best few next to the parents, and those by regression beside them: neither kind's promises may crowd out the
@@ -77,18 +85,18 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Fitted])
     return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
 
 
-def _distinct(found: Sequence[Start]) -> list[Start]:
+def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
     """Starts, sorted by what they promise, that do not lead to the same place."""
     pairs = zip(found, found[1:], strict=False)
     return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + _SAME) * before.promise]
 
 
-def _beside(experiment: Experiment, causes: Causes, parent: Fitted, model: Model) -> Start:
+def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: Model) -> StartingPoint:
     """A start next to a fitted parent, whose Jacobian it takes over."""
-    problem, weighting, point = posed(experiment, model, parent.initial)
+    problem, weighting, point = formulated(experiment, model, parent.initial)
     state = extended(weighting, parent.problem, parent.state, point)
     promised = step(problem, state, _DAMPED)[1]
-    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), parent.chi)
+    return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), parent.chi)
 
 
 def _weakened(model: Model, names: Causes) -> Model:
@@ -104,8 +112,8 @@ def _weakened(model: Model, names: Causes) -> Model:
 
 
 def regressions(
-    experiment: Experiment, causes: Causes, parents: Sequence[Fitted], models: Sequence[Model]
-) -> list[Start]:
+    experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis], models: Sequence[Model]
+) -> list[StartingPoint]:
     """Starts by linear regression on the equation of motion, where the base model is so far off that no start next to
     it leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
     What does not come linear is tried as ``models`` next to the first parent have it.
@@ -124,7 +132,7 @@ def regressions(
     for model in tried.values():
         for start in regressed(experiment.problem(model)):
             initial = [Initial(*state) for state in start.initial]
-            problem, weighting, point = posed(experiment, model.with_values(start.values), initial)
+            problem, weighting, point = formulated(experiment, model.with_values(start.values), initial)
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])
@@ -141,7 +149,7 @@ def _placed(
     """
     model = problem.model.with_values(problem.values(point))
     others = frozenset(model.names) - {"mass", "stiffness"}
-    bare, units, place = posed(experiment, model, problem.initials(point), others)
+    bare, units, place = formulated(experiment, model, problem.initials(point), others)
     chi, best = math.inf, place
     for _ in range(_PLACINGS):
         state = units.exact(place, units.steps(None))
@@ -166,9 +174,9 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
 
 def _exact_start(
     experiment: Experiment, causes: Causes, start: tuple[Problem, Weighting, FloatArray], beside: float
-) -> Start:
+) -> StartingPoint:
     problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
     promised = step(problem, state, _DAMPED)[1]
-    return Start(state.chi - promised, Fitted(causes, model, problem, state, experiment.rests), beside)
+    return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), beside)

@@ -21,7 +21,7 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.selection.evidence import Ranking, Scale, rank, scale_from
+from msd_ident.selection.evidence import NoiseScale, Ranking, rank, scale_from
 from msd_ident.selection.hypothesis import (
     COULOMB,
     FAR,
@@ -30,18 +30,18 @@ from msd_ident.selection.hypothesis import (
     SOUGHT,
     Causes,
     Experiment,
-    Fitted,
-    Start,
+    Hypothesis,
+    StartingPoint,
     begin,
     causes_that_fit,
     finish,
-    posed,
+    formulated,
     refine,
     without,
 )
 from msd_ident.selection.starting_points import proposals
 
-_Task = TypeVar("_Task", Causes, list[Start], list[Fitted])
+_Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
 
 #: ``progress(stage, fraction of the work done, cause being tried)``; what it raises ends the diagnosis.
@@ -78,14 +78,14 @@ class Search:
     """
 
     experiment: Experiment
-    at_floor: Callable[[Fitted], bool]
+    at_floor: Callable[[Hypothesis], bool]
     progress: Progress
-    sets: dict[Causes, Fitted] = field(default_factory=dict)
+    sets: dict[Causes, Hypothesis] = field(default_factory=dict)
     tried: set[Causes] = field(default_factory=set)
     pruned: set[Causes] = field(default_factory=set)
     told: float = 0.0
 
-    def run(self, base: Fitted, known: Sequence[Fitted] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
+    def run(self, base: Hypothesis, known: Sequence[Hypothesis] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
         """Search from the base model, from sets that are fitted already, and from what stood on less data."""
         for fitted in (base, *known):
             self.sets[fitted.causes] = fitted
@@ -103,14 +103,14 @@ class Search:
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
         return self._walk()
 
-    def resume(self, sets: Sequence[Fitted]) -> Ranking:
+    def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Go on from sets that were found on part of the data and are fitted to all of it."""
         for fitted in sets:
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
         return self._walk()
 
-    def compared(self, sets: Sequence[Fitted]) -> Ranking:
+    def compared(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Sets that were found on part of the data and are fitted to all of it, those simpler than the leader again
         from where it stands: what ended in a wrong valley there ends in one here.
         """
@@ -118,7 +118,7 @@ class Search:
             self.sets[fitted.causes] = fitted
         best = self.ranking().best
         for causes, model, initial in _reduced(best):
-            _, weighting, point = posed(self.experiment, model, initial)
+            _, weighting, point = formulated(self.experiment, model, initial)
             left = weighting.residual(point)
             if causes in self.sets or left @ left < _REJOIN * best.chi:
                 self._look_again(causes, model, initial)
@@ -138,7 +138,7 @@ class Search:
         self._rejoined(self._leader())
         return self.ranking()
 
-    def _rejoined(self, best: Fitted) -> None:
+    def _rejoined(self, best: Hypothesis) -> None:
         """Rivals that have another cause in the place of one of the leader's, again from what they share with it.
 
         That is known by now better than when they were tried: with too much friction a cart sticks at other turns, and
@@ -153,13 +153,13 @@ class Search:
         for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
             self._keep(fitted)
 
-    def _rejoin(self, best: Fitted, causes: Causes) -> Fitted:
+    def _rejoin(self, best: Hypothesis, causes: Causes) -> Hypothesis:
         model = self.sets[causes].model
         known = dict(zip(best.model.names, best.model.values.tolist(), strict=True))
         shared = {name: known[name] for name in model.names if name in known and name not in ("mass", "stiffness")}
         return refine(self.experiment, causes, model.with_values(shared), best.initial)
 
-    def _pruned(self, best: Fitted) -> Fitted:
+    def _pruned(self, best: Hypothesis) -> Hypothesis:
         """The leader, after a second look at what is simpler than it, fitted again from where the leader stands.
 
         The surfaces of friction, stops and delays have many valleys. A simpler set that ended in a wrong one loses
@@ -176,12 +176,12 @@ class Search:
         self.tried.add(causes)
         self._keep(refine(self.experiment, causes, model, initial))
 
-    def _keep(self, fitted: Fitted) -> None:
+    def _keep(self, fitted: Hypothesis) -> None:
         """A set's best fit so far."""
         if fitted.causes not in self.sets or fitted.chi < self.sets[fitted.causes].chi:
             self.sets[fitted.causes] = fitted
 
-    def scale(self) -> Scale:
+    def scale(self) -> NoiseScale:
         """How likelihoods are to be read, by what the best set leaves."""
         return scale_from(list(self.sets.values()), self.experiment.readings)
 
@@ -189,7 +189,7 @@ class Search:
         """All sets by evidence."""
         return rank(self.sets, self.scale())
 
-    def _leader(self) -> Fitted:
+    def _leader(self) -> Hypothesis:
         """The set whose neighbours are looked at: what helps at all is found before it is asked how surely."""
         return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
 
@@ -235,7 +235,7 @@ class Search:
             self._fit_group(group, share)
         return True
 
-    def _fit_group(self, group: list[list[Start]], share: tuple[float, float]) -> None:
+    def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
         reach = self.experiment.worse(least, REACH)
         if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
@@ -253,7 +253,7 @@ class Search:
         if len(tasks) < 2:
             return [work(task) for task in tasks]
         with _quick_turns(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
-            jobs = {pool.submit(cancellation.carried(work), task): i for i, task in enumerate(tasks)}
+            jobs = {pool.submit(cancellation.in_this_context(work), task): i for i, task in enumerate(tasks)}
             results: dict[int, _Done] = {}
             try:
                 for done, job in enumerate(as_completed(jobs), start=1):
@@ -266,18 +266,18 @@ class Search:
                 raise
         return [results[i] for i in range(len(tasks))]
 
-    def _propose(self, causes: Causes) -> list[Start]:
+    def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self._parents(causes))
 
-    def _begin(self, reach: float, found: list[Start]) -> list[Fitted]:
+    def _begin(self, reach: float, found: list[StartingPoint]) -> list[Hypothesis]:
         return begin(self.experiment, found, reach)
 
-    def _finish(self, least: float, begun: list[Fitted]) -> Fitted:
+    def _finish(self, least: float, begun: list[Hypothesis]) -> Hypothesis:
         return finish(self.experiment, begun, least)
 
-    def _parents(self, causes: Causes) -> list[Fitted]:
-        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else the
-        base; and those that have Coulomb friction in place of a law that holds it as a limit.
+    def _parents(self, causes: Causes) -> list[Hypothesis]:
+        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
+        the base; and those that have Coulomb friction in place of a law that holds it as a limit.
         """
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
@@ -288,7 +288,7 @@ class Search:
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
 
 
-def _reduced(best: Fitted) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+def _reduced(best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
     """Sets with one cause less, or with Coulomb friction for a law that holds it as a limit, and where they start."""
     for name in sorted(best.causes):
         model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
@@ -309,8 +309,8 @@ def _quick_turns() -> Iterator[None]:
         sys.setswitchinterval(before)
 
 
-def _named(task: Causes | list[Start] | list[Fitted]) -> str:
+def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
     if isinstance(task, frozenset):
         return " + ".join(sorted(task))
     one = task[0]
-    return _named((one.fitted if isinstance(one, Start) else one).causes)
+    return _named((one.fitted if isinstance(one, StartingPoint) else one).causes)

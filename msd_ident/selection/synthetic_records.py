@@ -22,8 +22,8 @@ from msd_ident.model import Effect
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.evidence import Scale, prior_widths
-from msd_ident.selection.hypothesis import Causes, Experiment, Fitted, posed
+from msd_ident.selection.evidence import NoiseScale, prior_widths
+from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis, formulated
 
 #: Steps down that bring the other parameters to the record when one law is given.
 _STEPS = 15
@@ -44,7 +44,7 @@ class Imagined:
         return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))
 
 
-def drawn(fitted: Fitted, scale: Scale, rng: np.random.Generator) -> Imagined:
+def drawn(fitted: Hypothesis, scale: NoiseScale, rng: np.random.Generator) -> Imagined:
     """A fitted set with parameters from their posterior (Laplace's, inside the bounds)."""
     size, variance = prior_widths(fitted), scale.spread(fitted.chi)
     information = fitted.information * np.outer(size, size) / variance + np.eye(size.size)
@@ -54,7 +54,7 @@ def drawn(fitted: Fitted, scale: Scale, rng: np.random.Generator) -> Imagined:
     return Imagined(fitted.causes, fitted.problem, point)
 
 
-def of_any_strength(experiment: Experiment, leader: Fitted, causes: Causes, rng: np.random.Generator) -> Imagined:
+def of_any_strength(experiment: Experiment, leader: Hypothesis, causes: Causes, rng: np.random.Generator) -> Imagined:
     """A set whose new laws have a strength by lot, all else as the record then has it.
 
     Args:
@@ -80,7 +80,7 @@ def of_any_strength(experiment: Experiment, leader: Fitted, causes: Causes, rng:
     found = []
     for share in _shares(new, values) if scaled else (1.0,):
         model = replace(leader.model, effects=(*kept, *(_weaker(effect, share) for effect in new)))
-        problem, weighting, point = posed(experiment, model, leader.initial, own - scaled)
+        problem, weighting, point = formulated(experiment, model, leader.initial, own - scaled)
         chi, point = _brought(weighting, point, [problem.names.index(name) for name in sorted(scaled)])
         found.append((chi, Imagined(causes, problem, point)))
     return min(found, key=lambda one: one[0])[1]
@@ -128,7 +128,7 @@ def whole(experiment: Experiment, found: Imagined) -> Imagined:
     """The same on all samples, where it was found on a part of them."""
     model = found.problem.model.with_values(found.problem.values(found.point))
     initial: Sequence[Initial] = found.problem.initials(found.point)
-    problem, _, point = posed(experiment, model, initial)
+    problem, _, point = formulated(experiment, model, initial)
     return Imagined(found.causes, problem, point)
 
 
@@ -146,7 +146,7 @@ class Disturbed:
     left: tuple[FloatArray, ...] | None
 
     @classmethod
-    def by(cls, lead: Fitted, readings: tuple[Readings, ...]) -> Disturbed:
+    def by(cls, lead: Hypothesis, readings: tuple[Readings, ...]) -> Disturbed:
         """As the leading explanation says."""
         residuals = lead.residuals()
         return cls(readings, None if judge(residuals, readings).consistent else residuals)

@@ -182,7 +182,10 @@ def diagnose(
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
     if found.adequacy.material:
-        said = [*impulses.sentences(found.records, found.extended, found.noise_floor), same_plant.doubt(found.records)]
+        said = [
+            *impulses.sentences(found.records, found.extended, found.noise_floor),
+            same_plant.warning(found.records),
+        ]
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))
     progress("done", 1.0, "")
     return found

@@ -22,7 +22,7 @@ from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.dependence import dependences
-from msd_ident.residuals.disturbance import MissingForce, missing_force
+from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
 from msd_ident.workflow import force_hold
 from msd_ident.workflow.identification import initial_dict, quantities_dict
 from msd_ident.workflow.preparation import Prepared, prepared
@@ -87,7 +87,7 @@ class Validation:
     explained_percent: float
     noise_floor: float
     adequacy: Adequacy
-    missing: tuple[MissingForce, ...]
+    missing: tuple[DisturbanceEstimate, ...]
     depends_on: Mapping[str, float]
     warnings: tuple[str, ...]
 
@@ -303,7 +303,7 @@ def _zero_moved(saved: SavedModel, records: tuple[Record, ...], residuals: tuple
     return (f"The encoder's zero has moved since the model's own record ({', '.join(moved)}): use --refit-zero.",)
 
 
-def _lacking(saved: SavedModel, part: noise_model.Readings, residual: FloatArray) -> MissingForce:
+def _lacking(saved: SavedModel, part: noise_model.Readings, residual: FloatArray) -> DisturbanceEstimate:
     """The force that the model lacks: smoothed from its residual, which moves like the bare plant."""
     plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
     error = replace(part.record, position=-residual, force_time=part.record.time[:1], force=np.zeros(1), upsampled=1)

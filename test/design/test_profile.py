@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msd_ident.design import Limits, Profile, Segment, read_limits, read_profile, write_profile
-from msd_ident.design.library import Pace, family, why
+from msd_ident.design.library import TimeScale, family, why
 from msd_ident.design.limits import from_tree
 from msd_ident.design.profile_file import from_yaml, to_yaml
 from msd_ident.errors import DataError, UsageError
@@ -152,7 +152,7 @@ def test_limits_in_a_parameter_file_and_beyond_them() -> None:
 
 def test_the_family_keeps_to_the_time_and_to_unit_force() -> None:
     for period in (0.1, 0.5, 3.0):
-        made = family(Pace(period, 20.0))
+        made = family(TimeScale(period, 20.0))
         assert len({one.name for one in made}) == len(made) > 8
         for one in made:
             assert one.duration <= 20.0 + 1e-9

@@ -12,7 +12,7 @@ from msd_ident.data.record import Record
 from msd_ident.design import Limits
 from msd_ident.design.evaluation import Question, family_of, options
 from msd_ident.design.prediction import sensing
-from msd_ident.design.safety import caution
+from msd_ident.design.safety import worst_case_actuator
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.workflow import pipeline
 
@@ -42,8 +42,8 @@ def test_smaller_forces_that_were_measured_need_no_caution() -> None:
     rig = Rig()
     found = pipeline.diagnose([rig.play(STEP, LIMITS).record])
     lead = found.contenders[0]
-    one = caution(lead, found.records)
+    one = worst_case_actuator(lead, found.records)
     assert one is not None and one.model["force_limit"] == pytest.approx(0.5 * LARGEST)
     assert one.model.stiffness == pytest.approx(0.5 * lead.model.stiffness)
     smaller = rig.play(STEP.scaled(0.3), LIMITS).record
-    assert caution(lead, (*found.records, smaller)) is None
+    assert worst_case_actuator(lead, (*found.records, smaller)) is None

@@ -34,7 +34,7 @@ def test_records_of_two_rigs_are_said_and_refused() -> None:
 def test_a_rig_that_swings_faster_where_its_spring_is_stiffer_is_one_rig() -> None:
     stiffens = {"effects": ["cubic_spring"], "cubic_spring.cubic_stiffness": 5e6}
     records = [step("large", 10.0, **stiffens), step("small", 0.3, **stiffens)]
-    assert same_plant.doubt(records)
+    assert same_plant.warning(records)
     found = pipeline.diagnose(records)
     assert [cause.name for cause in found.causes] == ["cubic_spring"]
     same_plant.check(found)

@@ -15,7 +15,7 @@ from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection import evidence, naming
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Fitted
+from msd_ident.selection.hypothesis import Hypothesis
 
 NAMES = ("backlash", "cogging", "coulomb_friction", "hysteresis", "quadratic_drag")
 GAIN = HeldOut(1.0, 0.1, 90.0, (80.0, 95.0))
@@ -33,7 +33,7 @@ def ranking(probabilities: Mapping[tuple[str, ...], float], first: tuple[str, ..
     order = sorted(probabilities, key=lambda causes: (causes != first, -probabilities[causes]))
     total = sum(probabilities.values())
     chances = tuple(probabilities[causes] / total for causes in order)
-    sets = tuple(cast(Fitted, Set(frozenset(causes))) for causes in order)
+    sets = tuple(cast(Hypothesis, Set(frozenset(causes))) for causes in order)
     return Ranking(sets, tuple(np.log(chances).tolist()), chances)
 
 

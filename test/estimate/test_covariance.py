@@ -10,7 +10,7 @@ import scipy.signal
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.covariance import (
-    Sensed,
+    Linearisation,
     autoregression,
     evidence,
     inverse_beside,
@@ -29,7 +29,7 @@ def _deviation(errors: FloatArray) -> FloatArray:
     gram = COLUMNS @ COLUMNS.T
     solution = np.linalg.solve(gram, COLUMNS @ errors)
     residual = solution @ COLUMNS - errors
-    found = evidence(Sensed(residual, COLUMNS.copy(), np.cumsum(np.ones(SAMPLES)), 0.0))
+    found = evidence(Linearisation(residual, COLUMNS.copy(), np.cumsum(np.ones(SAMPLES)), 0.0))
     inverse = inverse_beside(gram, np.zeros((3, 0)))
     covariance = inverse @ found.meat @ inverse
     return np.asarray(solution / np.sqrt(np.diag(covariance)))
@@ -84,8 +84,8 @@ def test_correlated_residuals_are_fewer_pieces_of_evidence() -> None:
     white = rng.normal(size=SAMPLES)
     ringing = np.asarray(scipy.signal.lfilter([1.0], [1.0, -1.9, 0.95], white))
     position = np.cumsum(np.ones(SAMPLES))
-    assert evidence(Sensed(white, COLUMNS.copy(), position, 0.0)).effective_samples == SAMPLES
-    assert evidence(Sensed(ringing, COLUMNS.copy(), position, 0.0)).effective_samples < 0.1 * SAMPLES
+    assert evidence(Linearisation(white, COLUMNS.copy(), position, 0.0)).effective_samples == SAMPLES
+    assert evidence(Linearisation(ringing, COLUMNS.copy(), position, 0.0)).effective_samples < 0.1 * SAMPLES
 
 
 def test_rounding_of_a_quiet_encoder_does_not_average_away() -> None:
@@ -114,6 +114,6 @@ def test_a_rest_counts_as_one_reading() -> None:
     residual = np.random.default_rng(0).uniform(-0.5, 0.5, whole.size)
     residual[SAMPLES:] = 0.2
     only_rest = np.concatenate([np.zeros(SAMPLES), np.ones(SAMPLES)])[None, :]
-    found = evidence(Sensed(residual, only_rest, whole, 1.0))
+    found = evidence(Linearisation(residual, only_rest, whole, 1.0))
     spread = math.sqrt(found.meat[0, 0]) / SAMPLES
     assert spread == pytest.approx(1.0 / math.sqrt(12.0), rel=0.1)

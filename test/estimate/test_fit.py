@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, Initial, fit
-from msd_ident.estimate.formulation import pose
+from msd_ident.estimate.formulation import formulate
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.actuator_lag import ActuatorLag
@@ -70,7 +70,7 @@ def test_a_stick_position_and_a_zero_spoil_nothing(aside: float) -> None:
 def test_agrees_with_scipy_on_the_same_residuals() -> None:
     record = demo_record(encoder={"noise": 2e-5}, seed=2)
     result = fit(wrong(DEMO), record)
-    problem = pose(DEMO, (record,))
+    problem = formulate(DEMO, (record,))
 
     def residual(vector: np.ndarray) -> np.ndarray:
         return problem.residual(vector, 0)

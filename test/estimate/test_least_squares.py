@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.least_squares import Limits, Normal, minimise
+from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
 
 Function = Callable[[FloatArray], FloatArray]
 
@@ -34,8 +34,8 @@ class Squares:
         return Normal(0.5 * float(residual @ residual), jacobian @ residual, jacobian @ jacobian.T)
 
 
-def _limits(size: int, lower: float = -np.inf, upper: float = np.inf, iterations: int = 200) -> Limits:
-    return Limits(np.full(size, lower), np.full(size, upper), np.ones(size), iterations)
+def _limits(size: int, lower: float = -np.inf, upper: float = np.inf, iterations: int = 200) -> SolverOptions:
+    return SolverOptions(np.full(size, lower), np.full(size, upper), np.ones(size), iterations)
 
 
 def _rosenbrock(point: FloatArray) -> FloatArray:
@@ -57,7 +57,9 @@ def test_rosenbrock() -> None:
 @given(st.tuples(st.floats(0.5, 5.0), st.floats(0.2, 4.0), st.floats(-1.0, 1.0)))
 def test_agrees_with_scipy_inside_bounds(start: tuple[float, float, float]) -> None:
     bounds = ([0.0, 0.0, -0.3], [10.0, 10.0, 10.0])
-    ours = minimise(Squares(_decay), np.array(start), Limits(np.array(bounds[0]), np.array(bounds[1]), np.ones(3), 200))
+    ours = minimise(
+        Squares(_decay), np.array(start), SolverOptions(np.array(bounds[0]), np.array(bounds[1]), np.ones(3), 200)
+    )
     begin = np.clip(start, np.array(bounds[0]) + 1e-3, bounds[1])
     theirs = scipy.optimize.least_squares(_decay, begin, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12)
     assert ours.cost == pytest.approx(theirs.cost, rel=1e-5, abs=1e-12)

@@ -15,7 +15,7 @@ from msd_ident.estimate import Initial
 from msd_ident.export import TARGETS, Target
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import WORDS, rows
-from msd_ident.export.target import Start
+from msd_ident.export.target import InitialState
 from msd_ident.model import Simulator
 from msd_ident.model.effects import LIBRARY, by_name
 
@@ -55,7 +55,7 @@ def _replayed(target: Target, name: str, hold: str, folder: Path) -> tuple[Float
     out = folder / f"rig{target.suffixes[0]}"
     for path, content in target.files(plan, out).items():
         path.write_bytes(content)
-    got = target.replay(out, plan, Start(record, Initial(0.0, 0.0, ZERO)))
+    got = target.replay(out, plan, InitialState(record, Initial(0.0, 0.0, ZERO)))
     ours, without = (Simulator(one, record).positions(one.values) + ZERO for one in (model, bare))
     return got, ours, without
 
@@ -82,7 +82,7 @@ def test_fmu_moves_alike(effects: tuple[str, ...], tmp_path: Path) -> None:
     out = tmp_path / "rig.fmu"
     for path, content in target.files(plan, out).items():
         path.write_bytes(content)
-    got = target.replay(out, plan, Start(record, Initial(0.0, 0.0, ZERO)))
+    got = target.replay(out, plan, InitialState(record, Initial(0.0, 0.0, ZERO)))
     ours = Simulator(model, record).positions(model.values) + ZERO
     assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-3 * np.std(ours)
 
@@ -97,7 +97,7 @@ def test_what_is_remembered_begins_where_the_motion_does(
     out = tmp_path / f"rig{one.suffixes[0]}"
     for path, content in one.files(plan, out).items():
         path.write_bytes(content)
-    got = one.replay(out, plan, Start(record, Initial(*start, 0.0)))
+    got = one.replay(out, plan, InitialState(record, Initial(*start, 0.0)))
     ours = Simulator(model, record).positions(model.values, *start)
     assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-4 * np.std(ours)
 
@@ -116,6 +116,6 @@ def test_all_together(target: str, tmp_path: Path) -> None:
     out = tmp_path / f"rig{one.suffixes[0]}"
     for path, content in one.files(plan, out).items():
         path.write_bytes(content)
-    got = one.replay(out, plan, Start(record, Initial(0.004, 0.1, ZERO)))
+    got = one.replay(out, plan, InitialState(record, Initial(0.004, 0.1, ZERO)))
     ours = Simulator(model, record).positions(model.values, 0.004, 0.1) + ZERO
     assert np.sqrt(np.mean((got - ours) ** 2)) < 5e-3 * np.std(ours)

@@ -9,7 +9,7 @@ import pytest
 from bench.reliability import cuts, fulldisk, kills, mutations
 from bench.reliability.powercut import Disk
 from msd_ident.io import BagWriter, read
-from msd_ident.ros.recorder.recording import Limits
+from msd_ident.ros.recorder.recording import QueueLimits
 from msd_sim import config
 from msd_sim.errors import RigError
 
@@ -17,13 +17,13 @@ SYNC = 0.4
 
 
 def test_a_recorder_may_be_killed_at_any_instant(tmp_path: Path) -> None:
-    found = kills.kill_writers(tmp_path, range(10), 1.5, Limits(sync_seconds=SYNC))
+    found = kills.kill_writers(tmp_path, range(10), 1.5, QueueLimits(sync_seconds=SYNC))
     assert sum(one.messages > 0 for one in found) >= 5
     assert max(one.lost_seconds for one in found) < 1.0
 
 
 def test_files_that_are_split_survive_a_kill_too(tmp_path: Path) -> None:
-    found = kills.kill_writers(tmp_path, range(20, 23), 1.5, Limits(sync_seconds=SYNC, split_seconds=0.3))
+    found = kills.kill_writers(tmp_path, range(20, 23), 1.5, QueueLimits(sync_seconds=SYNC, split_seconds=0.3))
     assert max(one.lost_seconds for one in found) < 1.0
 
 

@@ -13,7 +13,7 @@ from rosbags.rosbag2 import Reader
 
 from msd_ident.errors import UsageError
 from msd_ident.io import BagWriter, open_bag
-from msd_ident.io.crash_safe_file import GrowingFile
+from msd_ident.io.crash_safe_file import CrashSafeFile
 
 
 def record(folder: Path, **options: object) -> list[Path]:
@@ -77,7 +77,7 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     assert (folder / "bag_1.mcap").read_text() == "something of somebody's own"
     assert sum(1 for _ in open_bag(folder).messages()) == 1000
     with pytest.raises(FileExistsError):
-        GrowingFile(folder / "bag_0.mcap")
+        CrashSafeFile(folder / "bag_0.mcap")
     with pytest.raises(UsageError, match="exists; expected a new name"):
         BagWriter(folder)
 

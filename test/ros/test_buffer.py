@@ -13,7 +13,7 @@ from hypothesis import strategies as st  # noqa: E402
 
 from msd_ident.data.streams import from_stamps  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
-from msd_ident.ros.common.fault_log import Watch  # noqa: E402
+from msd_ident.ros.common.fault_log import FaultLog  # noqa: E402
 from msd_ident.ros.common.live_buffer import LiveBuffer, Ring  # noqa: E402
 
 chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
@@ -109,8 +109,8 @@ def test_recent_gives_the_last_seconds_by_stamp() -> None:
     assert buffer.recent(1.0)[0].size == 0 and buffer.counts.positions == 1000
 
 
-def filled(count: int = 1000) -> tuple[LiveBuffer, Watch, list[int]]:
-    watch = Watch()
+def filled(count: int = 1000) -> tuple[LiveBuffer, FaultLog, list[int]]:
+    watch = FaultLog()
     buffer = LiveBuffer(10_000, watch=watch)
     ns = stamps(count)
     buffer.add_force(ns[0], 3.0)

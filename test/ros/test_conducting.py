@@ -23,7 +23,7 @@ from msd_ident.io import SourceOptions, read  # noqa: E402
 from msd_ident.ros.common import names  # noqa: E402
 from msd_ident.ros.experimenter import profile_player  # noqa: E402
 from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
-from msd_ident.ros.experimenter.profile_player import Conductor, Played  # noqa: E402
+from msd_ident.ros.experimenter.profile_player import Played, ProfilePlayer  # noqa: E402
 from msd_ident.ros.recorder.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 
@@ -61,7 +61,7 @@ def rig(ros: Graph, **parameters: object) -> object:
 
 
 def play(ros: Graph, profile: Profile, bag: Path, limits: Limits = LIMITS, **more: object) -> Played:
-    made = Conductor(ros.node, silence=float(more.pop("silence", 5.0)))  # type: ignore[arg-type]
+    made = ProfilePlayer(ros.node, silence=float(more.pop("silence", 5.0)))  # type: ignore[arg-type]
     stop = more.pop("stop", threading.Event())
     advance = more.pop("advance", lambda part, force, at: None)
     return made.play(profile, limits, bag, stop, advance)  # type: ignore[arg-type]
@@ -113,13 +113,13 @@ def test_a_bag_that_takes_its_time_to_begin_is_no_silence(
     ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig(ros)
-    begin = Conductor._record
+    begin = ProfilePlayer._record
 
-    def slowly(self: Conductor, bag: Path) -> Recording:
+    def slowly(self: ProfilePlayer, bag: Path) -> Recording:
         time.sleep(1.5)
         return begin(self, bag)
 
-    monkeypatch.setattr(Conductor, "_record", slowly)
+    monkeypatch.setattr(ProfilePlayer, "_record", slowly)
     assert play(ros, STEP, tmp_path / "bag", silence=1.2).stopped == ""
 
 

@@ -8,13 +8,13 @@ import time
 import pytest
 
 from msd_ident.design import Limits
-from msd_ident.ros.experimenter.safety_monitor import Guard
+from msd_ident.ros.experimenter.safety_monitor import SafetyMonitor
 
 LIMITS = Limits((-10.0, 10.0), (-0.02, 0.03), 20.0, speed=0.5)
 
 
-def guard(silence: float = 60.0) -> Guard:
-    made = Guard(LIMITS, silence)
+def guard(silence: float = 60.0) -> SafetyMonitor:
+    made = SafetyMonitor(LIMITS, silence)
     assert made.reading(0, 0.1)  # wherever it starts, that is its zero
     return made
 

@@ -22,7 +22,7 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from msd_ident.errors import DataError, MsdError, SetupError, UsageError  # noqa: E402
 from msd_ident.io import BagWriter, OfferedQos, RawMessage, qos_to_yaml  # noqa: E402
 from msd_ident.ros.replayer.node import Replayer  # noqa: E402
-from msd_ident.ros.replayer.schedule import Pace, Tick, with_ticks  # noqa: E402
+from msd_ident.ros.replayer.schedule import ReplayRate, Tick, with_ticks  # noqa: E402
 
 
 @pytest.fixture
@@ -127,7 +127,7 @@ def test_ticks_lie_between_the_messages() -> None:
 
 def test_the_pace_never_runs_ahead_and_stops_at_once() -> None:
     stop = threading.Event()
-    pace = Pace(10.0, stop)
+    pace = ReplayRate(10.0, stop)
     start = time.monotonic()
     for index in range(40):
         assert pace.wait(START_NS + index * 10_000_000)

@@ -16,7 +16,7 @@ from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.calibration import Calibration, Row, corrected, odds
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Experiment, Fitted, posed
+from msd_ident.selection.hypothesis import Experiment, Hypothesis, formulated
 from msd_ident.selection.naming import leading, tied
 
 RUB, PEAK, DRAG, NOTHING = (
@@ -31,7 +31,7 @@ def row(causes: frozenset[str], any_strength: bool = True, **said: int) -> Row:
 
 
 @pytest.fixture(scope="module")
-def fitted() -> dict[frozenset[str], Fitted]:
+def fitted() -> dict[frozenset[str], Hypothesis]:
     """Sets at some values; nothing here looks at how well they fit."""
     time = np.linspace(0.0, 1.0, 200)
     experiment = Experiment(prepare([from_samples(time, np.ones(200), 0.002 * time)]), BASE, frozenset())
@@ -41,13 +41,13 @@ def fitted() -> dict[frozenset[str], Fitted]:
     ]  # fmt: skip
     found = {}
     for model in models:
-        problem, weighting, point = posed(experiment, model, experiment.problem(model).initial)
+        problem, weighting, point = formulated(experiment, model, experiment.problem(model).initial)
         causes = frozenset(model.effect_names)
-        found[causes] = Fitted(causes, model, problem, weighting.exact(point, weighting.steps(None)))
+        found[causes] = Hypothesis(causes, model, problem, weighting.exact(point, weighting.steps(None)))
     return found
 
 
-def ranking(fitted: dict[frozenset[str], Fitted], **probability: float) -> Ranking:
+def ranking(fitted: dict[frozenset[str], Hypothesis], **probability: float) -> Ranking:
     names = {"rub": RUB, "peak": PEAK, "nothing": NOTHING, "both": RUB | DRAG}
     sets = [fitted[names[name]] for name in probability]
     return Ranking(tuple(sets), tuple(map(math.log, probability.values())), tuple(probability.values()))
@@ -65,7 +65,7 @@ def test_a_rival_is_likelier_than_what_leads_only_beyond_chance() -> None:
     assert odds(row(RUB, rub=2, nothing=6), row(PEAK, rub=16), "coulomb_friction") > 3.0
 
 
-def test_what_copies_of_a_rival_are_called_too_is_no_certainty(fitted: dict[frozenset[str], Fitted]) -> None:
+def test_what_copies_of_a_rival_are_called_too_is_no_certainty(fitted: dict[frozenset[str], Hypothesis]) -> None:
     stated = ranking(fitted, rub=0.999, nothing=0.001)
     rows = [row(RUB, rub=8), row(PEAK, rub=16), row(NOTHING, nothing=20)]
     after = leading(corrected(stated, rows, fitted))
@@ -78,7 +78,7 @@ def test_what_copies_of_a_rival_are_called_too_is_no_certainty(fitted: dict[froz
     assert all(math.isfinite(value) for value in after.evidence)
 
 
-def test_a_cause_that_falls_below_a_rival_loses_the_headline(fitted: dict[frozenset[str], Fitted]) -> None:
+def test_a_cause_that_falls_below_a_rival_loses_the_headline(fitted: dict[frozenset[str], Hypothesis]) -> None:
     stated = ranking(fitted, rub=0.999, nothing=0.001)
     rows = [row(RUB, rub=2, nothing=6), row(PEAK, rub=16)]
     after = leading(corrected(stated, rows, fitted))
@@ -86,7 +86,7 @@ def test_a_cause_that_falls_below_a_rival_loses_the_headline(fitted: dict[frozen
     assert after.of_cause("stribeck_friction") > after.of_cause("coulomb_friction")
 
 
-def test_without_confusion_a_name_stays_as_sure_as_the_copies_allow(fitted: dict[frozenset[str], Fitted]) -> None:
+def test_without_confusion_a_name_stays_as_sure_as_the_copies_allow(fitted: dict[frozenset[str], Hypothesis]) -> None:
     rows = [row(RUB, rub=8), row(PEAK, peak=16), row(NOTHING, nothing=8)]
     for stated in (ranking(fitted, rub=0.9999, nothing=0.0001), ranking(fitted, rub=1.0, nothing=1e-300)):
         after = corrected(stated, rows, fitted)
@@ -96,12 +96,14 @@ def test_without_confusion_a_name_stays_as_sure_as_the_copies_allow(fitted: dict
     assert corrected(unsure, rows, fitted).of_cause("coulomb_friction") == pytest.approx(0.8), "never surer than before"
 
 
-def test_a_rival_that_was_not_fitted_and_has_no_stand_in_changes_nothing(fitted: dict[frozenset[str], Fitted]) -> None:
+def test_a_rival_that_was_not_fitted_and_has_no_stand_in_changes_nothing(
+    fitted: dict[frozenset[str], Hypothesis],
+) -> None:
     stated = ranking(fitted, rub=0.9, nothing=0.1)
     assert corrected(stated, [row(RUB, rub=8), row(PEAK, rub=16)], {}).probability == stated.probability
 
 
-def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], Fitted]) -> None:
+def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], Hypothesis]) -> None:
     stated = ranking(fitted, both=0.98, rub=0.01, nothing=0.01)
     rows = [row(RUB | DRAG, both=8), row(RUB, False, rub=14, both=6), row(NOTHING, False, nothing=20)]
     after = corrected(stated, rows, fitted)

@@ -17,7 +17,7 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.cross_validation import FOLDS, predict, refitted, segments, training
-from msd_ident.selection.hypothesis import Experiment, Fitted, refine, weigh
+from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine, weigh
 from msd_sim.api import simulate
 
 RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
@@ -30,7 +30,7 @@ def experiment(**more: object) -> Experiment:
     return Experiment(prepare([record]), Plant(1.0, 2.0, 600.0), frozenset())
 
 
-def base_of(data: Experiment) -> Fitted:
+def base_of(data: Experiment) -> Hypothesis:
     return refine(data, frozenset(), Plant(1.0, 2.0, 600.0), (Initial(),))
 
 
@@ -74,7 +74,7 @@ def test_every_fold_moves_every_parameter_of_both_models() -> None:
             assert _promised(data, fitted, point, masks) < 0.05 * max(fitted.chi / data.evidence, 1.0)
 
 
-def _promised(data: Experiment, fitted: Fitted, point: FloatArray, masks: list[FloatArray]) -> float:
+def _promised(data: Experiment, fitted: Hypothesis, point: FloatArray, masks: list[FloatArray]) -> float:
     """Fall of the training data's chi² that a last full step still promises."""
     weighting = weigh(fitted.problem, data.readings, masks)
     return step(fitted.problem, weighting.exact(point, weighting.steps(None)), 1e-9)[1]

@@ -21,7 +21,7 @@ from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection import evidence
-from msd_ident.selection.hypothesis import Experiment, Fitted
+from msd_ident.selection.hypothesis import Experiment, Hypothesis
 from msd_sim.api import simulate
 
 BASE = Plant(1.0, 2.0, 400.0)
@@ -35,13 +35,13 @@ def experiment() -> Experiment:
     return Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
 
 
-def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3) -> Fitted:
+def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3) -> Hypothesis:
     """A set with a given chi², every parameter known to its natural size over ``known``."""
     problem = experiment.problem(model)
     rows = known * np.diag(1.0 / problem.scale)
     residual = np.zeros(problem.size)
     residual[0] = math.sqrt(chi)
-    return Fitted(
+    return Hypothesis(
         frozenset(model.effect_names),
         model,
         problem,
@@ -54,9 +54,9 @@ def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3)
     )
 
 
-def ranked(sets: Mapping[str, Fitted], noise: float = 840.0) -> evidence.Ranking:
+def ranked(sets: Mapping[str, Hypothesis], noise: float = 840.0) -> evidence.Ranking:
     """All sets, where noise alone leaves so much chi²."""
-    return evidence.rank({one.causes: one for one in sets.values()}, evidence.Scale(noise))
+    return evidence.rank({one.causes: one for one in sets.values()}, evidence.NoiseScale(noise))
 
 
 def odds(ranking: evidence.Ranking) -> dict[frozenset[str], tuple[float, float]]:
@@ -88,7 +88,7 @@ def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Exper
         }
     )
     assert found.best.causes == {"coulomb_friction"}
-    scale = evidence.Scale(840.0)
+    scale = evidence.NoiseScale(840.0)
     gain = scale.log_likelihood(998.0) - scale.log_likelihood(1000.0)
     assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
 
@@ -141,7 +141,7 @@ def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> N
 @pytest.mark.parametrize("samples", [1e3, 1e5, 1e7])
 def test_far_from_the_noise_only_the_ratio_of_what_is_left_counts(samples: float) -> None:
     """A record of a hundred swings shows the same wrong law a hundred times: its length is no evidence."""
-    scale = evidence.Scale(samples)
+    scale = evidence.NoiseScale(samples)
     gain = scale.log_likelihood(100.0 * samples) - scale.log_likelihood(110.0 * samples)
     assert gain == pytest.approx(0.5 * evidence.SHAPES * math.log(109.0 / 99.0), rel=0.01)
 
@@ -149,7 +149,7 @@ def test_far_from_the_noise_only_the_ratio_of_what_is_left_counts(samples: float
 def test_a_law_that_leaves_nothing_but_noise_gains_with_every_sample() -> None:
     gains = []
     for samples in (1e3, 1e5):
-        scale = evidence.Scale(samples)
+        scale = evidence.NoiseScale(samples)
         gains.append(scale.log_likelihood(samples) - scale.log_likelihood(1.1 * samples))
     assert 10.0 < gains[0] < gains[1]
 
@@ -170,7 +170,7 @@ def test_a_strength_may_be_of_any_order_of_magnitude(experiment: Experiment) -> 
         place = one.problem.names.index("coulomb_force")
         rows[place] *= 1e3 / (rows[place, place] * force) * 1e-1
         known = replace(one, state=replace(one.state, jacobian=rows))
-        costs.append(evidence.log_evidence(known, evidence.Scale(840.0)))
+        costs.append(evidence.log_evidence(known, evidence.NoiseScale(840.0)))
     assert costs[0] == pytest.approx(costs[1], abs=0.1)
 
 
@@ -192,7 +192,7 @@ def test_a_strength_wanders_and_a_frequency_does_not(experiment: Experiment) -> 
 
 
 def test_what_moves_a_cart_at_rest_is_not_there(experiment: Experiment) -> None:
-    scale = evidence.Scale(840.0)
+    scale = evidence.NoiseScale(840.0)
     assert scale.log_likelihood(900.0, 1e4) < scale.log_likelihood(2000.0)
 
 

@@ -9,7 +9,15 @@ from msd_ident.model import Model, Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection.hypothesis import NOISE_ERROR, SOUGHT, Experiment, Fitted, Start, posed, refine
+from msd_ident.selection.hypothesis import (
+    NOISE_ERROR,
+    SOUGHT,
+    Experiment,
+    Hypothesis,
+    StartingPoint,
+    formulated,
+    refine,
+)
 from msd_ident.selection.structure_search import Search
 from msd_sim.api import simulate
 
@@ -27,10 +35,10 @@ def rubbing() -> Experiment:
     return Experiment(prepare([record]), TRUTH, frozenset())
 
 
-def stood(experiment: Experiment, model: Model) -> Fitted:
+def stood(experiment: Experiment, model: Model) -> Hypothesis:
     """A set that was left where it stands."""
-    problem, weighting, point = posed(experiment, model, experiment.problem(model).initial)
-    return Fitted(frozenset(model.effect_names), model, problem, weighting.exact(point, weighting.steps(None)))
+    problem, weighting, point = formulated(experiment, model, experiment.problem(model).initial)
+    return Hypothesis(frozenset(model.effect_names), model, problem, weighting.exact(point, weighting.steps(None)))
 
 
 def test_what_is_simpler_is_begun_where_the_leader_stands() -> None:
@@ -58,8 +66,8 @@ def test_what_is_hopeless_is_counted_from_the_noise() -> None:
 def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
     """A first step that takes most of a large error away tells little of where the descent ends."""
     fitted = stood(rubbing(), TRUTH)
-    small, large = Start(9.0, fitted, beside=10.0), Start(40.0, fitted, beside=1000.0)
+    small, large = StartingPoint(9.0, fitted, beside=10.0), StartingPoint(40.0, fitted, beside=1000.0)
     assert not small.worth(5.0) and small.worth(9.5)
     assert large.worth(5.0)
-    assert large.turn < Start(30.0, fitted, beside=31.0).turn
-    assert Start(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"
+    assert large.turn < StartingPoint(30.0, fitted, beside=31.0).turn
+    assert StartingPoint(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"

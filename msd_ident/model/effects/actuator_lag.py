@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -29,7 +29,7 @@ class ActuatorLag(Effect):
     piecewise_linear = True
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"lag_time": (0.0, 0.25 * seen.duration)}
 

@@ -33,7 +33,7 @@ KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map
 
 
 @dataclass(frozen=True)
-class Seen:
+class RecordScales:
     """What records show, in their units: what the ranges of inner parameters are made of.
 
     Attributes:
@@ -197,7 +197,7 @@ class Effect:
         return not cls.angular or record.position_unit == "rad"
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Ranges of inner parameters, by name, within which the samples of these records can tell them."""
         del seen
         return {}

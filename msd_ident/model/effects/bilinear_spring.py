@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import HALVES, Effect, Parameter, Seen
+from msd_ident.model.effects.base import HALVES, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -46,7 +46,7 @@ class BilinearSpring(Effect):
         return -0.5 * bend_stiffness * abs(bend_position)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {
             "bend_position": (-seen.reach, seen.reach),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -82,7 +82,7 @@ class BoucWen(Effect):
     reversal_wen_z = force
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         stiffness = max(seen.stiffness, seen.force / seen.span)
         return {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -44,7 +44,7 @@ class Cogging(Effect):
         return cogging_amplitude * math.sin((2.0 * math.pi / cogging_pitch) * x + cogging_phase)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Of a pitch that is hardly seen once the cart sees a bent spring."""
         return {"cogging_pitch": (PITCHES[0] * seen.span, PITCHES[1] * seen.span)}
 

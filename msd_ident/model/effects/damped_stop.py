@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 from msd_ident.model.effects.end_stop import EndStop
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class DampedStop(Effect):
         return stop_stiffness * depth * stop_damping * v
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {**EndStop.resolvable(seen), "stop_damping": (0.0, 30.0 / seen.speed)}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import BOTH, Effect, Parameter, Seen
+from msd_ident.model.effects.base import BOTH, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -36,7 +36,7 @@ class EndStop(Effect):
     knee = ("stop_position", "stop_stiffness", BOTH)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {
             "stop_position": (0.02 * seen.span, seen.reach + 0.2 * seen.span),

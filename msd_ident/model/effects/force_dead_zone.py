@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -47,7 +47,7 @@ class ForceDeadZone(Effect):
         return np.unique(np.abs(np.round(record.force, 12))).size > 2
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"dead_zone": (0.0, 0.9 * seen.force)}
 

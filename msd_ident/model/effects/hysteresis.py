@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -58,7 +58,7 @@ class Hysteresis(Effect):
         return direction + (anchor_z - direction) * math.exp(-way / hysteresis_length)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """In a decay's one frequency a loop that turns over much of the motion is a drag and a spring that softens.
 
         What is more than those is left to ``bouc_wen``.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import OUTSIDE, Effect, Parameter, Seen
+from msd_ident.model.effects.base import OUTSIDE, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -43,7 +43,7 @@ class OneSidedStop(Effect):
     knee = ("one_stop_position", "one_stop_stiffness", OUTSIDE)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         stiffness = max(seen.stiffness, seen.force / seen.span)
         return {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class PositionDependentFriction(Effect):
         return coulomb_force * max(1.0 + position_friction_slope * x, 0.0)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"position_friction_slope": (-10.0 / seen.span, 10.0 / seen.span)}
 

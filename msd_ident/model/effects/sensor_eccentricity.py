@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -43,7 +43,7 @@ class SensorEccentricity(Effect):
         return x + eccentricity * math.sin(2.0 * math.pi * x / eccentricity_pitch + eccentricity_phase)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Over less than a turn the error is a bent scale, which is not told from a bent spring."""
         return {"eccentricity_pitch": (0.03 * seen.span, 1.0 * seen.span), "eccentricity": (0.0, 0.1 * seen.span)}
 

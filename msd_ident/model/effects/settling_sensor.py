@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -42,7 +42,7 @@ class SettlingSensor(Effect):
         return x + sensor_settling * (1.0 - math.exp(-t / sensor_settling_time))
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"sensor_settling_time": (0.02 * seen.duration, 2.0 * seen.duration)}
 

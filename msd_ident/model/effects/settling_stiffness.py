@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -40,7 +40,7 @@ class SettlingStiffness(Effect):
         return spring_force * settling_ratio * (1.0 - math.exp(-t / settling_time))
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"settling_ratio": (-0.9, 5.0), "settling_time": (0.02 * seen.duration, 2.0 * seen.duration)}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, Seen
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class TwoToneDisturbance(Effect):
         return first + second_tone_amplitude * math.sin(second_tone_frequency * t + second_tone_phase)
 
     @classmethod
-    def resolvable(cls, seen: Seen) -> dict[str, tuple[float, float]]:
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"second_tone_frequency": PeriodicDisturbance.resolvable(seen)["disturbance_frequency"]}
 

@@ -15,7 +15,7 @@ from msd_ident.report.sections.section import Section
 
 if TYPE_CHECKING:
     from msd_ident.diagnosis import Cause, Diagnosis
-    from msd_ident.selection.candidate_models import Contender
+    from msd_ident.selection.candidate_models import CandidateModel
 
 #: Causes in a picture: the likeliest, so many at most.
 _LIKELY, _MOST = 1e-3, 8
@@ -98,7 +98,7 @@ class Causes(Section):
             if contender.causes:
                 yield self._change(contender)
 
-    def _change(self, contender: Contender) -> Change:
+    def _change(self, contender: CandidateModel) -> Change:
         base, model = self._found.base.quantities, contender.model
         cells = []
         for name in _SHOWN:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from msd_ident.cancellation import Stopped
+from msd_ident.cancellation import Cancelled
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_interfaces.msg import ResultCode
 
 DONE, CANCELLED, BUSY = ResultCode.DONE, ResultCode.CANCELLED, ResultCode.BUSY
 
 _CODES = (
-    (Stopped, ResultCode.CANCELLED),
+    (Cancelled, ResultCode.CANCELLED),
     (UsageError, ResultCode.BAD_REQUEST),
     (DataError, ResultCode.BAD_DATA),
     (SetupError, ResultCode.UNAVAILABLE),

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, crowds, listed
 from msd_ident.ros.common.live_buffer import LiveBuffer
 from msd_ident.ros.common.missing_samples import SILENCE, TopicCount
@@ -45,7 +45,7 @@ def log(logger: RcutilsLogger, good: bool, sentence: str) -> None:
 
 
 def data_status(
-    name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+    name: str, buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: FaultLog
 ) -> DiagnosticStatus:
     """How the measurements are doing."""
     level, sentence = _judge_data(buffer, force, position, watch)
@@ -70,7 +70,7 @@ def data_status(
 
 
 def _judge_data(
-    buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: Watch
+    buffer: LiveBuffer, force: Sequence[Input], position: Sequence[Input], watch: FaultLog
 ) -> tuple[bytes, str]:
     counts = buffer.counts
     for entry in (*position, *force):

@@ -7,7 +7,7 @@ import time
 from collections import Counter
 
 
-class Watch:
+class FaultLog:
     """Faults by kind, from any thread.
 
     Args:

@@ -18,7 +18,7 @@ from msd_ident.io.message_fields import parse_field
 from msd_ident.io.source_options import NO_FORCE
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import Signal, is_stamped, message_class
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.live_buffer import LiveBuffer, StampArray
 from msd_ident.ros.common.message_batching import Poller, subscribe
 from msd_ident.ros.common.missing_samples import Holes, TopicCount
@@ -217,7 +217,7 @@ class Sink:
     Where the position comes single and in batches, the batches count, as in a bag.
     """
 
-    def __init__(self, buffer: LiveBuffer, watcher: StepWatcher, watch: Watch) -> None:
+    def __init__(self, buffer: LiveBuffer, watcher: StepWatcher, watch: FaultLog) -> None:
         self.buffer = buffer
         self.watcher = watcher
         self.watch = watch

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray, Hold, Record
 from msd_ident.data.streams import LATEST_SECONDS, from_stamps
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.ring_buffer import Ring, StampArray
 
 __all__ = ["Counts", "LiveBuffer", "Ring", "StampArray"]
@@ -76,14 +76,14 @@ class LiveBuffer:
         force_unit: str = "N",
         position_unit: str = "m",
         free: bool = False,
-        watch: Watch | None = None,
+        watch: FaultLog | None = None,
     ) -> None:
         self.position = Ring(capacity)
         self.force = Ring(capacity)
         self._hold: Hold = hold
         self._units = (force_unit, position_unit)
         self._free = free
-        self._watch = watch or Watch()
+        self._watch = watch or FaultLog()
         self._lock = threading.RLock()
         self._positions = self._forces = self._late = self._duplicates = self._restarts = self._wild = 0
         self._suspect: tuple[StampArray, FloatArray] | None = None

@@ -113,7 +113,7 @@ class Worker:
         if self._patient and sys.platform == "linux":
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _YIELDING)
         while (job := self._next()) is not None:
-            with cancellation.when(lambda stop=job.stop: self._closed or stop.is_set()):  # type: ignore[misc]
+            with cancellation.cancel_when(lambda stop=job.stop: self._closed or stop.is_set()):  # type: ignore[misc]
                 job.work()
             if job.executor is not None:
                 job.executor.wake()

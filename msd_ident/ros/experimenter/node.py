@@ -25,7 +25,7 @@ from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
 from msd_ident.ros.common.worker import Worker
-from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Conductor, Played
+from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Played, ProfilePlayer
 from msd_interfaces.action import RunExperiment
 from msd_interfaces.msg import ResultCode
 
@@ -49,7 +49,7 @@ class Experimenter:
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("experimenter", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
-        self.conductor = Conductor(self.node, self.settings["silence"], self.settings["lead"])
+        self.conductor = ProfilePlayer(self.node, self.settings["silence"], self.settings["lead"])
         self._worker = Worker("experimenter")
         self._busy = threading.Event()
         self._stop = threading.Event()

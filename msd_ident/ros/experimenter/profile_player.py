@@ -22,7 +22,7 @@ from msd_ident.errors import SetupError
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import nanoseconds, time_message
 from msd_ident.ros.common.message_batching import subscribe
-from msd_ident.ros.experimenter.safety_monitor import Guard
+from msd_ident.ros.experimenter.safety_monitor import SafetyMonitor
 from msd_ident.ros.recorder.recording import Recording
 from msd_interfaces.msg import EncoderBatch
 
@@ -73,7 +73,7 @@ class Played:
         return f"{what}; {delays}; {self.bag}"
 
 
-class Conductor:
+class ProfilePlayer:
     """Plays profiles with a node that somebody else spins.
 
     Args:
@@ -88,7 +88,7 @@ class Conductor:
         self._ahead: deque[int] = deque(maxlen=10_000)
         self._force = node.create_publisher(WrenchStamped, names.FORCE, names.command_qos())
         self._lock = threading.Lock()
-        self._guard: Guard | None = None
+        self._guard: SafetyMonitor | None = None
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
         self._halted = False
@@ -116,7 +116,7 @@ class Conductor:
 
     def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
         recording = self._record(bag)
-        guard = Guard(limits, self._silence)  # hears from now on: a bag may take its time to begin
+        guard = SafetyMonitor(limits, self._silence)  # hears from now on: a bag may take its time to begin
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
         delays: list[float] = []
@@ -140,7 +140,7 @@ class Conductor:
         self._halt()
 
     def _send(
-        self, profile: Profile, guard: Guard, stop: threading.Event, advance: Advance, delays: list[float]
+        self, profile: Profile, guard: SafetyMonitor, stop: threading.Event, advance: Advance, delays: list[float]
     ) -> None:
         clock = self._node.get_clock()
         lead = round(self._lead * 1e9)

@@ -11,7 +11,7 @@ from msd_ident.design import Limits
 _SPEED_NS = 20_000_000
 
 
-class Guard:
+class SafetyMonitor:
     """Watches travel, speed and silence; what goes wrong first is kept.
 
     Args:

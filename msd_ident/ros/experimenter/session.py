@@ -16,18 +16,18 @@ from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import SourceOptions, read
 from msd_ident.ros.common.node_runner import Spinner
-from msd_ident.ros.experimenter.profile_player import LEAD, Advance, Conductor
+from msd_ident.ros.experimenter.profile_player import LEAD, Advance, ProfilePlayer
 from msd_ident.workflow.investigation import Ran
 
 
 @contextmanager
-def conductor(namespace: str, silence: float, lead: float = LEAD) -> Iterator[Conductor]:
+def conductor(namespace: str, silence: float, lead: float = LEAD) -> Iterator[ProfilePlayer]:
     """A node in this process that plays profiles; the rig is left without force, whatever happens."""
     context = rclpy.Context()
     rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node("conductor", namespace=namespace, context=context)
-        made = Conductor(node, silence, lead)
+        made = ProfilePlayer(node, silence, lead)
         spinner = Spinner(node)
         try:
             yield made
@@ -51,7 +51,7 @@ class GraphRig:
         runs: experiments so far.
     """
 
-    conductor: Conductor
+    conductor: ProfilePlayer
     folder: Path
     stop: threading.Event
     advance: Advance

@@ -17,7 +17,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
-from msd_ident.cancellation import Stopped, check
+from msd_ident.cancellation import Cancelled, raise_if_cancelled
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros.common import codes, diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
@@ -61,9 +61,9 @@ class _Goal:
         """Feedback to the client, not too often.
 
         Raises:
-            Stopped: the goal was cancelled.
+            Cancelled: the goal was cancelled.
         """
-        check()
+        raise_if_cancelled()
         last, *words = self._told
         now = time.monotonic()
         if words == [stage, cause] or (words[0] == stage and now - last < FEEDBACK_PERIOD):
@@ -175,7 +175,7 @@ class Diagnosing:
         log = self._node.get_logger()
         try:
             result = self._diagnosed(goal)
-        except Stopped:
+        except Cancelled:
             words = _CANCELLED if goal.stop.is_set() else "stopped: the identifier ends"
             result = _refused(words, codes.CANCELLED)
         except MsdError as error:

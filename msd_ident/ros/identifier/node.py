@@ -14,11 +14,11 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from msd_ident.cancellation import Stopped
+from msd_ident.cancellation import Cancelled
 from msd_ident.errors import MsdError
 from msd_ident.ros.common import codes, diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, Sink, wanted
 from msd_ident.ros.common.live_buffer import LiveBuffer
 from msd_ident.ros.common.message_batching import Poller
@@ -82,7 +82,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Reply:
     """What came of a request, in a sentence; the estimate when it is a success, and what makes it doubtful."""
 
     success: bool
@@ -92,7 +92,7 @@ class Outcome:
     code: int = codes.DONE
 
 
-_ENDS = Outcome(False, "stopped: the identifier ends", code=codes.CANCELLED)
+_ENDS = Reply(False, "stopped: the identifier ends", code=codes.CANCELLED)
 
 
 class Identifier:
@@ -107,7 +107,7 @@ class Identifier:
         self.node = Node("identifier", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
         s = self.settings
-        self.watch = Watch(s["remember"])
+        self.watch = FaultLog(s["remember"])
         self.buffer = LiveBuffer(
             s["buffer_samples"],
             hold=s["hold"],
@@ -119,7 +119,7 @@ class Identifier:
         self.watcher = StepWatcher(s["step_threshold"])
         self.worker, self._diagnoses = Worker("fit"), Worker("diagnose", patient=True)
         self._fitting_step = False
-        self._last = Outcome(True, "no estimate yet")
+        self._last = Reply(True, "no estimate yet")
         self._log = self.node.get_logger()
         self.inputs = self._make_inputs()
         self._sources = Sources(s, self.buffer, self.inputs)
@@ -142,18 +142,18 @@ class Identifier:
     def on_signal(self, number: int) -> None:
         """No signal but the ending ones has a meaning here."""
 
-    def identify(self, request: Request) -> Outcome:
+    def identify(self, request: Request) -> Reply:
         """Fit what is asked for, in the calling thread; nothing that the data does can raise from here."""
         try:
             return self._identify(request)
         except MsdError as error:
-            return Outcome(False, str(error), code=code_of(error))
-        except Stopped:
+            return Reply(False, str(error), code=code_of(error))
+        except Cancelled:
             return _ENDS
         except Exception as error:
             self._log.error(traceback.format_exc())
             words = f"internal error, please report it: {type(error).__name__}: {error}"
-            return Outcome(False, words, code=code_of(error))
+            return Reply(False, words, code=code_of(error))
 
     def _make_inputs(self) -> dict[str, list[Input]]:
         poller = Poller(self.node)
@@ -187,7 +187,7 @@ class Identifier:
             from msd_ident.workflow import pipeline  # noqa: F401
 
             warm_up()
-        except Stopped:
+        except Cancelled:
             pass
         except Exception:
             self._log.error(traceback.format_exc())
@@ -216,12 +216,12 @@ class Identifier:
         response.message = f"{forgotten} position samples forgotten; the live buffer is empty"
         return response
 
-    async def _answer(self, asked: Request) -> Outcome:
-        """Outcome of a request; those that ask for the same while it waits share it."""
+    async def _answer(self, asked: Request) -> Reply:
+        """Reply of a request; those that ask for the same while it waits share it."""
         try:
             work = self.worker.submit(partial(self._fit, asked), self.node.executor, key=asked)
         except MsdError as error:
-            return Outcome(False, str(error), code=codes.BUSY)
+            return Reply(False, str(error), code=codes.BUSY)
         return await work or _ENDS
 
     def _look(self) -> None:
@@ -245,7 +245,7 @@ class Identifier:
         finally:
             self._fitting_step = False
 
-    def _fit(self, request: Request) -> Outcome:
+    def _fit(self, request: Request) -> Reply:
         """Fit and tell everybody, in the worker's thread."""
         outcome = self.identify(request)
         if not request.bag_path:
@@ -255,7 +255,7 @@ class Identifier:
         diagnostics_status.log(self._log, outcome.success, outcome.message)
         return outcome
 
-    def _identify(self, request: Request) -> Outcome:
+    def _identify(self, request: Request) -> Reply:
         from msd_ident.ros.common.result_messages import sentence, to_estimate
         from msd_ident.workflow import pipeline
 
@@ -271,7 +271,7 @@ class Identifier:
         doubt = "; ".join(
             [warning for warning in found.warnings if warning not in notes][: diagnostics_status.MOST_TOLD]
         )
-        return Outcome(True, sentence(estimate), estimate, doubt)
+        return Reply(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
         inputs = self.inputs

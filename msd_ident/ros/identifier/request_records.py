@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from msd_ident.cancellation import check
+from msd_ident.cancellation import raise_if_cancelled
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import Joint, SourceOptions
@@ -71,7 +71,7 @@ class Sources:
             return self._live(part)
 
         def tell(messages: int) -> None:
-            check()
+            raise_if_cancelled()
             told(messages)
 
         chosen = options(self._settings, part)

@@ -19,11 +19,11 @@ from msd_ident.errors import MsdError, UsageError
 from msd_ident.io.writer import SPLIT_BYTES, Compression
 from msd_ident.ros.common import diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
-from msd_ident.ros.recorder.recording import Limits, Recording, Summary
+from msd_ident.ros.recorder.recording import QueueLimits, Recording, Summary
 from msd_ident.ros.recorder.resuming import Interrupted, Notebook
 from msd_ident.ros.recorder.subscriptions import Following
 from msd_interfaces.srv import StartRecording
@@ -66,7 +66,7 @@ class Recorder:
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("recorder", parameter_overrides=overrides, **node_options)
         self.settings = Settings(self.node, SETTINGS)
-        self.watch = Watch(self.settings["remember"])
+        self.watch = FaultLog(self.settings["remember"])
         self._log = self.node.get_logger()
         self._recording: Recording | None = None
         self._last: Summary | None = None
@@ -157,9 +157,9 @@ class Recorder:
         diagnostics_status.log(self._log, not self._last.error, f"stopped: {self._last.sentence}")
         return self._last
 
-    def _limits(self) -> Limits:
+    def _limits(self) -> QueueLimits:
         of = self.settings
-        return Limits(of["sync_period"], of["split_megabytes"] * 2**20, of["split_seconds"])
+        return QueueLimits(of["sync_period"], of["split_megabytes"] * 2**20, of["split_seconds"])
 
     def _resolved(self, topic: str) -> str:
         if not topic:

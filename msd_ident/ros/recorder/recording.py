@@ -44,7 +44,7 @@ class Summary:
 
 
 @dataclass(frozen=True)
-class Limits:
+class QueueLimits:
     """When the bag is seen onto the disk [s], and the size [bytes] and length [s] of its files; 0 s for any length."""
 
     sync_seconds: float = 1.0
@@ -71,7 +71,7 @@ class Recording:
         folder: Path,
         compression: Compression = "zstd",
         most_bytes: int = 512 * 2**20,
-        limits: Limits = Limits(),  # noqa: B008 - frozen
+        limits: QueueLimits = QueueLimits(),  # noqa: B008 - frozen
     ) -> None:
         self.folder = folder
         self._idle = min(IDLE, max(limits.sync_seconds / 2, 0.01))

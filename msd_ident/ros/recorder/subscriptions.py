@@ -14,7 +14,7 @@ from msd_ident.errors import DataError, MsdError
 from msd_ident.io import OfferedQos
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import is_stamped, message_class, raw_stamp
-from msd_ident.ros.common.fault_log import Watch
+from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller, subscribe, waiting
 from msd_ident.ros.recorder.recording import Recording
 
@@ -35,7 +35,13 @@ class Following:
     """
 
     def __init__(
-        self, node: Node, recording: Recording, wanted: frozenset[str] | None, depth: int, watch: Watch, poller: Poller
+        self,
+        node: Node,
+        recording: Recording,
+        wanted: frozenset[str] | None,
+        depth: int,
+        watch: FaultLog,
+        poller: Poller,
     ) -> None:
         self._node, self._recording, self._wanted = node, recording, wanted
         self._depth, self._watch, self._poller = depth, watch, poller

@@ -19,7 +19,7 @@ from msd_ident.io import Bag, RawMessage, open_bag
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import message_class, time_message
 from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.replayer.schedule import CLOCK_PERIOD_NS, Pace, Tick, with_ticks
+from msd_ident.ros.replayer.schedule import CLOCK_PERIOD_NS, ReplayRate, Tick, with_ticks
 
 SETTINGS = (
     Setting("bag", "", "rosbag2 folder, .mcap or .db3 file to play"),
@@ -111,7 +111,7 @@ class Replayer:
         self._on_end()
 
     def _play_once(self) -> None:
-        pace = Pace(self.settings["rate"], self._stop)
+        pace = ReplayRate(self.settings["rate"], self._stop)
         before = self.sent
         for entry in self._entries():
             if not pace.wait(entry.log_time_ns):

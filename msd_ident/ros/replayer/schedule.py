@@ -32,7 +32,7 @@ def with_ticks(messages: Iterable[RawMessage], period_ns: int) -> Iterator[RawMe
         yield message
 
 
-class Pace:
+class ReplayRate:
     """Waits for the instants of a bag at a rate, counted from one start, so that no error adds up.
 
     Args:
