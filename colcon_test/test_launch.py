@@ -44,6 +44,7 @@ def children(mark: str) -> list[int]:
         ("identifier", "params:=/nope.yaml", "params:=/nope.yaml (there is no such file)"),
         ("identifier", "log_level:=loud", "log_level:=loud; expected one of"),
         ("replay", "rate:=abc", "rate:=abc; expected a number from 0.01 to 100"),
+        ("replay", "respawn:=maybe", "respawn:=maybe; expected true or false"),
     ],
 )
 def test_bad_argument_starts_nothing(file: str, argument: str, words: str, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 From a shell:
 
-    ros2 launch msd_ident replay.launch.py bag:=/path/to/bag rate:=2.0
+    ros2 launch msd_ident replay.launch.py bag:=/path/to/bag rate:=2.0 respawn:=true
 
 Every argument is checked before anything starts.
 """
@@ -26,6 +26,7 @@ ARGUMENTS = (
         PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"]),
         "identifier's YAML file",
     ),
+    ("respawn", "false", "true: an identifier that dies comes back; the replayer ends with its bag"),
     ("log_level", "info", f"of both nodes: {', '.join(LOG_LEVELS)}"),
 )
 
@@ -52,6 +53,8 @@ def nodes(context):
             name="identifier",
             namespace=namespace,
             parameters=[params, {"use_sim_time": True}],
+            respawn=given.switch("respawn"),
+            respawn_delay=2.0,
             **common,
         ),
         Node(
