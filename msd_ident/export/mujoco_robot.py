@@ -8,6 +8,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.sax.saxutils import escape
 
+import numpy as np
+
 from msd_ident.errors import UsageError
 from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, mujoco_target, robot
 from msd_ident.export.laws import number
@@ -99,8 +101,11 @@ class RobotTarget(MujocoTarget):
         mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
-        joint = model.joint(plan.joint)
-        return float(1.0 / model.dof_invweight0[joint.dofadr[0]] - model.dof_armature[joint.dofadr[0]])
+        degree = model.joint(plan.joint).dofadr[0]
+        # Not dof_invweight0: whether that holds the armature depends on MuJoCo's version.
+        unit, column = np.eye(model.nv)[[degree]], np.empty((1, model.nv))
+        mujoco.mj_solveM(model, data, column, unit)
+        return float(1.0 / column[0, degree] - model.dof_armature[degree])
 
     @staticmethod
     def _in_its_unit(tree: ElementTree.ElementTree[ElementTree.Element], plan: Plan, name: str, value: str) -> str:

@@ -190,9 +190,11 @@ def test_impulse_of_a_force_is_kept() -> None:
     assert impulse == pytest.approx(2.0 * (0.1277 - 0.003) - (0.49 - 0.1277))
 
 
-def test_into_a_robot(tmp_path: Path) -> None:
+@pytest.mark.parametrize("before", ["", 'armature="0.3"'])
+def test_into_a_robot(before: str, tmp_path: Path) -> None:
+    """The bodies' inertia and the new armature are the identified mass, whatever armature the joint had."""
     robot = tmp_path / "robot.xml"
-    robot.write_text(ROBOT)
+    robot.write_text(ROBOT.replace('name="cart"', f'name="cart" {before}', 1))
     model, record = rig("coulomb_friction", "actuator_lag")
     out = tmp_path / "mine.xml"
     found = export(saved(model), into(robot, "mujoco"), out, Options(joint="cart"), (record,))
