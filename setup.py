@@ -104,11 +104,11 @@ setup(
             "msd = msd_ident.cli.main:main",
             # Nodes, for `ros2 run msd_ident NAME` and the launch files.
             "rig = msd_sim.node:main",
-            "identifier = msd_ident.ros.identifier.main:main",
-            "live = msd_ident.ros.live.main:main",
-            "recorder = msd_ident.ros.recorder.main:main",
-            "experimenter = msd_ident.ros.experimenter.main:main",
-            "replayer = msd_ident.ros.replayer.main:main",
+            "identifier = msd_ident.ros.identifier.__main__:main",
+            "live = msd_ident.ros.live.__main__:main",
+            "recorder = msd_ident.ros.recorder.__main__:main",
+            "experimenter = msd_ident.ros.experimenter.__main__:main",
+            "replayer = msd_ident.ros.replayer.__main__:main",
         ],
         # How `msd simulate` finds a rig without importing one: the first is used by default.
         "msd.rigs": ["default = msd_sim.api:simulate"],

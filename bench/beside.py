@@ -44,7 +44,7 @@ def main() -> None:
         _odd(folder)
         with Processes(folder, private_environment(domain)) as processes:
             given: dict[str, object] = {"bag_folder": str(folder), "auto_fit": False}
-            processes.start("identifier", "msd_ident.ros.identifier.main", arguments(given))
+            processes.start("identifier", "msd_ident.ros.identifier", arguments(given))
             context = rclpy.Context()
             rclpy.init(context=context, domain_id=domain)
             node = Node("bench", namespace=NAMESPACE, context=context)

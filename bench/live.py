@@ -181,7 +181,7 @@ def main() -> int:
     parser.add_argument("--picture", type=Path)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as place, demo_graph(Path(place), given.rate) as processes:
-        processes.start("live", "msd_ident.ros.live.main", arguments({"port": 0}))
+        processes.start("live", "msd_ident.ros.live", arguments({"port": 0}))
         log = Path(place) / "live.log"
         with page(_url(log)) as opened:
             if given.picture:

@@ -197,9 +197,9 @@ def load(rate: float, seconds: float, folder: Path, tell: Callable[[str], None])
     with private_domain() as domain, Processes(folder, private_environment(domain)) as processes, burning():
         processes.start("rig", "msd_sim.node", arguments({**RIG, "rate": rate, **OF_RIG}))
         recorder = {"bag_folder": str(folder), "folder": "bag", "autostart": True}
-        processes.start("recorder", "msd_ident.ros.recorder.main", arguments(recorder))
+        processes.start("recorder", "msd_ident.ros.recorder", arguments(recorder))
         buffer = {"buffer_samples": round(rate * BUFFER), "auto_fit": False}
-        processes.start("identifier", "msd_ident.ros.identifier.main", arguments(buffer))
+        processes.start("identifier", "msd_ident.ros.identifier", arguments(buffer))
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
         node = Node("load", namespace=NAMESPACE, context=context)

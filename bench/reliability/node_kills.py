@@ -58,7 +58,7 @@ def kill_nodes(root: Path, seeds: range, longest: float) -> Iterator[Found]:
 def _recorder(root: Path, name: str, domain: int) -> Iterator[subprocess.Popen[bytes]]:
     parameters = {"autostart": "true", "bag_folder": str(root), "folder": name, "topics": "[/count]"}
     options = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
-    command = [sys.executable, "-m", "msd_ident.ros.recorder.main", "--ros-args", *options]
+    command = [sys.executable, "-m", "msd_ident.ros.recorder", "--ros-args", *options]
     environment = {**os.environ, **PRIVATE, "ROS_DOMAIN_ID": str(domain)}
     quiet = subprocess.DEVNULL
     with subprocess.Popen(command, env=environment, stdout=quiet, stderr=quiet) as process:

@@ -237,7 +237,7 @@ def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | Non
 def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Cause, ...]:
     """The causes of a set, the one first without which most is left."""
     found = []
-    for name in best.causes:
+    for name in sorted(best.causes):
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
         found.append(Cause(name, ranking.of_cause(name), _finite(parameters), naming.tied(ranking, name)))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}

@@ -123,7 +123,7 @@ def occam(fitted: Hypothesis, variance: float) -> float:
 
 def log_prior(causes: Causes) -> float:
     """Log odds [nats] of a set before any data."""
-    return sum(math.log(by_name(name).prior_odds) for name in causes)
+    return math.fsum(math.log(by_name(name).prior_odds) for name in causes)
 
 
 def kinds(causes: Iterable[str]) -> frozenset[str]:

@@ -280,11 +280,11 @@ class Search:
         the base; and those that have Coulomb friction in place of a law that holds it as a limit.
         """
         known = dict(self.sets)
-        smaller = [known[causes - {name}] for name in causes if causes - {name} in known]
+        smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
-        twins = [causes - {name} | {COULOMB} for name in causes & set(HOLDING_COULOMB) if COULOMB not in causes]
-        twins += [causes - {name} | {by_name(name).form_of} for name in causes if by_name(name).form_of]
+        twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
+        twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
 
 

@@ -71,7 +71,7 @@ def demo(out: Path, *options: str) -> Iterator[Demo]:
 
 def all_up(running: Demo) -> bool:
     """Whether rig, recorder and identifier run."""
-    modules = {"msd_sim.node", "msd_ident.ros.recorder.main", "msd_ident.ros.identifier.main"}
+    modules = {"msd_sim.node", "msd_ident.ros.recorder", "msd_ident.ros.identifier"}
     return modules <= set(running.others()) or running.ended
 
 

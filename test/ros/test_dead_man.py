@@ -197,7 +197,7 @@ def test_who_shows_no_life_lets_go_and_who_does_holds(ros_domain: int) -> None:
 
 def test_a_killed_experimenter_leaves_no_force(lab: Lab, tmp_path: Path) -> None:
     arguments = ["--ros-args", "-p", f"bag_folder:={tmp_path}"]
-    process = subprocess.Popen([sys.executable, "-m", "msd_ident.ros.experimenter.main", *arguments])
+    process = subprocess.Popen([sys.executable, "-m", "msd_ident.ros.experimenter", *arguments])
     try:
         profile = to_yaml(Profile((Segment("step", 60.0, force=FORCE),), "long"))
         goal = RunExperiment.Goal(profile=profile, limits="{force: 10, travel: 0.05, duration: 90}")

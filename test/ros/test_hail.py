@@ -15,8 +15,8 @@ from graph import graph, until  # noqa: E402
 
 NODES = {
     "rig": "msd_sim.node",
-    "identifier": "msd_ident.ros.identifier.main",
-    "recorder": "msd_ident.ros.recorder.main",
+    "identifier": "msd_ident.ros.identifier",
+    "recorder": "msd_ident.ros.recorder",
 }
 
 

@@ -58,7 +58,7 @@ def numbers(estimate: Estimate) -> dict[str, object]:
 def replayed(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
     """The bag played by a process of its own, twice as fast as it was recorded."""
     parameters = ["-p", f"bag:={folder}", "-p", "rate:=2.0", "-p", "wait:=60.0"]
-    command = [sys.executable, "-m", "msd_ident.ros.replayer.main", "--ros-args", *parameters]
+    command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *parameters]
     with subprocess.Popen(command) as process:
         try:
             yield process

@@ -239,7 +239,7 @@ def test_no_sample_of_a_rig_is_lost_while_the_recorder_is_held_up(ros: Graph, tm
         except DataError:  # none yet
             return 0
 
-    started = process("msd_ident.ros.recorder.main", autostart="true", bag_folder=tmp_path, folder="rig")
+    started = process("msd_ident.ros.recorder", autostart="true", bag_folder=tmp_path, folder="rig")
     with started as node, process("msd_sim.node", rate=RATE, **NOISE):
         until(lambda: ros.node.count_subscribers("/encoder") == 2, "the recorder's subscription", 60.0)
         heard.clear()

@@ -32,7 +32,7 @@ def ros(ros_domain: int) -> Iterator[Graph]:
 
 @contextmanager
 def recorder(folder: Path, *more: str) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", "msd_ident.ros.recorder.main", "--ros-args", "-p", f"bag_folder:={folder}", *more]
+    command = [sys.executable, "-m", "msd_ident.ros.recorder", "--ros-args", "-p", f"bag_folder:={folder}", *more]
     with subprocess.Popen(command) as process:
         try:
             yield process

@@ -144,7 +144,7 @@ def test_a_node_without_its_keys_does_not_start(
     (tmp_path / "enclaves").mkdir()
     for name, value in (("ENABLE", "true"), ("STRATEGY", "Enforce"), ("KEYSTORE", str(tmp_path))):
         monkeypatch.setenv(f"ROS_SECURITY_{name}", value)
-    command = [sys.executable, "-m", "msd_ident.ros.identifier.main", "--ros-args", "--enclave", "/msd/identifier"]
+    command = [sys.executable, "-m", "msd_ident.ros.identifier", "--ros-args", "--enclave", "/msd/identifier"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
     assert done.returncode == 2 and "Traceback" not in done.stderr
     assert done.stderr.splitlines()[-1].startswith("msd: ROS cannot start: ") and "SECURITY ERROR" in done.stderr
@@ -154,7 +154,7 @@ def test_an_empty_bag_ends_with_one_line_and_code_2(ros_domain: int, tmp_path: P
     with BagWriter(tmp_path / "bag") as writer:
         writer.add_topic("/encoder", JOINTS)
     given = ["-p", f"bag:={tmp_path / 'bag'}", "-p", "wait:=0.0"]
-    command = [sys.executable, "-m", "msd_ident.ros.replayer.main", "--ros-args", *given]
+    command = [sys.executable, "-m", "msd_ident.ros.replayer", "--ros-args", *given]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60.0)
     assert done.returncode == 2
     assert f"msd: {tmp_path / 'bag'} has no messages to play; expected some\n" in done.stderr

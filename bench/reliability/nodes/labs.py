@@ -74,7 +74,7 @@ def dead_experimenter(world: World, rng: random.Random) -> None:
     spinner = Spinner(rig)
     arguments = ["--ros-args", "-r", f"__ns:={PLACE}", "-p", f"bag_folder:={world.bags}"]
     environment = {**os.environ, "ROS_DOMAIN_ID": str(world.domain)}
-    command = [sys.executable, "-m", "msd_ident.ros.experimenter.main", *arguments]
+    command = [sys.executable, "-m", "msd_ident.ros.experimenter", *arguments]
     client = ActionClient(world.tester, RunExperiment, f"{PLACE}/{names.RUN}")
     with subprocess.Popen(command, env=environment) as process:
         try:

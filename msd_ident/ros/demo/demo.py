@@ -89,8 +89,8 @@ def _start(processes: Processes, folder: Path, fast: bool) -> None:
     mode: dict[str, object] = {"time_mode": "fast", "real_time_factor": FAST} if fast else {}
     processes.start("rig", "msd_sim.node", arguments(RIG | mode))
     shared: dict[str, object] = {"bag_folder": str(folder), "diagnostics_period": 0.1} | simulated
-    processes.start("recorder", "msd_ident.ros.recorder.main", arguments(shared))
-    processes.start("identifier", "msd_ident.ros.identifier.main", arguments(shared | {"buffer_samples": BUFFER}))
+    processes.start("recorder", "msd_ident.ros.recorder", arguments(shared))
+    processes.start("identifier", "msd_ident.ros.identifier", arguments(shared | {"buffer_samples": BUFFER}))
 
 
 def arguments(parameters: dict[str, object]) -> list[str]:

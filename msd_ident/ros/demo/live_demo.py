@@ -34,8 +34,8 @@ def demo_graph(folder: Path, rate: float = 1000.0) -> Iterator[Processes]:
         try:
             with Processes(folder, os.environ) as processes:
                 processes.start("rig", "msd_sim.node", arguments({**SAIL, "rate": rate}))
-                processes.start("recorder", "msd_ident.ros.recorder.main", arguments({"bag_folder": str(folder)}))
-                processes.start("identifier", "msd_ident.ros.identifier.main", arguments({"bag_folder": str(folder)}))
+                processes.start("recorder", "msd_ident.ros.recorder", arguments({"bag_folder": str(folder)}))
+                processes.start("identifier", "msd_ident.ros.identifier", arguments({"bag_folder": str(folder)}))
                 yield processes
         finally:
             os.environ.clear()
