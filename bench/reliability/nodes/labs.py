@@ -88,7 +88,7 @@ def dead_experimenter(world: World, rng: random.Random) -> None:
             world.until(lambda: forces[-1] == 0.0, "the rig to let go", LET_GO_WITHIN)
         finally:
             process.kill()
-            client.destroy()
+            world.release(client)
             spinner.stop()
             rig.destroy_node()
             world.tester.destroy_subscription(heard)

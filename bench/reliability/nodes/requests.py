@@ -121,7 +121,7 @@ def cancelled(world: World, rng: random.Random) -> None:
         took = time.monotonic() - asked
         world.expect(took < CANCELLED_WITHIN, f"the answer took {took:.2f} s")
     finally:
-        client.destroy()
+        world.release(client)
 
 
 def recordings(world: World, rng: random.Random) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
+from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -89,6 +90,11 @@ class World:
     def publish_encoder(self) -> Publisher:
         """A publisher of the encoder that the nodes hear."""
         return self._matched(self.tester.create_publisher(JointState, names.ENCODER, names.encoder_qos()))
+
+    def release(self, client: ActionClient) -> None:
+        """Destroy a client of the tester between two waits of its executor, which would not bear it during one."""
+        released = self._spinners[0].executor.create_task(client.destroy)
+        self.until(released.done, "an action client to be released")
 
     @contextmanager
     def stranger(self) -> Iterator[Node]:
