@@ -31,6 +31,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "direction_dependent_damping": {"damping_difference": 1.5},
     "drive_damping": {"drive_damping": 2.0},
     "end_stop": {"stop_position": 0.018, "stop_stiffness": 5e3},
+    "fading_damping": {"fading_damping": 3.0, "fading_speed": 0.15, "fading_exponent": 2.0},
     "force_dead_zone": {"dead_zone": 0.6},
     "force_gain_asymmetry": {"gain_asymmetry": 0.05},
     "force_gain_nonlinearity": {"gain_slope": 0.01, "force_limit": 11.0},

@@ -55,11 +55,11 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "saturating_spring": frozenset({"cubic_spring"}),
     "three_slope_spring": frozenset({"bilinear_spring", "cubic_spring", "end_stop"}),
     "linkage_gravity": frozenset({"cubic_spring", "asymmetric_spring", "bilinear_spring", "cogging", "force_offset"}),
-    "soft_play": frozenset({"backlash"}),
+    "soft_play": frozenset({"backlash", "end_stop"}),
     "wandering_stiffness": frozenset({"stiffness_drift"}),
     # Of losses, drives and forces.
     "mixed_drag": frozenset({"quadratic_drag"}),
-    "eddy_drag": frozenset({"quadratic_drag"}),
+    "saturating_damping": frozenset({"quadratic_drag", "coulomb_friction"}),
     "film_damping": frozenset(),
     "torque_speed": frozenset({"drive_damping"}),
     "sharp_saturation": frozenset({"force_gain_nonlinearity"}),

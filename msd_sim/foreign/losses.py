@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from msd_sim.foreign.law import ForeignLaw, Values
@@ -11,8 +12,8 @@ def _mixed(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float
     return p["second"] * abs(v) * v + p["third"] * v**3
 
 
-def _eddy(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
-    return p["drag"] * v / (1.0 + (v / p["peak"]) ** 2)
+def _saturating(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+    return p["drag"] * v / math.sqrt(1.0 + (v / p["corner"]) ** 2)
 
 
 def _film(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
@@ -32,8 +33,8 @@ LAWS = (
         _mixed,
     ),
     ForeignLaw(
-        "eddy_drag", "c v / (1 + (v/v0)^2): an eddy-current brake, whose force falls beyond v0",
-        lambda s: {"drag": s.mass * s.omega * s.log(0.03, 0.3), "peak": s.speed * s.even(0.3, 1.0)}, _eddy,
+        "saturating_damping", "c v / sqrt(1 + (v/v0)^2): a damper whose force hardly grows beyond v0",
+        lambda s: {"drag": s.mass * s.omega * s.log(0.03, 0.3), "corner": s.speed * s.even(0.3, 1.0)}, _saturating,
     ),
     ForeignLaw(
         "film_damping", "c v / (1 - x/h)^3: a film that is squeezed",

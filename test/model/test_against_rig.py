@@ -29,7 +29,7 @@ PLAIN: dict[str, Callable[[float], float]] = {
     "power_spring": lambda x: 1.5 * (x / 0.02) ** 2 * math.copysign(1.0, x),
 }
 #: Effects that msd_sim has too, as in the examples.
-THEIRS = sorted(set(EXAMPLES) - set(PLAIN) - {"bouc_wen", "buffered_stop", "sensor_eccentricity"})
+THEIRS = sorted(set(EXAMPLES) - set(PLAIN) - {"bouc_wen", "buffered_stop", "fading_damping", "sensor_eccentricity"})
 #: Samples a second of the contract, with a force held and a force linear between samples.
 SAMPLINGS = [(rate, hold) for rate in (250.0, 2000.0) for hold in ("zero", "linear")]
 #: Those of them for which the rig's plant is the same, so that the laws of others mean the same too.

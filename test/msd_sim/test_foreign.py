@@ -106,9 +106,9 @@ def test_stops_push_and_never_pull() -> None:
     assert at("uneven_stops", -2.5, 1.0, **uneven) == pytest.approx(-3.5)
 
 
-def test_an_eddy_current_brake_pulls_most_at_its_peak() -> None:
-    forces = [at("eddy_drag", v=v, drag=2.0, peak=1.5) for v in (1.0, 1.5, 2.5)]
-    assert forces[1] == max(forces) == pytest.approx(1.5)
+def test_a_saturating_damper_goes_towards_a_constant_force() -> None:
+    slow, fast = (at("saturating_damping", v=v, drag=2.0, corner=1.5) for v in (1e-3, 1e3))
+    assert slow == pytest.approx(2e-3, rel=1e-5) and fast == pytest.approx(3.0, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", ["lugre", "maxwell_slip"])

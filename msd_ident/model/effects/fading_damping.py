@@ -1,0 +1,66 @@
+"""Damping that fades with the speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+
+if TYPE_CHECKING:
+    from msd_ident.data.record import Record
+    from msd_ident.model.plant import Model
+
+#: Speeds at which the damping has fallen to its half, in parts of the top speed: below, it is Coulomb friction to the
+#: data; above, a part of the plant's own damping.
+HALVES = (0.2, 2.0)
+#: Share of the plant's natural damping force m·ω·v that a search starts from.
+_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class FadingDamping(Effect):
+    """b1·v beside the plant's damping at low speed, half of it at v0, little of it far beyond: an eddy-current brake
+    (n = 2), a shear-thinning film (n = 1 and less).
+    """
+
+    fading_damping: float
+    fading_speed: float
+    fading_exponent: float
+
+    name = "fading_damping"
+    parameters = (
+        Parameter("fading_damping", "b1", "N·s/m", 0.0, math.inf, "damping at low speed that fades with the speed"),
+        Parameter("fading_speed", "v0", "m/s", 1e-9, math.inf, "speed at which half of it is left"),
+        Parameter("fading_exponent", "n", "1", 0.7, 3.0, "how steeply it fades"),
+    )
+    acts_on = "force"
+    law = "b1·v/(1 + (abs(v)/v0)^n)"
+    source = "Cross 1965 (J. Colloid Sci. 20); n = 2: eddy-current brake, Wiederick et al. 1987 (Am. J. Phys. 55)"
+    neutral = (("fading_damping", 0.0),)
+    dissipative = True
+    form_of = "quadratic_drag"
+    stands_alone = True
+    prior_odds = 1.0 / 40.0
+    turns = True
+
+    @staticmethod
+    def force(v: float, speed: float, fading_damping: float, fading_speed: float, fading_exponent: float) -> float:
+        """Damping force [N]."""
+        if speed <= 0.0:
+            return 0.0
+        return fading_damping * v / (1.0 + math.exp(fading_exponent * math.log(speed / fading_speed)))
+
+    @classmethod
+    def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
+        """See ``Effect``."""
+        return {"fading_speed": (HALVES[0] * seen.speed, HALVES[1] * seen.speed)}
+
+    @classmethod
+    def guess(cls, record: Record, plant: Model) -> tuple[FadingDamping, ...]:
+        """A tenth of critical damping that halves at a third and at two thirds of the top speed."""
+        speed = typical.speed(record)
+        size = max(plant.damping, 2.0 * _SHARE * math.sqrt(max(plant.stiffness, 0.0) * plant.mass))
+        return tuple(cls(size, share * speed, 2.0) for share in (0.33, 0.67))
