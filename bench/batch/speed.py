@@ -63,13 +63,16 @@ def speed(folder: Path, count: int) -> dict[str, Any]:
     }
 
 
-def different(one: list[dict[str, Any]], other: list[dict[str, Any]]) -> int:
-    """Rows that are not the same in every digit."""
+def different(one: list[dict[str, Any]], other: list[dict[str, Any]]) -> dict[str, list[str]]:
+    """Rows that are not the same in every digit: the record, and each column with both values."""
     of = {(row["path"], row["joint"]): row for row in one}
-    return sum(
-        any(repr(row[name]) != repr(of[row["path"], row["joint"]][name]) for name in row if name not in OF_THE_RUN)
-        for row in other
-    )
+    found: dict[str, list[str]] = {}
+    for row in other:
+        twin = of[row["path"], row["joint"]]
+        apart = [name for name in row if name not in OF_THE_RUN and repr(row[name]) != repr(twin[name])]
+        if apart:
+            found[row["name"]] = [f"{name}: {twin[name]!r}, {row[name]!r}" for name in apart]
+    return found
 
 
 class Slept:
