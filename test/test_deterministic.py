@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
 
 import pytest
@@ -70,3 +72,30 @@ def test_budget_is_work(proposal: Proposal, monkeypatch: pytest.MonkeyPatch) -> 
     everything = len(proposal.considered)
     monkeypatch.setattr(profile_search, "_SCREENING", 1.0)
     assert 0 < len(proposed().considered) < everything
+
+
+#: A rig whose two causes are surer than digits can tell, so that nothing but their names orders them.
+_DIAGNOSED = """
+from msd_ident.data.record import Record
+from msd_ident.workflow.pipeline import diagnose
+from msd_sim import lottery
+from msd_sim.api import simulate
+made = simulate(dict(lottery.draw(403, "quadratic_drag", True, "steps", 1000.0).spec))
+print(repr(diagnose([Record(made.time, made.position, made.force_time, made.force, hold=made.hold)]).to_json_dict()))
+"""
+_ORDER = "print(*frozenset({'coulomb_friction', 'quadratic_drag'}))"
+
+
+def hashed(code: str, seed: int) -> str:
+    """What a process prints whose strings are hashed with this seed."""
+    environment = {**os.environ, "PYTHONHASHSEED": str(seed), "OPENBLAS_NUM_THREADS": "1"}
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    ).stdout
+
+
+def test_hash_seed() -> None:
+    orders = {hashed(_ORDER, seed): seed for seed in range(12)}
+    assert len(orders) == 2
+    first, second = (hashed(_DIAGNOSED, seed) for seed in orders.values())
+    assert first == second and "coulomb_friction" in first
