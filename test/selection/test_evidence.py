@@ -93,6 +93,44 @@ def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Exper
     assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
 
 
+@pytest.mark.parametrize(
+    ("without", "both", "called"),
+    [
+        (100.0, 1.0, True),  # a tenth of what friction explains
+        (20.0, 1.0, False),  # a fiftieth: another form of the friction would do
+        (2.9, 1.0, False),  # fainter than its form can be seen, and less than a fifth
+        (2.9, 2.8, False),
+    ],
+)
+def test_what_another_form_of_the_law_would_explain_is_no_cause(
+    experiment: Experiment, without: float, both: float, called: bool
+) -> None:
+    """``without`` and ``both`` are what friction alone and with drag leaves, in noise floors."""
+    nothing = 1000.0 if without > evidence.FAINT else 20.0
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0 * both**2),
+        }
+    )
+    assert ("quadratic_drag" in found.best.causes) == called
+    assert found.of_cause("coulomb_friction") == pytest.approx(1.0)
+    if not called:
+        assert found.of_cause("quadratic_drag") == 0.0
+
+
+def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Experiment) -> None:
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 4.0**2),
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 2.9**2),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
+        }
+    )
+    assert found.of_cause("quadratic_drag") > 0.9
+
+
 def test_the_likelier_of_two_laws_leads_and_the_other_is_told(experiment: Experiment) -> None:
     """Neither is a part of the other, so that the simpler one has no claim to the headline."""
     coulomb = fitted(experiment, BASE + CoulombFriction(0.1), 1000.0)

@@ -55,11 +55,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="only faults with these words in their name")
     parser.add_argument("--pause", type=float, default=0.5, help="seconds between two faults")
     parser.add_argument("--write", type=Path, nargs="?", const=PAGE, help="page to write the table into")
     given = parser.parse_args()
+    faults = [fault for fault in FAULTS if given.only in fault.name]
+    if not faults or (given.only and given.write):
+        parser.error("no fault has these words in its name" if not faults else "--write needs all faults")
     with private_domain() as domain, tempfile.TemporaryDirectory() as folder, world(domain, Path(folder)) as nodes:
-        found = soak(nodes, 60.0 * given.minutes, given.seed, lambda line: print(line, flush=True), given.pause)
+        found = soak(nodes, 60.0 * given.minutes, given.seed, lambda line: print(line, flush=True), given.pause, faults)
     text = table(found, given.seed)
     print(text)
     if given.write:

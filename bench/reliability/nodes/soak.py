@@ -7,7 +7,7 @@ import resource
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from bench.reliability.nodes.faults import FAULTS, Fault
@@ -45,15 +45,22 @@ def inject(world: World, fault: Fault, rng: random.Random) -> str:
     return ""
 
 
-def soak(world: World, seconds: float, seed: int, tell: Callable[[str], None], pause: float = 0.0) -> Found:
+def soak(
+    world: World,
+    seconds: float,
+    seed: int,
+    tell: Callable[[str], None],
+    pause: float = 0.0,
+    faults: Sequence[Fault] = FAULTS,
+) -> Found:
     """Faults drawn from a seed until the time is over; every one of them first once, in random order."""
     rng, found = random.Random(seed), Found()
     start, burnt = time.monotonic(), time.process_time()
     world.recover()
-    waiting = rng.sample(FAULTS, len(FAULTS))
+    waiting = rng.sample(faults, len(faults))
     while waiting or time.monotonic() - start < seconds:
         spent = time.process_time()
-        fault = waiting.pop() if waiting else rng.choices(FAULTS, [one.share for one in FAULTS])[0]
+        fault = waiting.pop() if waiting else rng.choices(faults, [one.share for one in faults])[0]
         wrong = inject(world, fault, rng)
         found.done[fault.name] += 1
         if wrong:
