@@ -39,7 +39,7 @@ def fingerprint() -> str:
 
     model = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
-    for path in sorted((*model.glob("effects/*.py"), *model.glob("kernel/*.py"), model / "model.py")):
+    for path in sorted((*model.glob("effects/*.py"), *model.glob("kernel/*.py"), model / "plant.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
 
