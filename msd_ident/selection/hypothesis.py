@@ -289,8 +289,8 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
         found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
-    for entry, name in enumerate(fitted.problem.names):
-        if not name.endswith("_phase"):
+    for entry, parameter in enumerate(fitted.problem.parameters):
+        if not parameter.is_phase:
             continue
         for turn in (-_KICK, _KICK):
             point = fitted.point.copy()

@@ -11,8 +11,6 @@ from msd_ident.model.effects.base import ARGUMENTS, Effect, Parameter
 __all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "saturation", "spoken", "structural"]
 
 _HELPERS = ("base", "typical")
-#: Effects that bear a person's name.
-_PEOPLE = ("coulomb", "stribeck")
 
 
 def _discover() -> tuple[type[Effect], ...]:
@@ -56,4 +54,4 @@ def saturation() -> type[Effect] | None:
 def spoken(name: str) -> str:
     """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``."""
     words = name.replace("_", " ")
-    return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words
+    return words[0].upper() + words[1:] if any(effect.name == name and effect.eponym for effect in LIBRARY) else words

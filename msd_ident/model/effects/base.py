@@ -116,6 +116,11 @@ class Parameter:
     regressor: Callable[..., Any] | None = None
     not_below: str = ""
 
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is an angle [rad], which turns round."""
+        return self.unit == "rad"
+
 
 @dataclass(frozen=True)
 class Harmonic:
@@ -183,6 +188,8 @@ class Effect:
     jumps: ClassVar[bool] = False
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
+    #: Its name begins with a person's.
+    eponym: ClassVar[bool] = False
     #: Its position is an angle: it means nothing on a slide.
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
@@ -350,7 +357,7 @@ class Effect:
             factor = math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
             sign = 1.0 if parameter.lower == 0.0 or rng.random() < 0.5 else -1.0
             angle = rng.uniform(-math.pi, math.pi)
-            drawn.append(angle if parameter.name.endswith("_phase") else sign * factor * value)
+            drawn.append(angle if parameter.is_phase else sign * factor * value)
         return self.within_bounds(*drawn)
 
     @classmethod

@@ -58,6 +58,7 @@ class StribeckFriction(Effect):
     source = "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994 (Automatica 30): Gaussian form of Stribeck's curve"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
+    eponym = True
     dissipative = True
     dry_limit = "coulomb_force"
     ring_down = {RUBS: (1,)}

@@ -33,6 +33,7 @@ class StribeckShape(Effect):
     source = "Bo & Pavelescu 1982 (Wear 82): exponents from 1/2 to 1; Armstrong-Hélouvry 1991: 2"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
+    eponym = True
     dissipative = True
     dry_limit = "coulomb_force"
     form_of = "stribeck_friction"
