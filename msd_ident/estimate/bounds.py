@@ -18,7 +18,7 @@ def bounds(
     """Lower and upper ones of the free parameters, then of ``rest`` entries that have none.
 
     Each parameter says beyond which sizes no record of the motion could tell (``Parameter.least``, ``most``,
-    ``longest``). That keeps a search out of regions where the motion has to be followed in millions of steps.
+    ``ceiling``). That keeps a search out of regions where the motion has to be followed in millions of steps.
     """
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)
@@ -27,7 +27,7 @@ def bounds(
     lower, upper = [], []
     for parameter in (model.parameters[i] for i in free):
         size = typical.of(parameter.unit)
-        reach = parameter.most * size if parameter.longest is None else parameter.longest(duration, period)
+        reach = parameter.most * size if parameter.ceiling is None else parameter.ceiling(duration, period)
         least = quickest if parameter.inertia else parameter.least
         lower.append(max(parameter.lower, least * size, -reach))
         upper.append(min(parameter.upper, reach))

@@ -30,7 +30,7 @@ class ActuatorLag(Effect):
     parameters = (
         Parameter(
             "lag_time", "tau", "s", 0.0, math.inf, "time constant of the actuator",
-            advice="add a sweep to well above resonance", longest=_longest,
+            advice="add a sweep to well above resonance", ceiling=_longest,
         ),
     )  # fmt: skip
     acts_on = "input"

@@ -86,7 +86,7 @@ class Parameter:
         multistable: it gives the cart many places to rest in, so that a small error sends it to another one.
         within_reach: a distance [m] from zero that the motion reaches at its ends or not at all.
         least, most: smallest and largest size that a record of the motion could tell, in natural sizes of its unit.
-        longest: largest size that a record could tell, in its unit, from duration and sample period [s]; in place of
+        ceiling: largest size that a record could tell, in its unit, from duration and sample period [s]; in place of
             ``most``.
         regressor: what its force is proportional to, where the equation of motion is linear in it, as arrays (n,) of
             its arguments: ``direction`` of the motion, ``v`` [m/s] or ``x`` [m] first, or nothing for a constant; then
@@ -112,7 +112,7 @@ class Parameter:
     within_reach: bool = False
     least: float = -math.inf
     most: float = math.inf
-    longest: Callable[[float, float], float] | None = None
+    ceiling: Callable[[float, float], float] | None = None
     regressor: Callable[..., Any] | None = None
     not_below: str = ""
 

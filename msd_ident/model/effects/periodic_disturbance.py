@@ -32,7 +32,7 @@ class PeriodicDisturbance(Effect):
     parameters = (
         Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance", gained=True),
         Parameter(
-            "disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance", longest=_fastest
+            "disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance", ceiling=_fastest
         ),
         Parameter("disturbance_phase", "phi", "rad", -math.inf, math.inf, "phase of the disturbance at time 0"),
     )

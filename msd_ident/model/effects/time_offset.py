@@ -30,7 +30,7 @@ class TimeOffset(Effect):
     parameters = (
         Parameter(
             "time_offset", "D", "s", -math.inf, math.inf, "delay of the force against its stamps",
-            advice="add a sweep to well above resonance", longest=_longest,
+            advice="add a sweep to well above resonance", ceiling=_longest,
         ),
     )  # fmt: skip
     acts_on = "input"
