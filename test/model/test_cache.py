@@ -69,7 +69,7 @@ def test_a_cache_folder_that_cannot_be_written_is_passed_over(tmp_path: Path, mo
 def test_editing_any_law_or_kernel_file_makes_a_new_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     room = Path(cache.__file__).parents[1]
     copy = tmp_path / "model"
-    for path in (*room.glob("effects/*.py"), *room.glob("kernel/*.py"), room / "model.py"):
+    for path in (*room.glob("effects/*.py"), *room.glob("kernel/*.py"), room / "plant.py"):
         target = copy / path.relative_to(room)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(path.read_bytes())
