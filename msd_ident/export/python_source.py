@@ -9,6 +9,9 @@ from msd_ident.export.plan import Plan
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
 
+#: Parts of the structure (``Effect.structure``) that the file has.
+STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS)
+
 _FILE = '''"""@HEADER@
 
 Use:
@@ -240,7 +243,7 @@ def _names(model: Model, role: str) -> tuple[str, ...]:
 def structure(plan: Plan) -> dict[str, str]:
     """What lag, second mass, stops, play and delay put into the text."""
     model = plan.model
-    play, lag, second, delay = (_names(model, role) for role in (PLAY, LAG, SECOND_MASS, DELAY))
+    play, lag, delay, second = (_names(model, role) for role in STRUCTURES)
     spring = "".join(f"stiffness * (x - min(max(x, -{gap}), {gap}))" for gap in play)
     m2, k2, b2 = second or ("", "", "")
     coupling = f"{k2} * (x - x2) + {b2} * (v - v2)"
