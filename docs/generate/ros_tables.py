@@ -61,7 +61,7 @@ def settings(node: str) -> Sequence[Any]:
     """
     import importlib
 
-    return tuple(importlib.import_module(f"msd_ident.ros.{node}_node").SETTINGS)
+    return tuple(importlib.import_module(f"msd_ident.ros.{node}.node").SETTINGS)
 
 
 def _settings(node: str) -> Iterator[tuple[str, str, str, str]]:
