@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from msd_ident.model.effects import LIBRARY
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
@@ -64,6 +66,17 @@ AT_HOME = {
 }
 
 LONGEST_FUNCTION = 60
+
+#: Modules outside the library that name single effects or their parameters, and why; everybody else asks an effect for
+#: what it is (a role in the structure, a sign, a sentence, a bound).
+NAMES_EFFECTS = {
+    "msd_ident.model.base_model": "the paper's base model: its dry friction and offset, named once for everybody",
+    "msd_ident.export.gains": "what a target makes of each effect stands in the target's file (CONTRIBUTING.md)",
+    "msd_ident.export.gazebo": "the same",
+    "msd_ident.export.mujoco_elements": "the same",
+    "msd_ident.export.mujoco_plain": "the same",
+    "msd_ident.ros.demo.live_demo": "an effect of the rig, whose names are msd_sim's",
+}
 
 
 def name_of(path: Path) -> str:
@@ -172,6 +185,33 @@ def test_functions_are_short() -> None:
                 if lines > LONGEST_FUNCTION:
                     too_long.append(f"{name}.{node.name} has {lines} lines")
     assert not too_long, "\n".join(too_long)
+
+
+def test_only_the_library_names_single_effects() -> None:
+    named: dict[str, list[str]] = {}
+    for module, tree in modules().items():
+        library = within(module, ("msd_ident.model.effects",)) or not within(module, ("msd_ident",))
+        if found := [] if library else sorted(set(_effects_named(tree))):
+            named[module] = found
+    others = {module: found for module, found in named.items() if module not in NAMES_EFFECTS}
+    assert not others, "\n".join(f"{module} names {', '.join(found)}" for module, found in others.items())
+    assert set(named) == set(NAMES_EFFECTS), "an exception that needs to be none any more"
+
+
+def _effects_named(tree: ast.Module) -> Iterator[str]:
+    """Names of effects, of their parameters, classes and modules, as code has them (docstrings may)."""
+    names = {effect.name for effect in LIBRARY} | {p.name for effect in LIBRARY for p in effect.parameters}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in names:
+            yield node.value
+        elif isinstance(node, ast.Name) and node.id in {effect.__name__ for effect in LIBRARY}:
+            yield node.id
+        elif isinstance(node, ast.ImportFrom) and node.module in {effect.__module__ for effect in LIBRARY}:
+            yield node.module
+        elif isinstance(node, ast.keyword) and node.arg in names:
+            yield f"{node.arg}="
+        elif isinstance(node, ast.Attribute) and node.attr in names:
+            yield f".{node.attr}"
 
 
 def test_command_starts_without_heavy_libraries() -> None:

@@ -7,7 +7,6 @@ import sys
 import signature
 from docs_tables import code, number, plain, table
 
-from msd_ident.estimate.identifiability import _ADVICE as ADVICE
 from msd_ident.model.effects import LIBRARY, Effect
 from msd_sim import effects as rig
 
@@ -123,7 +122,7 @@ def _links(names: list[str]) -> list[str]:
 
 
 def _advice(effect: type[Effect]) -> str:
-    rows = [(code(p.name), ADVICE[p.name]) for p in effect.parameters if p.name in ADVICE]
+    rows = [(code(p.name), p.advice) for p in effect.parameters if p.advice]
     if not rows:
         return ""
     return "## When the data leaves it open\n\n" + table(("parameter", "what to do"), rows)

@@ -15,6 +15,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.prediction import Predictor, Sensing
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes
+from msd_ident.model.base_model import OFFSET, OFFSET_FORCE
 from msd_ident.selection.candidate_models import CandidateModel, marginal
 
 #: Rise of chi² below which the data cannot object.
@@ -181,9 +182,9 @@ def _imbalance(trial: CandidateModel, index: int) -> tuple[float, FloatArray]:
     slope = np.zeros(len(trial.free) + 2)
     slope[-2] = 1.0
     lean = 0.0
-    if model.has("force_offset") and model.stiffness > 0.0:
-        lean = model["offset_force"] / model.stiffness
-        slope[trial.free.index("offset_force")] = 1.0 / model.stiffness
+    if model.has(OFFSET) and model.stiffness > 0.0:
+        lean = model[OFFSET_FORCE] / model.stiffness
+        slope[trial.free.index(OFFSET_FORCE)] = 1.0 / model.stiffness
     return trial.initial[index].position + lean, slope
 
 

@@ -26,12 +26,12 @@ from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import to_tree
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.base_model import FRICTION_FORCE, DryFriction
 from msd_ident.paper.refinement import GRAVITY
 from msd_ident.selection.candidate_models import CandidateModel
 
 _FRICTION = "friction_coefficient"
-_NEEDS = {_FRICTION: "coulomb_force", "natural_frequency": "stiffness", "damping_ratio": "stiffness"}
+_NEEDS = {_FRICTION: FRICTION_FORCE, "natural_frequency": "stiffness", "damping_ratio": "stiffness"}
 _TWO_SIDED = 1.959964
 #: Segments of the random profile that a design is compared with.
 _RANDOM = 40
@@ -127,9 +127,9 @@ def _knowing(diagnosis: Diagnosis, targets: Sequence[str]) -> CandidateModel:
         raise UsageError("no parameter to sharpen; expected names such as mass,friction_coefficient")
     lead = diagnosis.contenders[0]
     wanted = {_NEEDS.get(name, name) for name in targets}
-    if "coulomb_force" in wanted and "coulomb_force" not in lead.model.names:
+    if FRICTION_FORCE in wanted and FRICTION_FORCE not in lead.model.names:
         force = max(float(np.max(np.abs(record.force))) for record in diagnosis.records)
-        lead = beside(diagnosis, CoulombFriction(1e-3 * force))
+        lead = beside(diagnosis, DryFriction(1e-3 * force))
     unknown = sorted(wanted - set(lead.free))
     if unknown:
         known = ", ".join((*lead.free, *(name for name, need in _NEEDS.items() if need in lead.free)))
@@ -143,7 +143,7 @@ def _values(predictor: Predictor, point: FloatArray, targets: Sequence[str]) -> 
     named |= dict(zip(predictor.contender.free, point.tolist(), strict=True))
     mass, damping, stiffness = (named[name] for name in ("mass", "damping", "stiffness"))
     if _FRICTION in targets:
-        named[_FRICTION] = named["coulomb_force"] / (mass * GRAVITY)
+        named[_FRICTION] = named[FRICTION_FORCE] / (mass * GRAVITY)
     if stiffness > 0.0:
         named["natural_frequency"] = math.sqrt(stiffness / mass)
         named["damping_ratio"] = 0.5 * damping / math.sqrt(stiffness * mass)

@@ -12,7 +12,7 @@ from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
 from msd_ident.estimate.parameter_units import in_force_unit
-from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects import saturation
 from msd_ident.selection.candidate_models import CandidateModel
 
 #: Part of the travel and of the speed that a design plans to use: no rival is exactly right.
@@ -32,12 +32,13 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
     One amplitude says nothing of the gain at another, so that no rival needs to know of it; ``None`` where smaller
     forces were measured too.
     """
+    limit = saturation()
     forces = np.abs(np.concatenate([record.force for record in records]))
     forces = forces[forces > 0.0]
-    if forces.size == 0 or forces.min() < _SMALLER * forces.max() or lead.model.has(ForceGainNonlinearity.name):
+    if limit is None or forces.size == 0 or forces.min() < _SMALLER * forces.max() or lead.model.has(limit.name):
         return None
     weaker = lead.model.with_values(in_force_unit(lead.model, 1.0 / _STRONGER))
-    return replace(lead, model=weaker + ForceGainNonlinearity(0.0, float(forces.max()) / _STRONGER))
+    return replace(lead, model=weaker + limit.limited(float(forces.max()) / _STRONGER))
 
 
 def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction]) -> tuple[float, float, float]:

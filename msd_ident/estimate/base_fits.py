@@ -14,8 +14,7 @@ from msd_ident.estimate.formulation import Zero
 from msd_ident.estimate.objective import Loss
 from msd_ident.estimate.result import FitResult
 from msd_ident.model import Model
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.base_model import DRY_FRICTION, OFFSET, PLANT, DryFriction, Offset
 
 
 @dataclass(frozen=True)
@@ -33,8 +32,8 @@ class Shared:
 
 def structure(plant: Model, sprung: bool) -> Model:
     """The joint fit's model: a plain axis has an offset in place of a spring's zero."""
-    rubbing = plant + CoulombFriction(0.0)
-    return rubbing if sprung else rubbing + ForceOffset(0.0)
+    rubbing = plant + DryFriction(0.0)
+    return rubbing if sprung else rubbing + Offset(0.0)
 
 
 def joint_fit(
@@ -55,8 +54,8 @@ def joint_fit(
 
 def linear_fit(records: tuple[Record, ...], joint: FitResult, loss: Loss = "linear") -> FitResult:
     """The linear model by simulation error, from the joint fit's values too: a careless start ends anywhere."""
-    start = joint.model.without("coulomb_friction", "force_offset")
-    fixed = {name: joint.model[name] for name in ("mass", "damping", "stiffness") if name not in joint.free}
+    start = joint.model.without(DRY_FRICTION, OFFSET)
+    fixed = {name: joint.model[name] for name in PLANT if name not in joint.free}
     near = fit(start, records, fixed=fixed, loss=loss, search="near")
     wide = fit(start, records, fixed=fixed, loss=loss)
     return min(near, wide, key=lambda found: found.see)

@@ -16,15 +16,12 @@ from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import PLAY, Effect
 
 Zero = Literal["free", "known"]
 
 #: Range of noise in its standard deviations, of up to 200 readings.
 _WIDEST_NOISE = 7.0
-
-#: Parameters that hold the cart away from the balance of forces.
-_HOLDING = ("coulomb_force", "static_force", "hysteresis_force")
 
 
 def formulate(
@@ -62,10 +59,10 @@ def formulate(
 
 def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int]) -> Problem:
     """The problem with the balance of forces at rest before the first push, as far as this model's friction holds."""
-    values = dict(zip(model.names, model.values.tolist(), strict=True))
-    holding = sum(values.get(name, 0.0) for name in _HOLDING) / max(values["stiffness"], 1e-300) / math.sqrt(3.0)
+    held = sum(effect.holding for effect in model.effects)
+    holding = held / max(model["stiffness"], 1e-300) / math.sqrt(3.0)
     length = problem.typical.length
-    spread = min(holding + values.get("backlash_half_width", 0.0), 1e3 * length) + max(noise, 1e-4 * length)
+    spread = min(holding + sum(model.structure(PLAY)), 1e3 * length) + max(noise, 1e-4 * length)
     return replace(problem, balances=tuple(RestConstraint(r, spread, noise) for r in resting))
 
 

@@ -18,16 +18,16 @@ from msd_ident.estimate.least_squares import SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.effects import typical
+from msd_ident.model.effects.base import PLACE, TIME
 
-#: Harmonic terms of the library: names of amplitude, of what is scanned, and of the phase.
-_TERMS = (
-    ("disturbance_amplitude", "disturbance_frequency", "disturbance_phase"),
-    ("cogging_amplitude", "cogging_pitch", "cogging_phase"),
-)
-_LINES = 40
-_PITCHES = 160
+#: Lines of a spectrum, and pitches evenly spaced in their logarithm, that are tried.
+_LINES, _PITCHES = 40, 160
+#: Trials that become starts.
 _KEPT = 3
+#: Readings simulated at once, at most: 16 MB.
 _MOST_VALUES = 2_000_000
+#: Pitches that are tried, in parts of the motion's range.
+_FINEST, _COARSEST = 0.02, 2.0
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,11 @@ class _Term:
 def harmonic_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
     """Starts around ``best`` for each harmonic term of the model whose three parameters are free."""
     vectors = []
-    for names in _TERMS:
-        if all(name in problem.names for name in names):
-            term = _Term(*(problem.names.index(name) for name in names))
-            trials = _frequencies if names[1] == "disturbance_frequency" else _pitches
+    for over, trials in ((TIME, _frequencies), (PLACE, _pitches)):
+        for harmonic in (effect.harmonic for effect in problem.model.effects):
+            if harmonic is None or harmonic.over != over or not set(harmonic.names) <= set(problem.names):
+                continue
+            term = _Term(*(problem.names.index(name) for name in harmonic.names))
             base = _without(problem, best, term)
             vectors += _scan(problem, base, term, trials(problem, base))
     return vectors
@@ -81,7 +82,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    return np.asarray(np.geomspace(0.02 * span, 2.0 * span, _PITCHES))
+    return np.asarray(np.geomspace(_FINEST * span, _COARSEST * span, _PITCHES))
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:

@@ -1,17 +1,20 @@
 """What the data leaves open: directions of the parameter space along which no residual changes, in words.
 
-Directions come from the scaled Jacobian (its Gram matrix and the covariance), not from a table of known cases; the
-table only supplies the advice on what to measure.
+Directions come from the scaled Jacobian (its Gram matrix and the covariance), not from a table of known cases; each
+parameter only supplies the advice on what to measure.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.covariance import unit_diagonal
+from msd_ident.model import Parameter
+from msd_ident.model.parameters import PARAMETERS
 
 #: A parameter takes part in an open direction when it moves by this part of itself, the largest by its whole size.
 _SHARE = 0.01
@@ -19,53 +22,8 @@ _SHARE = 0.01
 NULL = 1e-10
 
 #: Parameters whose forces all scale with the force's gain.
-FORCES = frozenset(
-    {
-        "mass",
-        "damping",
-        "stiffness",
-        "coulomb_force",
-        "static_force",
-        "drag_coefficient",
-        "cubic_stiffness",
-        "quadratic_stiffness",
-        "offset_force",
-        "hysteresis_force",
-        "disturbance_amplitude",
-        "cogging_amplitude",
-        "stop_stiffness",
-        "second_mass",
-        "second_stiffness",
-        "second_damping",
-    }
-)
-
-#: Advice by parameter: what to measure so that the data decides it.
-_ADVICE = {
-    "gain_slope": "push with a second amplitude in both directions, and release the cart by hand once",
-    "force_limit": "push harder, until the force stops growing",
-    "offset_force": "read the encoder with the spring relaxed, or turn the rig round and repeat",
-    "stribeck_velocity": "add slow reversals: a sweep or a slow ramp in both directions",
-    "static_force": "ramp the force slowly from rest, in both directions",
-    "coulomb_force": "let it ring down from a larger amplitude until it stops",
-    "damping": "let it ring down over amplitudes of at least 3:1",
-    "drag_coefficient": "let it ring down from a three times larger amplitude, or sweep through resonance",
-    "cubic_stiffness": "release it from two displacements about 3:1 apart",
-    "quadratic_stiffness": "push it in both directions with the same force",
-    "backlash_half_width": "ramp the force slowly through zero in both directions",
-    "stop_position": "drive it into the stop",
-    "stop_stiffness": "drive it into the stop",
-    "lag_time": "add a sweep to well above resonance",
-    "time_offset": "add a sweep to well above resonance",
-    "hysteresis_length": "ramp the force slowly up and down with small reversals",
-    "stiffness_drift_rate": "repeat the first record last",
-    "sensor_drift_rate": "take a reading at rest before and after",
-    "mass": "weigh the moving mass, or shake it at high frequency",
-    "stiffness": "hold a constant force until it rests",
-    "second_mass": "sweep through both resonances",
-    "second_stiffness": "sweep through both resonances",
-    "second_damping": "sweep through both resonances",
-}
+FORCES = frozenset(name for name, parameter in PARAMETERS.items() if parameter.gained)
+_UNKNOWN = Parameter("", "", "1", -math.inf, math.inf, "")
 _DEFAULT_ADVICE = "add an experiment in which this effect is stronger"
 
 
@@ -141,11 +99,8 @@ def motionless(names: tuple[str, ...]) -> OpenDirection:
 
 def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool) -> str:
     listed = ", ".join(physical)
-    if "offset_force" in physical and zeros and len(physical) == 1:
-        return (
-            "offset_force and the position's zero shift the rest position alike, so only their sum is known "
-            f"(F0/k + zero): {_ADVICE['offset_force']}."
-        )
+    if len(physical) == 1 and zeros and (why := _of(listed).open_with_zero):
+        return f"{listed} and the position's zero {why}: {_of(listed).advice}."
     if common and not forced:
         return (
             f"{listed} are known only up to a common factor, as no force acts in this data; their ratios are known: "
@@ -153,16 +108,20 @@ def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool)
         )
     if common:
         return f"{listed} are known only up to a common factor: push with a known force, or weigh the moving mass."
-    if "gain_slope" in physical and len(physical) > 1:
-        return (
-            f"gain_slope cannot be told from the scale of {', '.join(n for n in physical if n != 'gain_slope')}, as "
-            f"the force has one size only: {_ADVICE['gain_slope']}."
-        )
-    advice = next((_ADVICE[name] for name in reversed(physical) if name in _ADVICE), _DEFAULT_ADVICE)
+    scale = next((name for name in physical if _of(name).open_with_scale), None)
+    if scale is not None and len(physical) > 1:
+        others = ", ".join(name for name in physical if name != scale)
+        return f"{scale} {_of(scale).open_with_scale.format(others=others)}: {_of(scale).advice}."
+    advice = next((_of(name).advice for name in reversed(physical) if _of(name).advice), _DEFAULT_ADVICE)
     if len(physical) == 1:
         tail = " and the position's zero" if zeros else ""
         return f"{listed}{tail} is left open by this data: {advice}."
     return f"{listed} cannot be told apart by this data; only a combination of them is known: {advice}."
+
+
+def _of(name: str) -> Parameter:
+    """What the library says of a parameter; of one that it does not have, nothing."""
+    return PARAMETERS.get(name, _UNKNOWN)
 
 
 def _common_factor(change: FloatArray, values: FloatArray, names: tuple[str, ...]) -> bool:
@@ -183,6 +142,6 @@ def loose(names: tuple[str, ...], values: FloatArray, std: FloatArray, reference
     found = []
     for name, value, deviation, size in zip(names, values, std, reference, strict=True):
         if " of " not in name and deviation > max(abs(value), size):
-            advice = _ADVICE.get(name, _DEFAULT_ADVICE)
+            advice = _of(name).advice or _DEFAULT_ADVICE
             found.append(OpenDirection(((name, 1.0),), f"{name} is left open by this data: {advice}."))
     return found

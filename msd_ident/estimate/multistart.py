@@ -3,7 +3,7 @@
 Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
 whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
 first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
-valley too, and is then the end. If not, the other starts are explored; then the parameters of dry friction and backlash
+valley too, and is then the end. If not, the other starts are explored; then kinked parameters (``Parameter.kinked``)
 jump, for their surface has a valley for every number of half-swings, and hop to the next where these lie close; and
 where even the best fits badly, the horizon is grown: over the first few swings a wrong frequency cannot yet slip by a
 whole cycle. Exploring is rough: long records are thinned for it, and a valley that others undercut is not followed to
@@ -23,10 +23,10 @@ from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 
+#: Starts that are followed beyond a first look.
 _REFINED = 3
-_FIRST = 6
-_SHORT = 12
-_LONG = 120
+#: Iterations of a first look at a start, of a jump, and of a refinement.
+_FIRST, _SHORT, _LONG = 6, 12, 120
 #: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
 _EXPLORED = 25
 _WORTH = 1e-5
@@ -34,6 +34,7 @@ _WORTH = 1e-5
 _ENOUGH = 5_000
 #: This many noise floors: the right valley of the right model.
 _AT_FLOOR = 1.3
+#: Samples in the blocks whose sums tell a pattern from noise.
 _BLOCKS = (8, 32)
 #: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
 _COARSE = 100.0
@@ -41,14 +42,13 @@ _COARSE = 100.0
 _VAGUE = 0.01
 #: More than this part of the motion's spread left: phase has slipped somewhere.
 _SLIPPED = 0.2
+#: Parts of the records over which a fit grows: the first holds a swing or so.
 _HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
 #: From this horizon on only the best starts are followed.
 _DECIDED = 0.12
-#: Parameters that give the cart many places to rest in, so that a small error sends it to another one.
-_MULTISTABLE = ("cogging_amplitude", "second_mass")
-#: Parameters whose surface is kinked, and the factors by which a jump tries its other valleys.
-_KINKED = ("coulomb_force", "static_force", "backlash_half_width", "stop_position")
+#: Factors by which a jump tries the other valleys of a kinked parameter.
 _JUMPS = (0.55, 0.8, 1.25, 1.8)
+#: Valleys next to each other that are gone through, at most.
 _MOST_HOPS = 4
 
 
@@ -96,7 +96,7 @@ class Valleys:
 
     def _deepest_of(self, best: Solution, others: Sequence[FloatArray]) -> Solution:
         """The best of what was found and of what the other starts lead to."""
-        if set(_MULTISTABLE) & set(self.problem.names):
+        if any(parameter.multistable for parameter in self.problem.parameters):
             best = _deeper(best, self._grow(others))
             if self.at_floor(best):
                 return best
@@ -132,7 +132,7 @@ class Valleys:
 
     def _jump(self, best: Solution, all_entries: bool) -> Solution:
         """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
-        kinked = [entry for entry, name in enumerate(self.problem.names) if name in _KINKED]
+        kinked = [entry for entry, parameter in enumerate(self.problem.parameters) if parameter.kinked]
         if not kinked:
             return best
         if not all_entries:

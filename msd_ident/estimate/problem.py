@@ -19,7 +19,8 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
-from msd_ident.model import Model, Simulator
+from msd_ident.model import Model, Parameter, Simulator
+from msd_ident.model.base_model import OFFSET_FORCE
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
@@ -109,6 +110,11 @@ class Problem:
         """Name of each entry of the vector."""
         own = tuple(f"{n.kind} of {self.records[n.record].name}" for n in self.nuisances)
         return tuple(self.model.names[i] for i in self.free) + own
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The free parameters, in the order of the vector's first entries."""
+        return tuple(self.model.parameters[i] for i in self.free)
 
     def vector(self, values: Mapping[str, float], initial: Sequence[Initial]) -> FloatArray:
         """The vector for these parameter values and initial states."""
@@ -219,11 +225,11 @@ class Problem:
         gradient = np.zeros(vector.size)
         start = len(self.free) + self.nuisances.index(Nuisance(balance.record, "initial position"))
         gradient[start] = 1.0
-        if "offset_force" not in self.model.names:
+        if OFFSET_FORCE not in self.model.names:
             return float(vector[start]), gradient
         values = dict(zip(self.model.names, self.values(vector).tolist(), strict=True))
-        stiffness, offset = max(values["stiffness"], 1e-9), values["offset_force"]
-        slopes = {"offset_force": 1.0 / stiffness, "stiffness": -offset / stiffness**2}
+        stiffness, offset = max(values["stiffness"], 1e-9), values[OFFSET_FORCE]
+        slopes = {OFFSET_FORCE: 1.0 / stiffness, "stiffness": -offset / stiffness**2}
         for place, index in enumerate(self.free):
             gradient[place] = slopes.get(self.model.names[index], 0.0)
         return float(vector[start]) + offset / stiffness, gradient

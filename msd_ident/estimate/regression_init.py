@@ -12,7 +12,8 @@ keeps the one whose simulation fits best.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import inspect
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,24 +22,42 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.windows import breadths
+from msd_ident.model.base_model import OFFSET_FORCE, PLANT
+from msd_ident.model.parameters import PARAMETERS
+
+#: What a column depends on first; columns stand in this order: friction, constant forces, drag, springs. Sums round
+#: differently in another.
+_SIGNALS = ("direction", "", "v", "x")
+
+
+def _arguments(name: str) -> tuple[str, ...]:
+    """Argument names of the regressor of a parameter."""
+    return tuple(inspect.signature(_regressor(name)).parameters)
+
+
+def _regressor(name: str) -> Callable[..., FloatArray]:
+    found = PARAMETERS[name].regressor
+    assert found is not None
+    return found
+
+
+def _place(name: str) -> tuple[int, str]:
+    """Where a parameter's column stands among those of effects."""
+    return _SIGNALS.index(next(iter(_arguments(name)), "")), name
+
 
 #: Parameters that enter the equation of motion linearly through something that x and v tell.
-LINEAR = (
-    "mass",
-    "damping",
-    "stiffness",
-    "coulomb_force",
-    "offset_force",
-    "drag_coefficient",
-    "cubic_stiffness",
-    "quadratic_stiffness",
-    "stop_stiffness",
-)
+LINEAR = (*PLANT, *sorted((p.name for p in PARAMETERS.values() if p.regressor), key=_place))
 #: Those of them that every regression has: the integrals of x by parts, and the constant.
-_MOTION = ("mass", "damping", "stiffness", "offset_force")
-_NOT_NEGATIVE = ("damping", "coulomb_force", "drag_coefficient", "stop_stiffness")
+_MOTION = (*PLANT, OFFSET_FORCE)
+#: Those that take energy out of the motion, or push back: set to 0 where they come out negative.
+_NOT_NEGATIVE = ("damping", *(name for name in LINEAR if name not in PLANT and PARAMETERS[name].lower == 0.0))
+#: Half widths of the bump [samples], from little to much smoothing.
 _WIDTHS = (6, 16, 42, 110, 290)
+#: Places of the bump in a record, at most: more of them overlap and say the same.
 _MOST_PLACES = 2000
+#: Part of the top speed below which the cart may rest, and part of the bump over which it moves in a place that counts.
+_SLOW, _MOVING = 0.01, 0.7
 
 
 @dataclass(frozen=True)
@@ -92,12 +111,11 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
     for half in _WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
-        stop = regression.given.get("stop_position", 0.0)
         smoothed = [
             record.kept(("means", level, half), partial(_Means, grid, half))
             for record, grid, level in zip(records, grids, levels, strict=True)
         ]
-        values = _regress([means.rows(names, stop) for means in smoothed], regression, held)
+        values = _regress([means.rows(names, regression.given) for means in smoothed], regression, held)
         if values is None:
             continue
         zeros = [zero + level for zero, level in zip(_zeros(values, len(records)), levels, strict=True)]
@@ -152,7 +170,7 @@ class _Means:
         period, position = grid.period, grid.position
         self._grid, self._half = grid, half
         self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
-        slow = max(0.01 * float(np.max(np.abs(velocity))), 1e-300)
+        slow = max(_SLOW * float(np.max(np.abs(velocity))), 1e-300)
         self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
         s = np.linspace(-1.0, 1.0, 2 * half + 1)
         self._bump = bump = (1.0 - s**2) ** 3
@@ -162,48 +180,41 @@ class _Means:
         bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
         self._stride = max(half // 2, -(-position.size // _MOST_PLACES))
         # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > 0.7 * float(bump.sum())
+        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > _MOVING * float(bump.sum())
         motion = self._over(position, bend, -slope, bump)[self._moving]
         self.constant = np.full(motion.shape[0], float(bump.sum()))
         self.force = self._over(grid.force, bump)[self._moving, 0]
-        self._columns = {("mass", 0.0): motion[:, 0], ("damping", 0.0): motion[:, 1], ("stiffness", 0.0): motion[:, 2]}
-        self._columns["offset_force", 0.0] = self.constant
+        self._columns: dict[tuple[str, tuple[float, ...]], FloatArray] = {
+            (name, ()): motion[:, i] for i, name in enumerate(PLANT)
+        }
+        self._columns[OFFSET_FORCE, ()] = self.constant
 
     def _over(self, signal: FloatArray, *weights: FloatArray) -> FloatArray:
         windows = sliding_window_view(signal, 2 * self._half + 1)[:: self._stride]
         return np.asarray(windows @ np.stack(weights, axis=1))
 
-    def column(self, name: str, stop: float) -> FloatArray:
-        """Of what a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
-        key = name, stop if name == "stop_stiffness" else 0.0
+    def column(self, name: str, given: Mapping[str, float]) -> FloatArray:
+        """Of what a parameter's force is proportional to, where its law has these inner parameters."""
+        inner = () if name in PLANT else tuple(argument for argument in _arguments(name) if argument not in _SIGNALS)
+        key = name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
-            signal = _signal(name, self._grid.position, self._velocity, self._direction, stop)
-            self._columns[key] = self._over(signal, self._bump)[self._moving, 0]
+            motion = {"direction": self._direction, "v": self._velocity, "x": self._grid.position}
+            signal = _regressor(name)(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
+            self._columns[key] = self._over(np.asarray(signal), self._bump)[self._moving, 0]
         return self._columns[key]
 
-    def rows(self, names: Collection[str], stop: float) -> _Rows:
+    def rows(self, names: Collection[str], given: Mapping[str, float]) -> _Rows:
         """The rows of a regression on these parameters."""
-        return _Rows({name: self.column(name, stop) for name in (*_MOTION, *names)}, self.constant, self.force)
-
-
-def _signal(name: str, position: FloatArray, velocity: FloatArray, direction: FloatArray, stop: float) -> FloatArray:
-    """What a parameter's force is proportional to; ``stop`` [m] is where an end stop begins."""
-    if name == "coulomb_force":
-        return direction
-    if name == "drag_coefficient":
-        return velocity * np.abs(velocity)
-    if name == "stop_stiffness":
-        return np.asarray(np.sign(position) * np.maximum(np.abs(position) - stop, 0.0))
-    return position**3 if name == "cubic_stiffness" else position**2
+        return _Rows({name: self.column(name, given) for name in (*_MOTION, *names)}, self.constant, self.force)
 
 
 def _regress(rows: list[_Rows], regression: Regression, held: list[bool]) -> dict[str, float] | None:
     """Least squares over all rows; values by name, and ``constant i`` for that of a record i that is not held."""
     given = regression.given
     names = [name for name in LINEAR if name in given and name in regression.free]
-    constants = [i for i in range(len(rows)) if regression.zero_free and not held[i] and "offset_force" not in names]
+    constants = [i for i in range(len(rows)) if regression.zero_free and not held[i] and OFFSET_FORCE not in names]
     right = np.concatenate([part.force for part in rows])
-    if not any(_pushes(part.force, i in constants or "offset_force" in names) for i, part in enumerate(rows)):
+    if not any(_pushes(part.force, i in constants or OFFSET_FORCE in names) for i, part in enumerate(rows)):
         names = [name for name in names if name != "mass"]  # nothing sets the scale, so the mass keeps its value
     for name in LINEAR:
         if name in given and name not in names:

@@ -22,6 +22,7 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
+from msd_ident.model.effects.base import DELAY, LAG, SECOND_MASS
 
 _SLAVE = '''
 
@@ -81,7 +82,7 @@ class FmuTarget(PythonTarget):
     imported = False
 
     def saying(self, effect: Effect, model: Model) -> Saying:
-        if effect.name == "time_offset" and effect.values[0] < 0.0:
+        if effect.structure == DELAY and effect.values[0] < 0.0:
             return BEFORE
         return super().saying(effect, model)
 
@@ -113,8 +114,8 @@ class FmuTarget(PythonTarget):
 def _filled(plan: Plan, name: str) -> str:
     filled = _SLAVE
     parts = {**python_source.structure(plan), **python_source.memory(plan), "CLASS": name}
-    lag = ", lag" if plan.model.has("actuator_lag") else ""
-    parts["FMU_START"] = lag + (", position, velocity" if plan.model.has("second_mode") else "")
+    lag = ", lag" if plan.model.structure(LAG) else ""
+    parts["FMU_START"] = lag + (", position, velocity" if plan.model.structure(SECOND_MASS) else "")
     for key, value in parts.items():
         filled = filled.replace(f"@{key}@", value)
     return filled

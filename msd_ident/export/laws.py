@@ -10,10 +10,7 @@ from collections.abc import Callable, Iterable
 
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
-
-#: Effects that have no law of force: they change how the plant is built.
-STRUCTURES = ("actuator_lag", "backlash", "end_stop", "second_mode", "time_offset")
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, LAG, OUTSIDE, SECOND_MASS
 
 
 def number(value: float) -> str:
@@ -107,9 +104,10 @@ def fastest(model: Model) -> float:
     a damping.
     """
     value = dict(zip(model.names, model.values.tolist(), strict=True))
-    stiffness = model.stiffness + value.get("second_stiffness", 0.0)
+    second, coupling, coupling_damping = model.structure(SECOND_MASS) or (0.0, 0.0, 0.0)
+    stiffness = model.stiffness + coupling
     stiffness += sum(abs(value[one.knee[1]]) for one in model.effects if one.knee and one.knee != AT_ZERO)
-    damping = model.damping + value.get("second_damping", 0.0)
+    damping = model.damping + coupling_damping
     for effect in model.effects:
         force, length, speed = (_of_unit(effect, unit) for unit in ("N", "m", "m/s"))
         if force and length and effect.laws():
@@ -117,10 +115,9 @@ def fastest(model: Model) -> float:
         if force and speed and effect.laws():
             damping += max(force) / min(speed)
     rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
-    if second := value.get("second_mass", 0.0):
-        rates += [math.sqrt(value["second_stiffness"] / second), value["second_damping"] / second]
-    if lag := value.get("lag_time", 0.0):
-        rates.append(1.0 / lag)
+    if second:
+        rates += [math.sqrt(coupling / second), coupling_damping / second]
+    rates += [1.0 / lag for lag in model.structure(LAG) if lag]
     return float(max(rates))
 
 

@@ -8,6 +8,7 @@ from msd_ident.export import header, laws
 from msd_ident.export.mujoco_elements import SENSOR
 from msd_ident.export.plan import Plan
 from msd_ident.model.effects import Effect
+from msd_ident.model.effects.base import DELAY, LAG, PLAY
 
 _HEAD = '''"""{header}
 
@@ -131,7 +132,7 @@ def _installed(plan: Plan, called: Sequence[Effect], kinds: set[str], remembers:
     if "input_map" in kinds:
         mapped = laws.one(called, "input_map", "u")
         body += _command(plan, mapped)
-        setters.append("set_mjcb_act_dyn" if plan.model.has("actuator_lag") else "set_mjcb_act_gain")
+        setters.append("set_mjcb_act_dyn" if plan.model.structure(LAG) else "set_mjcb_act_gain")
     if "reading" in kinds:
         body += _sensor(laws.one(called, "reading", "x"))
         setters.append("set_mjcb_sensor")
@@ -171,7 +172,7 @@ def _passive(called: Sequence[Effect], kinds: set[str], remembers: bool) -> str:
 
 def _spring(plan: Plan) -> str:
     """The linear spring's force, behind its play where there is one."""
-    stiffness, gap = laws.number(plan.model.stiffness), laws.number(plan.value("backlash_half_width"))
+    stiffness, gap = laws.number(plan.model.stiffness), laws.number(sum(plan.model.structure(PLAY), 0.0))
     law = f"{stiffness} * (x - min(max(x, -{gap}), {gap}))"
     return f'def spring(x):\n    """Force [N] of the spring."""\n    return {law}'
 
@@ -182,15 +183,15 @@ def _uses(called: Sequence[Effect], name: str) -> bool:
 
 def _command(plan: Plan, mapped: str) -> str:
     reading = ["    u = data.ctrl[number]"]
-    if plan.model.has("time_offset"):
+    if plan.model.structure(DELAY):
         reading = [
             "    line = model.actuator_history[number, 1]",
             "    u = mujoco.mj_readCtrl(model, data, number, data.time, numpy.zeros(1), line)[0]",
         ]
-    if plan.model.has("actuator_lag"):
+    if lag := plan.model.structure(LAG):
         own = ["def act_dyn(model, data, number):", *reading,
                "    act = data.act[model.actuator_actadr[number]]",
-               f"    return ({mapped} - act) / {laws.number(plan.value('lag_time'))}"]  # fmt: skip
+               f"    return ({mapped} - act) / {laws.number(lag[0])}"]  # fmt: skip
     else:
         own = ["def act_gain(model, data, number):", *reading, f"    return {mapped} / u if u else 1.0"]
     return "\n" + _indented(own)

@@ -12,6 +12,7 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
+from msd_ident.model.effects.base import DELAY
 
 _SAID = {
     "sensor_drift": Saying("cannot", "no element drifts; readings are the joint's position"),
@@ -38,7 +39,7 @@ class MujocoXmlTarget(Target):
         return Saying("approximated", "the nearest m, b, k, friction and other elements are fitted in its place")
 
     def saying(self, effect: Effect, model: Model) -> Saying:
-        if effect.name == "time_offset" and effect.values[0] < 0.0:
+        if effect.structure == DELAY and effect.values[0] < 0.0:
             return mujoco_elements.BEFORE
         if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
             return Saying("exact", "ctrlrange")

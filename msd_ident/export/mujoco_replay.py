@@ -17,6 +17,7 @@ from msd_ident.errors import DataError, SetupError
 from msd_ident.export.mujoco_elements import ACTUATOR, SECOND, SENSOR
 from msd_ident.export.plan import Plan
 from msd_ident.export.target import InitialState
+from msd_ident.model.effects.base import DELAY, LAG
 
 
 def library() -> Any:
@@ -134,7 +135,8 @@ def lagged(record: Record, plan: Plan) -> float:
 
     A first stamp before the record is a force that has acted for long; otherwise there was none.
     """
-    tau, shift, begin = plan.value("lag_time"), plan.value("time_offset"), float(record.time[0])
+    tau, shift = (sum(plan.model.structure(role)) for role in (LAG, DELAY))
+    begin = float(record.time[0])
     stamps = record.force_time + shift
     if tau <= 0.0 or stamps[0] >= begin:
         return 0.0

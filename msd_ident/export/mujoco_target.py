@@ -15,6 +15,7 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
+from msd_ident.model.effects.base import DELAY
 
 _MODEL = """<!--
 {header}
@@ -53,7 +54,7 @@ class MujocoTarget(Target):
         return mujoco_elements.says(effect)
 
     def saying(self, effect: Effect, model: Model) -> Saying:
-        if effect.name == "time_offset" and effect.values[0] < 0.0:
+        if effect.structure == DELAY and effect.values[0] < 0.0:
             return mujoco_elements.BEFORE
         return super().saying(effect, model)
 

@@ -10,11 +10,12 @@ from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.formulation import Zero
 from msd_ident.export.target import Target
 from msd_ident.model import Model, Plant
+from msd_ident.model.base_model import DRY_FRICTION, FRICTION_FORCE
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.workflow.saved_model import SavedModel
 
 #: Stands in where a format has friction of one kind only.
-_STAND_IN = "coulomb_friction"
+_STAND_IN = DRY_FRICTION
 #: A stand-in stays where it makes the error this much smaller.
 _WORTH = 0.99
 
@@ -88,7 +89,7 @@ def _structures(target: Target, kept: Model) -> list[Model]:
     friction = by_name(_STAND_IN)
     found = [kept]
     if target.says(friction).kind == "exact" and not any(effect.family == friction.family for effect in kept.effects):
-        found.append(kept + friction.from_values({"coulomb_force": 0.0}))
+        found.append(kept + friction.from_values({FRICTION_FORCE: 0.0}))
     return found
 
 
@@ -101,7 +102,7 @@ def _fitted(saved: SavedModel, model: Model, records: Sequence[Record]) -> FitRe
     given = {name for name, quantity in saved.parameters.items() if quantity.std == 0.0 and name in model.names}
     fixed = given | ({"stiffness"} if model.stiffness == 0.0 else set())
     zero: Zero = "free" if model.stiffness > 0.0 else "known"
-    starts = [model.with_values({"coulomb_force": 0.02 * _force(records, model)})] if model.has(_STAND_IN) else []
+    starts = [model.with_values({FRICTION_FORCE: 0.02 * _force(records, model)})] if model.has(_STAND_IN) else []
     return fit(model, records, fixed=fixed, zero=zero, search="near", starts=starts)
 
 

@@ -6,7 +6,11 @@ from collections.abc import Iterable
 
 from msd_ident.export import laws
 from msd_ident.export.plan import Plan
-from msd_ident.model import Effect
+from msd_ident.model import Effect, Model
+from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
+
+#: Parts of the structure (``Effect.structure``) that the file has.
+STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS)
 
 _FILE = '''"""@HEADER@
 
@@ -186,7 +190,7 @@ def lagged(begin, stamps, levels):
     force = levels[0]
     for i in np.flatnonzero(stamps < begin):
         end = min(begin, stamps[i + 1]) if i + 1 < stamps.size else begin
-        force = levels[i] + (force - levels[i]) * math.exp(-(end - stamps[i]) / lag_time)
+        force = levels[i] + (force - levels[i]) * math.exp(-(end - stamps[i]) / @LAG@)
     return force
 '''
 
@@ -196,7 +200,7 @@ def text(plan: Plan, header: str, module: str) -> str:
     filled = _FILE
     for name, value in {**_values(plan, header, module), **structure(plan), **memory(plan)}.items():
         filled = filled.replace(f"@{name}@", value)
-    return filled + (_LAGGED if plan.model.has("actuator_lag") else "")
+    return filled + "".join(_LAGGED.replace("@LAG@", time_constant) for time_constant in _names(plan.model, LAG))
 
 
 def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
@@ -231,24 +235,29 @@ def _driven(effects: Iterable[Effect]) -> bool:
     return any("driven" in laws.arguments(law) for effect in effects for law in effect.laws().values())
 
 
+def _names(model: Model, role: str) -> tuple[str, ...]:
+    """Names of the parameters of the effect with this part in the structure; empty where the model has none."""
+    return next((tuple(p.name for p in e.parameters) for e in model.effects if e.structure == role), ())
+
+
 def structure(plan: Plan) -> dict[str, str]:
     """What lag, second mass, stops, play and delay put into the text."""
     model = plan.model
-    lag, second = model.has("actuator_lag"), model.has("second_mode")
-    gap = "backlash_half_width"
-    play = f"stiffness * (x - min(max(x, -{gap}), {gap}))"
-    coupling = "second_stiffness * (x - x2) + second_damping * (v - v2)"
+    play, lag, delay, second = (_names(model, role) for role in STRUCTURES)
+    spring = "".join(f"stiffness * (x - min(max(x, -{gap}), {gap}))" for gap in play)
+    m2, k2, b2 = second or ("", "", "")
+    coupling = f"{k2} * (x - x2) + {b2} * (v - v2)"
     return {
-        "BEHIND": " behind its play" if model.has("backlash") else "",
-        "SPRING": play if model.has("backlash") else "stiffness * x",
+        "BEHIND": " behind its play" if play else "",
+        "SPRING": spring or "stiffness * x",
         "STATE": (", lagged force" if lag else "") + (", the second mass's" if second else ""),
         "UNPACK": (", f" if lag else "") + (", x2, v2" if second else ""),
         "APPLIED": "f" if lag else "push",
         "STOP": "".join(f" - {force}" for force in laws.knees(model.effects)),
         "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
-        "RATES": (", (push - f) / lag_time" if lag else "") + (f", v2, ({coupling}) / second_mass" if second else ""),
+        "RATES": "".join(f", (push - f) / {tau}" for tau in lag) + (f", v2, ({coupling}) / {m2}" if second else ""),
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + (", position, velocity" if second else ""),
-        "DELAY": "time_offset" if model.has("time_offset") else "0.0",
+        "DELAY": delay[0] if delay else "0.0",
     }
 
 

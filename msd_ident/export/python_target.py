@@ -27,7 +27,7 @@ class PythonTarget(Target):
     def says(self, effect: type[Effect]) -> Saying:
         if effect.jumps:
             return Saying("cannot", "its force begins with a jump between two steps of the file")
-        if effect.laws() or effect.knee or effect.name in laws.STRUCTURES:
+        if effect.laws() or effect.knee or effect.structure in python_source.STRUCTURES:
             return Saying("exact", "its law, in the file")
         return Saying("cannot", "no law that the file could hold")
 

@@ -15,8 +15,6 @@ from msd_ident.model.effects import LIBRARY, Effect
 from msd_ident.model.plant import PLANT_PARAMETERS
 from msd_ident.model.simulator import Simulator
 
-#: Effects that carry a state besides position and velocity: they are simulated from further back.
-REMEMBERING = frozenset({"actuator_lag", "hysteresis", "second_mode", "time_offset"})
 #: How far back the simulation begins, at least and at most [s]; the state at its begin is the model's own.
 SHORT, LONG = 0.2, 5.0
 #: A pause of the encoder after which the model starts anew from a measured state [s].
@@ -93,7 +91,7 @@ class Shadow:
         self.beside = beside
         self._hold: Hold = hold
         self._at = _Checkpoint(first)
-        remembers = not REMEMBERING.isdisjoint(beside.model.effect_names)
+        remembers = any(effect.remembers() for effect in beside.model.effects)
         # Without a spring nothing pulls an error back: the model starts anew from the measurement now and then.
         self._free = beside.model.stiffness == 0.0
         self._span = LONG if remembers or self._free else SHORT

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
+from msd_ident.model.effects.base import LAG, SECOND_MASS
 from msd_ident.model.plant import Model, Plant
 
 if TYPE_CHECKING:
@@ -62,11 +63,11 @@ def transfer_function(model: Model) -> control.TransferFunction:
 
     s = control.tf("s")
     impedance = model["mass"] * s**2 + model["damping"] * s + model["stiffness"]
-    if model.has("second_mode"):
-        m2, k2, b2 = (model[name] for name in ("second_mass", "second_stiffness", "second_damping"))
+    if second := model.structure(SECOND_MASS):
+        m2, k2, b2 = second
         coupling = b2 * s + k2
         impedance = impedance + coupling * (m2 * s**2) / (m2 * s**2 + coupling)
     plant = 1 / impedance
-    if model.has("actuator_lag"):
-        plant = plant / (model["lag_time"] * s + 1)
+    for time_constant in model.structure(LAG):
+        plant = plant / (time_constant * s + 1)
     return plant

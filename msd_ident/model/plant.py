@@ -16,10 +16,19 @@ from msd_ident.model.effects.base import Effect, Parameter
 FloatArray = npt.NDArray[np.float64]
 
 PLANT_PARAMETERS = (
-    Parameter("mass", "m", "kg", 0.0, math.inf, "moving mass"),
-    Parameter("damping", "b", "N·s/m", 0.0, math.inf, "viscous damping"),
-    Parameter("stiffness", "k", "N/m", 0.0, math.inf, "spring stiffness"),
-)
+    Parameter(
+        "mass", "m", "kg", 0.0, math.inf, "moving mass",
+        advice="weigh the moving mass, or shake it at high frequency", gained=True, inertia=True,
+    ),
+    Parameter(
+        "damping", "b", "N·s/m", 0.0, math.inf, "viscous damping",
+        advice="let it ring down over amplitudes of at least 3:1", gained=True, most=1e3,
+    ),
+    Parameter(
+        "stiffness", "k", "N/m", 0.0, math.inf, "spring stiffness",
+        advice="hold a constant force until it rests", gained=True,
+    ),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -113,6 +122,10 @@ class Model:
     def has(self, name: str) -> bool:
         """Whether an effect of this name acts."""
         return name in self.effect_names
+
+    def structure(self, role: str) -> tuple[float, ...]:
+        """Values of the effect with this part in the structure (``Effect.structure``); empty where none has it."""
+        return next((effect.values for effect in self.effects if effect.structure == role), ())
 
     def effect(self, name: str) -> Effect:
         """The effect of this name."""

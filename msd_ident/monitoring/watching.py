@@ -12,12 +12,13 @@ import numpy as np
 from msd_ident import seeds
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError, UsageError
+from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.monitoring.alarm import Detector, Ranks, Regression, rank_evidence, shift_evidence
 from msd_ident.monitoring.changes import Change, changes
 
 SCHEMA = "msd.watch/1"
 #: Parameters that are watched: those that every model has, so that a series has no gaps.
-WATCHED = ("mass", "damping", "stiffness", "coulomb_force")
+WATCHED = (*PLANT, FRICTION_FORCE)
 #: What moves a parameter without any wear, where a record has it.
 COVARIATES = ("temperature", "load")
 YEAR = 365.25 * 86400.0

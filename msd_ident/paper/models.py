@@ -11,8 +11,8 @@ import scipy.optimize
 from msd_ident.data.record import FloatArray, Record, from_samples
 from msd_ident.features import equations
 from msd_ident.model import Effect, Model, Simulator, Trajectory
+from msd_ident.model.base_model import FRICTION_FORCE, DryFriction
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.paper.tables import Table1, derive, plant
 
 LENGTHS, TIMES = ("first_peak", "second_peak", "steady_state"), ("first_time", "second_time")
@@ -217,7 +217,7 @@ def coulomb_starts(table: Table1) -> list[Model]:
     derived = derive(table)
     base = plant(derived)
     return [
-        base.with_values({"damping": part * derived.damping}) + CoulombFriction(share * derived.force)
+        base.with_values({"damping": part * derived.damping}) + DryFriction(share * derived.force)
         for share, part in ((0.003, 1.5), (0.01, 1.0), (0.03, 0.7), (0.06, 0.2))
     ]
 
@@ -255,7 +255,7 @@ def _decidable(effect: type[Effect]) -> bool:
 
 def _with_effect(effect: type[Effect], base: Model, record: Record, table: Table1) -> Closest | None:
     starts = [base + guess for guess in effect.guess(record, base)[:_STARTS]]
-    if starts and "coulomb_force" in starts[0].names:
+    if starts and FRICTION_FORCE in starts[0].names:
         # A law that has Coulomb's as a special case begins there too, so its sum of squares is never larger.
         neutral = dict(effect.neutral)
         known = [dict(zip(one.names, one.values.tolist(), strict=True)) for one in coulomb_starts(table)]

@@ -16,9 +16,11 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.estimate.see import see, see_reduction
 from msd_ident.model import Model, Simulator
+from msd_ident.model.base_model import FRICTION_FORCE, DryFriction
 
 #: Standard gravity [m/s²].
 GRAVITY = 9.81
+#: Forces that are tried before the search homes in on the best.
 _COARSE = 25
 
 
@@ -59,16 +61,14 @@ def paper_refine(model: Model, record: Record, initial: Initial | None = None) -
     Raises:
         UsageError: the model has dry friction already.
     """
-    from msd_ident.model.effects.coulomb_friction import CoulombFriction
-
-    if "coulomb_force" in model.names:
+    if FRICTION_FORCE in model.names:
         raise UsageError(
             "the model has dry friction already; expected the plant alone: the paper starts from no friction"
         )
     start = initial if initial is not None else record_start(record)
-    rubbing = model + CoulombFriction(0.0)
+    rubbing = model + DryFriction(0.0)
     simulator = Simulator(rubbing, record)
-    place = rubbing.names.index("coulomb_force")
+    place = rubbing.names.index(FRICTION_FORCE)
 
     def residual(force: float) -> FloatArray:
         values = rubbing.values.copy()
@@ -80,7 +80,7 @@ def paper_refine(model: Model, record: Record, initial: Initial | None = None) -
     before, after = residual(0.0), residual(force)
     return PaperRefinement(
         original=model,
-        refined=rubbing.with_values({"coulomb_force": force}),
+        refined=rubbing.with_values({FRICTION_FORCE: force}),
         initial=start,
         friction_coefficient=force / (model["mass"] * GRAVITY),
         see_original=see(before),

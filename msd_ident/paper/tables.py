@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from msd_ident.features import equations
 from msd_ident.model import Model, Plant
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.base_model import DryFriction
 
 GRAVITY = 9.81
 
@@ -98,5 +98,5 @@ def plant(derived: Derived) -> Model:
 
 def printed_refined(printed: Printed) -> Model:
     """The refined model as printed: m, b, k and µ, eq. 2."""
-    friction = CoulombFriction(printed.friction_coefficient * printed.mass * GRAVITY)
+    friction = DryFriction(printed.friction_coefficient * printed.mass * GRAVITY)
     return Plant(printed.mass, printed.damping, printed.stiffness) + friction

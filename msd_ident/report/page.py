@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.data.provenance import versions
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
+from msd_ident.model.effects import structural
+from msd_ident.model.effects.base import DELAY
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import Calibration
 from msd_ident.report.sections.causes import Causes
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
     from msd_ident.data.provenance import Provenance
     from msd_ident.data.record import FloatArray
+    from msd_ident.quantity import Quantity
     from msd_ident.report.plot import Plot, Role
     from msd_ident.workflow.identification import Identification
 
@@ -79,7 +82,7 @@ def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail:
         MissingForce(found, detail),
         Causes(found),
         Parameters(found.records, diagnosis_columns(found), found.extended.open_directions),
-        Data(found.records, found.findings, provenance, found.extended.quantities.get("time_offset")),
+        Data(found.records, found.findings, provenance, _delay(found)),
     ]
     if found.calibration is not None:
         sections.insert(4, Calibration(found.calibration))
@@ -183,6 +186,12 @@ def render(
         script=Markup(shipped("templates", "page.js")),
         plotly=Markup(shipped("vendor", "plotly-basic.min.js")),
     )
+
+
+def _delay(found: Diagnosis) -> Quantity | None:
+    """The delay of the force against its stamps [s], where the model has one."""
+    delay = structural(DELAY)
+    return found.extended.quantities.get(delay.parameters[0].name) if delay is not None else None
 
 
 def save(

@@ -9,6 +9,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from msd_ident.model.base_model import FRICTION_FORCE, OFFSET_FORCE
 from msd_ident.quantity import Quantity
 from msd_ident.report import numbers
 
@@ -24,9 +25,9 @@ WORDS = {
     "mass": ("mass", "m"),
     "damping": ("viscous damping", "b"),
     "stiffness": ("stiffness", "k"),
-    "coulomb_force": ("dry friction", "Fc"),
+    FRICTION_FORCE: ("dry friction", "Fc"),
     "friction_coefficient": ("friction coeff.", "µ"),
-    "offset_force": ("constant force", "F0"),
+    OFFSET_FORCE: ("constant force", "F0"),
     "natural_frequency": ("natural frequency", "ωn"),
     "damping_ratio": ("damping ratio", "ζ"),
     "static_gain": ("static gain", "K"),

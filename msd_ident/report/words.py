@@ -7,8 +7,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from msd_ident.diagnosis import verdict as said
-from msd_ident.model.effects import LIBRARY, by_name, spoken
-from msd_ident.model.plant import PLANT_PARAMETERS
+from msd_ident.model.effects import by_name, spoken
+from msd_ident.model.parameters import PARAMETERS
 from msd_ident.report.tables import WORDS
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ VERDICTS = {
     "ambiguous": "several causes possible",
     "unexplained": "no known cause",
 }
-_PARAMETERS = {p.name: p for p in (*PLANT_PARAMETERS, *(p for effect in LIBRARY for p in effect.parameters))}
 
 
 def effect(name: str) -> str:
@@ -50,7 +49,7 @@ def parameter(name: str) -> tuple[str, str]:
     """Words and symbol of a parameter."""
     if name in WORDS:
         return WORDS[name]
-    known = _PARAMETERS.get(name)
+    known = PARAMETERS.get(name)
     return (known.meaning, known.symbol) if known else (effect(name), "")
 
 

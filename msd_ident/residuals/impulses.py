@@ -15,6 +15,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.model import Model
+from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
 
 #: A push stands out of the missing force's scatter by this factor, and of its own uncertainty by the other.
@@ -53,8 +54,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
         return ()
     plant = (model["mass"], model["damping"], model["stiffness"])
     found = missing_force(record, plant, noise, zero)
-    dry = model["coulomb_force"] if "coulomb_force" in model.names else 0.0
-    friction = dry * np.sign(found.velocity)
+    friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
     usual = 1.4826 * float(np.median(np.abs(unexplained)))
     limit = np.maximum(_STANDS_OUT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))

@@ -21,12 +21,13 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
 from msd_ident.model import Model
+from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.noise_model import Readings
 
-_SPRING_KNOTS = 9
-_DAMPER_KNOTS = 5
-_ITERATIONS = 12
-_STEP = 1e-5
+#: Knots of the spring's curve over the range of positions, and of the damper's on each side of rest.
+_SPRING_KNOTS, _DAMPER_KNOTS = 9, 5
+#: Iterations of the fit, and finite-difference steps in parts of an entry's scale.
+_ITERATIONS, _STEP = 12, 1e-5
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ def _pose(
     low, high = min(float(r.position.min()) for r in records), max(float(r.position.max()) for r in records)
     places = np.linspace(low, high, _SPRING_KNOTS)
     top = max(_top_speed(record) for record in records)
-    friction = model["coulomb_force"] if "coulomb_force" in model.names else 0.0
+    friction = friction_force(model)
     step = max(record.period for record in records)
     # Dry friction as a steep line: no steeper than the integration step can follow.
     rest = max(0.003 * top, 2.0 * friction * step / model.mass)

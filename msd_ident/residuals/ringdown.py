@@ -15,20 +15,24 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
+from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
 
+#: Swings from which on a trend with the amplitude can be told.
 _FEWEST = 3
 #: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
 Reading = tuple[str, Mapping[str, tuple[int, ...]]]
-_RUBS: Reading = (
-    "dry friction",
-    dict.fromkeys(("coulomb_friction", "hysteresis", "position_dependent_friction", "stribeck_friction"), (1,)),
-)
-_DRAGS: Reading = ("drag that grows with the square of the speed", {"quadratic_drag": (1,)})
-_SOFTENS: Reading = (
-    "a softening spring",
-    {"asymmetric_spring": (-1, 1), "cubic_spring": (-1,), "hysteresis": (-1, 1)},
-)
-_HARDENS: Reading = ("a hardening spring", {"backlash": (1,), "cubic_spring": (1,), "end_stop": (1,)})
+
+
+def _reading(law: str, sign: str) -> Reading:
+    """A law in words, and the effects that say that they make such a ring-down (``Effect.ring_down``)."""
+    return law, {effect.name: effect.ring_down[sign] for effect in LIBRARY if sign in effect.ring_down}
+
+
+_RUBS = _reading("dry friction", RUBS)
+_DRAGS = _reading("drag that grows with the square of the speed", DRAGS)
+_SOFTENS = _reading("a softening spring", SOFTENS)
+_HARDENS = _reading("a hardening spring", HARDENS)
 #: Chi² by which a slope must beat a constant before a word is said, and standard deviation that is never undercut.
 _DECISIVE, _LEAST_RATIO, _LEAST_RELATIVE = 16.0, 2e-4, 5e-4
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from msd_ident.estimate import fit
 from msd_ident.estimate.base_fits import Shared, joint_fit, linear_fit
 from msd_ident.model import Model
+from msd_ident.model.base_model import OFFSET
 from msd_ident.selection.coarse_to_fine import MOST_SAMPLES
 from msd_ident.selection.hypothesis import COULOMB, Experiment, Hypothesis, refine
 from msd_ident.selection.starting_values import plain_axes
@@ -32,9 +33,9 @@ def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypoth
     fixed, few = tuple(experiment.fixed), experiment.thinned(MOST_SAMPLES).records
     rubbing, sprung = shared.joint, _sprung(experiment)
     if not sprung:
-        rubbing = fit(rubbing.model.without("force_offset"), experiment.records, fixed=fixed, search="near")
+        rubbing = fit(rubbing.model.without(OFFSET), experiment.records, fixed=fixed, search="near")
     plain = fit(experiment.base, few, fixed=fixed)
-    bare = rubbing.model.without("coulomb_friction")
+    bare = rubbing.model.without(COULOMB)
     starts = [(shared.linear.model, shared.linear.initial), (plain.model, plain.initial), (bare, rubbing.initial)]
     if not sprung:
         starts += plain_axes(few)

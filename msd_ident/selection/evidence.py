@@ -48,9 +48,6 @@ CALLED = 1.0
 _OVERRATED = 0.5
 #: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
 _STRENGTHS = 1e3
-#: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
-#: peak are seen by nothing, so they would cost nothing.
-_NO_PEAK = 0.01
 
 
 @dataclass(frozen=True)
@@ -195,14 +192,13 @@ class Ranking:
 
 
 def _same_as(fitted: Hypothesis) -> set[Causes]:
-    """Simpler sets that the fitted model is: an effect ended without strength, or Stribeck's law without its peak."""
+    """Simpler sets that the fitted model is: an effect ended without strength, or as nothing but Coulomb's friction."""
     model, found = fitted.model, set()
     for name in fitted.causes:
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
             found.add(fitted.causes - {name})
-    peaked = next((name for name in fitted.causes if by_name(name).cause() == "stribeck_friction"), None)
-    if peaked and model["static_force"] <= (1.0 + _NO_PEAK) * model["coulomb_force"]:
-        found.add(fitted.causes - {peaked} | {"coulomb_friction"})
+        if model.effect(name).is_dry_friction():
+            found.add(fitted.causes - {name} | {COULOMB})
     return found
 
 

@@ -15,6 +15,7 @@ from msd_ident.estimate.base_fits import Shared
 from msd_ident.estimate.least_squares import Solution, minimise
 from msd_ident.estimate.multistart import limits
 from msd_ident.estimate.objective import SquaredError
+from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Hypothesis
 
@@ -50,10 +51,11 @@ def _from_shared(fitted: Hypothesis, known: FitResult) -> FloatArray:
     for effect in model.effects:
         values |= {name: value for name, value in by_name(effect.name).neutral if np.isfinite(value)}
     values |= {name: known.model[name] for name in known.model.names if name in values}
-    rubs = known.model["coulomb_force"] if known.model.has(COULOMB) else 0.0
+    rubs = friction_force(known.model)
     for law, name in HOLDING_COULOMB.items():
         if law in fitted.causes:
             values[name] = rubs
-    if "static_force" in values:
-        values["static_force"] = rubs
+    for parameter in model.parameters:
+        if parameter.not_below:
+            values[parameter.name] = values[parameter.not_below]
     return np.clip(problem.vector(values, known.initial), problem.lower, problem.upper)

@@ -16,21 +16,16 @@ from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
+from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import rest_response
 from msd_ident.residuals.noise_model import Readings
 
 Causes = frozenset[str]
 
-COULOMB = "coulomb_friction"
+COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
-HOLDING_COULOMB = {
-    "stribeck_friction": "coulomb_force",
-    "stribeck_shape": "coulomb_force",
-    "load_dependent_friction": "coulomb_force",
-    "position_dependent_friction": "coulomb_force",
-    "hysteresis": "hysteresis_force",
-}
+HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
 _FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
 #: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
 _A_SWING = 20.0
@@ -224,14 +219,8 @@ class Hypothesis:
 
 
 def switched_off(model: Model) -> frozenset[str]:
-    """Parameters that are not fitted: they state something, or stand for the absence of a part of an effect (a limit at
-    infinity, and the slope beside a limit).
-    """
-    values = dict(zip(model.names, model.values.tolist(), strict=True))
-    off = {name for name, value in values.items() if math.isinf(value)} | {n for e in model.effects for n in e.held}
-    if values.get("gain_slope") == 0.0 and "force_limit" not in off:
-        off.add("gain_slope")
-    return frozenset(off)
+    """Parameters that are not fitted: they state something, or stand for the absence of a part of an effect."""
+    return frozenset(name for effect in model.effects for name in effect.idle())
 
 
 def causes_that_fit(causes: Causes) -> bool:
@@ -300,8 +289,8 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
         found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
-    for entry, name in enumerate(fitted.problem.names):
-        if not name.endswith("_phase"):
+    for entry, parameter in enumerate(fitted.problem.parameters):
+        if not parameter.is_phase:
             continue
         for turn in (-_KICK, _KICK):
             point = fitted.point.copy()

@@ -17,6 +17,7 @@ from msd_ident.estimate.broyden import State, Weighting
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
+from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.hypothesis import Hypothesis, weigh
 
@@ -82,8 +83,9 @@ def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray
         return fitted.point
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
     values |= in_force_unit(fitted.model, factor)
-    if "cogging_phase" in values:
-        values["cogging_phase"] += 2.0 * np.pi * start / values["cogging_pitch"]
+    for harmonic in (effect.harmonic for effect in fitted.model.effects):
+        if harmonic is not None and harmonic.over == PLACE:  # the place is counted from another zero
+            values[harmonic.phase] += 2.0 * np.pi * start / values[harmonic.scanned]
     initial = [
         replace(one, position=one.position - start, zero=one.zero + start) if i == known[0].record else one
         for i, one in enumerate(fitted.initial)
@@ -93,9 +95,9 @@ def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray
 
 def _with_peak(problem: Problem, point: FloatArray) -> FloatArray:
     """The vector with a breakaway force not below the sliding one: there, nothing would tell of it any more."""
-    if {"coulomb_force", "static_force"} <= set(problem.names):
-        sliding, breakaway = problem.names.index("coulomb_force"), problem.names.index("static_force")
-        point[breakaway] = max(point[breakaway], point[sliding])
+    for entry, parameter in enumerate(problem.parameters):
+        if parameter.not_below in problem.names:
+            point[entry] = max(point[entry], point[problem.names.index(parameter.not_below)])
     return point
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.selection.hypothesis import Hypothesis
 
-_WATCHED = ("mass", "damping", "stiffness", "coulomb_force")
+_WATCHED = (*PLANT, FRICTION_FORCE)
 
 
 def between(sets: Sequence[Hypothesis]) -> dict[str, tuple[float, float]]:

@@ -14,6 +14,7 @@ from msd_ident.estimate.formulation import regressed
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
+from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.selection.hypothesis import (
     COULOMB,
@@ -24,7 +25,7 @@ from msd_ident.selection.hypothesis import (
     StartingPoint,
     formulated,
 )
-from msd_ident.selection.starting_values import from_coulomb, guesses
+from msd_ident.selection.starting_values import guesses
 
 _KEPT = 3
 #: Relative difference of two promises that are one.
@@ -51,7 +52,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
     largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
-    rubs = parent.model["coulomb_force"] if COULOMB in parent.causes - causes else 0.0
+    rubs = friction_force(parent.model) if COULOMB in parent.causes - causes else 0.0
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
         return []  # a parent that ended without a spring is no place to bend it
     for name in sorted(causes - parent.causes):
@@ -59,7 +60,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         if simple is not None and simple.name not in causes:
             found = by_name(name).from_simple(simple, seen, plant)
         elif rubs > 0.0 and name in HOLDING_COULOMB:
-            found = from_coulomb(name, plant, seen, rubs)
+            found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:
             found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)
         models = [model + guess for model in models for guess in found]
@@ -165,11 +166,12 @@ def _placed(
 
 
 def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
-    """The model with its end stop at several places within reach, itself without one."""
-    if "stop_position" not in model.names:
+    """The model with what it meets on its way (an end stop) at several places within reach, itself without such."""
+    places = [parameter.name for parameter in model.parameters if parameter.within_reach]
+    if not places:
         return [model]
     reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values({"stop_position": share * reach}) for share in _STOPS]
+    return [model.with_values(dict.fromkeys(places, share * reach)) for share in _STOPS]
 
 
 def _exact_start(

@@ -12,22 +12,23 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
-from msd_ident.model.effects import by_name
-from msd_ident.model.effects.cogging import PITCHES, Cogging
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.model.effects.hysteresis import Hysteresis
-from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
-from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
-from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
-from msd_ident.model.effects.stribeck_shape import StribeckShape
+from msd_ident.model.effects import by_name, typical
+from msd_ident.model.effects.base import TIME
 from msd_ident.residuals.disturbance import missing_force
 
+#: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
+Term = tuple[float, float, float]
+
+#: Harmonic terms that a search begins from, the strongest.
 _LINES = 4
-_RATES = 60
-_TRIED = 160
+#: Values of b/m tried for a plain axis, and pitches tried for a ripple: evenly spaced in their logarithm.
+_RATES, _TRIED = 60, 160
+#: Samples that are enough for a regression on a ripple.
 _PLACES = 1500
+#: Amplitude [N] of a term that is not there: above 0, so that its frequency and phase still move something.
+_FAINT = 1e-12
+#: Limits of the force that a search begins from, in parts of the largest force.
+_SATURATED = (0.95, 0.75)
 
 
 def guesses(
@@ -44,37 +45,20 @@ def guesses(
         largest: magnitude of the force in any record [N].
         first: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
     """
-    harmonic = {"periodic_disturbance": lambda: lines(record, plant, residual),
-                "cogging": lambda: ripples(record, plant, residual, noise)}  # fmt: skip
-    if name in harmonic:
-        found = harmonic[name]()
-        return found if found and not first else found + by_name(name).guess(record, plant)[:1]
-    found = by_name(name).guess(record, plant)
-    if name == "force_gain_nonlinearity":  # its other form, saturation, which no slope leads to
-        found += tuple(ForceGainNonlinearity(0.0, share * largest) for share in (0.95, 0.75) if largest > 0.0)
+    effect = by_name(name)
+    if effect.harmonic is not None and not effect.form_of:
+        over_time = effect.harmonic.over == TIME
+        terms = lines(record, plant, residual) if over_time else ripples(record, plant, residual, noise)
+        found = tuple(effect.from_values(dict(zip(effect.harmonic.names, term, strict=True))) for term in terms)
+        return found if found and not first else found + effect.guess(record, plant)[:1]
+    found = effect.guess(record, plant)
+    if effect.limits_force:  # its other form, saturation, which no slope leads to
+        found += tuple(effect.limited(share * largest) for share in _SATURATED if largest > 0.0)
     return found
 
 
-def from_coulomb(name: str, plant: Model, record: Record, force: float) -> tuple[Effect, ...]:
-    """A law that holds Coulomb's as a limit, started next to a fitted Coulomb friction of ``force`` [N]."""
-    if name == "position_dependent_friction":
-        return (PositionDependentFriction(force, 0.0),)
-    if name == "load_dependent_friction":
-        return LoadDependentFriction.from_simple(CoulombFriction(force), record, plant)
-    if name == "stribeck_shape":
-        return tuple(
-            StribeckShape.within_bounds(*one.values, 1.0)
-            for one in from_coulomb("stribeck_friction", plant, record, force)
-        )
-    if name == "stribeck_friction":
-        scales = {guess.stribeck_velocity for guess in StribeckFriction.guess(record, plant)}
-        return tuple(StribeckFriction(force, 1.3 * force, scale) for scale in sorted(scales))
-    lengths = {guess.hysteresis_length for guess in Hysteresis.guess(record, plant)}
-    return tuple(Hysteresis(force, length) for length in sorted(lengths))
-
-
-def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> tuple[Effect, ...]:
-    """Cogging at the pitches that explain most of the force which the fitted model lacks.
+def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> list[Term]:
+    """Ripples along the way at the pitches that explain most of the force which the fitted model lacks.
 
     That force is smoothed from the residual, and taken clean of what mass, spring, damper, friction and offset could
     still take up. One regression on sine and cosine for each pitch.
@@ -88,7 +72,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
     force = force - frame @ (frame.T @ force)
     span = float(np.ptp(x))
-    pitches = np.geomspace(PITCHES[0] * span, PITCHES[1] * span, _TRIED)
+    pitches = np.geomspace(typical.PITCHES[0] * span, typical.PITCHES[1] * span, _TRIED)
     angle = np.outer(2.0 * np.pi / pitches, x)
     pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     pair -= (pair @ frame) @ frame.T
@@ -99,13 +83,13 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
     best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
-    return tuple(
-        Cogging(max(float(np.hypot(*solution[i])), 1e-12), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
+    return [
+        (max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
         for i in best
-    )
+    ]
 
 
-def lines(record: Record, plant: Model, residual: FloatArray) -> tuple[Effect, ...]:
+def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     """Disturbances at the strongest lines of a residual, as large as the plant's impedance says.
 
     What a model without the disturbance leaves is the plant's response to it: A·sin(ωt + φ) / (k − mω² + ibω).
@@ -117,7 +101,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> tuple[Effect, .
     omega = 2.0 * np.pi * np.fft.rfftfreq(8 * left.size, period)
     power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
     power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
-    found: list[Effect] = []
+    found: list[Term] = []
     for _ in range(_LINES):
         w = float(omega[int(np.argmax(power))])
         if w == 0.0:
@@ -126,9 +110,9 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> tuple[Effect, .
         c, s = np.linalg.lstsq(basis, left, rcond=None)[0]
         force = complex(c, -s) * complex(plant.stiffness - plant.mass * w * w, plant.damping * w)
         # Re(force·exp(iωt)) = A·sin(ωt + φ)
-        found.append(PeriodicDisturbance(max(abs(force), 1e-12), w, float(np.angle(force)) + 0.5 * np.pi))
+        found.append((max(abs(force), _FAINT), w, float(np.angle(force)) + 0.5 * np.pi))
         power[np.abs(omega - w) < 4.0 * np.pi / record.duration] = 0.0
-    return tuple(found)
+    return found
 
 
 def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ...]]]:

@@ -19,8 +19,8 @@ from typing import TypeVar
 from msd_ident import cancellation
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
+from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.selection.evidence import NoiseScale, Ranking, rank, scale_from
 from msd_ident.selection.hypothesis import (
     COULOMB,
@@ -295,7 +295,7 @@ def _reduced(best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial
         yield best.causes - {name}, *without(best, name)
         causes = best.causes - {name} | {COULOMB}
         if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
-            yield causes, model + CoulombFriction(best.model[HOLDING_COULOMB[name]]), best.initial
+            yield causes, model + DryFriction(best.model[HOLDING_COULOMB[name]]), best.initial
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from msd_ident.data.record import Record
 from msd_ident.design import Limits, Profile, Proposal, Segment, check, design
 from msd_ident.diagnosis import Diagnosis, same_plant
 from msd_ident.errors import DataError, UsageError
+from msd_ident.model.base_model import OFFSET
 from msd_ident.workflow import pipeline
 
 #: Below this probability of a decision an experiment is not worth running.
@@ -21,7 +22,7 @@ HOPELESS = 0.1
 #: Part of the force limit that the first push of an unknown rig has, and part of the travel that a step may plan on.
 _PROBE, _PLANNED = 0.05, 0.5
 #: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
-_SURE, _SHIFT = 0.9, frozenset({"force_offset"})
+_SURE, _SHIFT = 0.9, frozenset({OFFSET})
 _REST, _LONGEST_STEP = 0.3, 3.0
 _PROBES = 4
 

@@ -14,8 +14,8 @@ from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.parameter_units import exponents, unit_in
 from msd_ident.model import Model
-from msd_ident.model.effects import LIBRARY, Parameter
-from msd_ident.model.plant import PLANT_PARAMETERS
+from msd_ident.model.effects import Parameter
+from msd_ident.model.parameters import PARAMETERS
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _FORM = re.compile(rf"\s*(\w+)\s*=\s*({_NUMBER})\s*(?:(?:±|\+/?-)\s*({_NUMBER}))?\s*(\S.*)?$")
@@ -130,10 +130,9 @@ def to_json_list(known: Sequence[Known], units: Mapping[str, str]) -> list[dict[
 
 
 def _parameter(name: str) -> Parameter:
-    every = {p.name: p for p in (*PLANT_PARAMETERS, *(p for effect in LIBRARY for p in effect.parameters))}
-    if name not in every:
-        raise UsageError(f"no parameter is called {name!r}; expected one of {', '.join(every)}")
-    return every[name]
+    if name not in PARAMETERS:
+        raise UsageError(f"no parameter is called {name!r}; expected one of {', '.join(PARAMETERS)}")
+    return PARAMETERS[name]
 
 
 def _bounds(parameter: Parameter) -> str:

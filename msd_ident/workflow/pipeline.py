@@ -24,6 +24,7 @@ from msd_ident.estimate.objective import Loss
 from msd_ident.features import StandardForm
 from msd_ident.features.form import pool
 from msd_ident.model import Model, Plant, Simulator
+from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.paper.refinement import GRAVITY, paper_refine, record_start
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import impulses
@@ -290,8 +291,8 @@ def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
     """The paper's refinement of the original model, eqs. 2, 14 and 15."""
     record = records[0]
     found = paper_refine(original.model, record, original.initial[0])
-    friction = Quantity(found.refined["coulomb_force"], math.nan, record.force_unit)
-    parameters = {**original.parameters, "coulomb_force": friction}
+    friction = Quantity(found.refined[FRICTION_FORCE], math.nan, record.force_unit)
+    parameters = {**original.parameters, FRICTION_FORCE: friction}
     if record.position_unit == "m":
         parameters["friction_coefficient"] = Quantity(found.friction_coefficient, math.nan, "1")
     predicted = (found.residual_refined + record.position,)
@@ -320,8 +321,8 @@ def _with_friction(
 def _stated(result: FitResult, record: Record) -> dict[str, Quantity]:
     """The parameters of a fit, and the friction coefficient where there is a weight."""
     parameters = dict(result.quantities)
-    if "coulomb_force" in parameters and record.position_unit == "m":
-        parameters["friction_coefficient"] = result.derived(lambda p: p["coulomb_force"] / (p["mass"] * GRAVITY), "1")
+    if FRICTION_FORCE in parameters and record.position_unit == "m":
+        parameters["friction_coefficient"] = result.derived(lambda p: p[FRICTION_FORCE] / (p["mass"] * GRAVITY), "1")
     return parameters
 
 

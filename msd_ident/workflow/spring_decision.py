@@ -10,8 +10,7 @@ from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.objective import Loss
-from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.quantity import Z95
 from msd_ident.workflow.preparation import typical_plant
 
@@ -26,7 +25,7 @@ SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 
 def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, str]:
     """Whether the plant has a spring, and a sentence with the odds and the option that decides otherwise."""
-    base = typical_plant(records[0]) + CoulombFriction(0.0) + ForceOffset(0.0)
+    base = typical_plant(records[0]) + DryFriction(0.0) + Offset(0.0)
     free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=loss)
     held = fit(free.model, records, zero="known", loss=loss)
     sprung = held.see < _PLAIN * free.see or _holds(held, free, records)

@@ -34,15 +34,17 @@ def test_every_effect_has_a_class(target: Target) -> None:
 
 def test_no_table_names_an_effect_that_there_is_not() -> None:
     """A renamed effect must not keep its class by chance."""
-    from msd_ident.export import gains, gazebo, laws, mujoco_elements, mujoco_plain
+    from msd_ident.export import gains, gazebo, mujoco_elements, mujoco_plain, python_source
 
-    tables = (gains._SAID, gazebo._SAID, mujoco_elements.NATIVE, mujoco_plain._SAID, laws.STRUCTURES)
+    tables = (gains._SAID, gazebo._SAID, mujoco_elements.NATIVE, mujoco_plain._SAID)
     assert {name for table in tables for name in table} <= set(ALL)
+    assert {by_name(name).structure for name in ALL} == {"", *python_source.STRUCTURES}
 
 
 def test_an_effect_without_element_and_law_is_no_secret() -> None:
     class Unknown(by_name("backlash")):  # type: ignore[misc]
         name = "unknown"
+        structure = "a part that no file has"
 
     assert all(BY_NAME[name].says(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))
 

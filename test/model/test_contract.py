@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from dataclasses import replace
@@ -12,8 +13,8 @@ from effect_examples import EXAMPLES, example, model, neutral, plant, record, si
 
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
-from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.model.effects.base import KINDS
+from msd_ident.model.effects import LIBRARY, by_name, structural
+from msd_ident.model.effects.base import DELAY, KINDS, LAG, PLAY, SECOND_MASS
 from msd_ident.model.plant import PLANT_PARAMETERS
 
 NAMES = tuple(effect.name for effect in LIBRARY)
@@ -42,6 +43,33 @@ def test_says_what_it_is(name: str) -> None:
     for parameter in effect.parameters:
         assert parameter.symbol and parameter.meaning and parameter.lower < parameter.upper
     assert set(effect.laws()) <= {*KINDS, *(f"reversal_{name}" for name, _ in effect.memory)}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_says_of_its_own_parameters_alone(name: str) -> None:
+    effect = by_name(name)
+    own = {parameter.name for parameter in effect.parameters}
+    named = {effect.dry_limit, effect.limits_force, *(p.not_below for p in effect.parameters)}
+    assert named | set(effect.harmonic.names if effect.harmonic else ()) <= own | {""}
+    assert effect.laws() or effect.knee or effect.structure, "nothing of it would act"
+    for parameter in effect.parameters:
+        signals = {"direction", "v", "x"}
+        assert parameter.regressor is None or set(inspect.signature(parameter.regressor).parameters) <= signals | own
+        assert parameter.ceiling is None or parameter.ceiling(10.0, 0.01) > 0.0
+
+
+@pytest.mark.parametrize(("role", "parameters"), [(PLAY, 1), (LAG, 1), (DELAY, 1), (SECOND_MASS, 3)])
+def test_each_part_of_the_structure_is_one_effect(role: str, parameters: int) -> None:
+    (effect,) = (effect for effect in LIBRARY if effect.structure == role)
+    assert structural(role) is effect and len(effect.parameters) == parameters
+    assert model(effect.name).structure(role) == example(effect.name).values
+    assert plant().structure(role) == ()
+
+
+@pytest.mark.parametrize("name", [effect.name for effect in LIBRARY if effect.dry_limit])
+def test_starts_from_dry_friction_where_that_is_its_limit(name: str) -> None:
+    begun = by_name(name).from_dry_friction(0.3, record(), plant())
+    assert begun and all(getattr(start, by_name(name).dry_limit) <= 0.3 for start in begun)
 
 
 def test_a_parameter_name_means_one_thing() -> None:

@@ -8,11 +8,9 @@ import pkgutil
 from msd_ident.errors import UsageError
 from msd_ident.model.effects.base import ARGUMENTS, Effect, Parameter
 
-__all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "spoken"]
+__all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "saturation", "spoken", "structural"]
 
 _HELPERS = ("base", "typical")
-#: Effects that bear a person's name.
-_PEOPLE = ("coulomb", "stribeck")
 
 
 def _discover() -> tuple[type[Effect], ...]:
@@ -43,7 +41,17 @@ def by_name(name: str) -> type[Effect]:
     raise UsageError(f"no effect is called {name!r}; expected one of {', '.join(e.name for e in LIBRARY)}")
 
 
+def structural(role: str) -> type[Effect] | None:
+    """The effect with this part in the structure, see ``Effect.structure``; ``None`` in a library without one."""
+    return next((effect for effect in LIBRARY if effect.structure == role), None)
+
+
+def saturation() -> type[Effect] | None:
+    """The effect that limits the force, see ``Effect.limits_force``; ``None`` in a library without one."""
+    return next((effect for effect in LIBRARY if effect.limits_force), None)
+
+
 def spoken(name: str) -> str:
     """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``."""
     words = name.replace("_", " ")
-    return words[0].upper() + words[1:] if words.split()[0] in _PEOPLE else words
+    return words[0].upper() + words[1:] if any(effect.name == name and effect.eponym for effect in LIBRARY) else words

@@ -7,11 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import LAG, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _longest(duration: float, period: float) -> float:
+    """A lag [s] as long as the record is none that it could tell."""
+    del period
+    return duration
 
 
 @dataclass(frozen=True)
@@ -21,12 +27,19 @@ class ActuatorLag(Effect):
     lag_time: float
 
     name = "actuator_lag"
-    parameters = (Parameter("lag_time", "tau", "s", 0.0, math.inf, "time constant of the actuator"),)
+    parameters = (
+        Parameter(
+            "lag_time", "tau", "s", 0.0, math.inf, "time constant of the actuator",
+            advice="add a sweep to well above resonance", ceiling=_longest,
+        ),
+    )  # fmt: skip
     acts_on = "input"
     law = "tau·F' + F = F_commanded"
     source = "first-order current loop or valve"
     neutral = (("lag_time", 0.0),)
     piecewise_linear = True
+    structure = LAG
+    measured_by = "read the force with a load cell while the cart is held"
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import SOFTENS, Effect, Parameter
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _square(x: Any) -> Any:
+    """x² [m²]."""
+    return x**2
 
 
 @dataclass(frozen=True)
@@ -21,12 +26,19 @@ class AsymmetricSpring(Effect):
     quadratic_stiffness: float
 
     name = "asymmetric_spring"
-    parameters = (Parameter("quadratic_stiffness", "k2q", "N/m²", -math.inf, math.inf, "asymmetry of the spring"),)
+    parameters = (
+        Parameter(
+            "quadratic_stiffness", "k2q", "N/m²", -math.inf, math.inf, "asymmetry of the spring",
+            advice="push it in both directions with the same force", gained=True, most=1e3, regressor=_square,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "k2·x²"
     source = "Helmholtz oscillator; Nayfeh & Mook, Nonlinear Oscillations, 1979, section 2.3"
     neutral = (("quadratic_stiffness", 0.0),)
     mirror = False
+    ring_down = {SOFTENS: (-1, 1)}
+    measured_by = "hang known masses on the spring, on either side, and read the encoder at rest"
 
     @staticmethod
     def force(x: float, quadratic_stiffness: float) -> float:

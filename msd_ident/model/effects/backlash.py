@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import HARDENS, PLAY, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -25,13 +25,22 @@ class Backlash(Effect):
     backlash_half_width: float
 
     name = "backlash"
-    parameters = (Parameter("backlash_half_width", "g", "m", 0.0, math.inf, "half the play of the spring"),)
+    parameters = (
+        Parameter(
+            "backlash_half_width", "g", "m", 0.0, math.inf, "half the play of the spring",
+            advice="ramp the force slowly through zero in both directions", kinked=True,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     needs_spring = True
     law = "k·(x - g) for x > g, 0 within, k·(x + g) for x < -g, in place of k·x"
     source = "dead-zone model; Nordin & Gutman 2002 (Automatica 38)"
     neutral = (("backlash_half_width", 0.0),)
     piecewise_linear = True
+    structure = PLAY
+    shows_zero = True
+    ring_down = {HARDENS: (1,)}
+    measured_by = "move the cart by hand within the play and read the encoder"
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from msd_ident.errors import UsageError
@@ -27,6 +27,15 @@ AT_ZERO = ("0", "0", ABOVE)
 
 #: Factor by which the numbers of a law drawn by lot are larger or smaller than where a search would start.
 LOT = 5.0
+
+#: What an effect without a law of its own is to the structure, see ``Effect.structure``.
+PLAY, LAG, DELAY, SECOND_MASS = "play", "lag", "delay", "second mass"
+
+#: What a harmonic term repeats over.
+TIME, PLACE = "time", "place"
+
+#: What an effect makes of a ring-down, see ``Effect.ring_down``.
+RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
 
 #: Kinds of law that an effect may have, see ``Effect``.
 KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map", "reading")
@@ -67,6 +76,22 @@ class Parameter:
         unit: SI unit in terms of kg, m, s, N; ``1`` for a pure number.
         lower, upper: bounds that physics sets (both may be infinite).
         meaning: a few words for tables.
+        advice: what to measure so that the data decides it.
+        open_with_zero: said where the data knows it only together with the position's zero.
+        open_with_scale: said where the data knows it only together with ``{others}``.
+        gained: the force that it makes scales with the gain of the force signal.
+        inertia: it is a mass: what bounds it from below is a swing within a sample.
+        holds: a force [N] by which the cart may stand off the balance of all others.
+        kinked: the error over it has a valley for every number of half-swings.
+        multistable: it gives the cart many places to rest in, so that a small error sends it to another one.
+        within_reach: a distance [m] from zero that the motion reaches at its ends or not at all.
+        least, most: smallest and largest size that a record of the motion could tell, in natural sizes of its unit.
+        ceiling: largest size that a record could tell, in its unit, from duration and sample period [s]; in place of
+            ``most``.
+        regressor: what its force is proportional to, where the equation of motion is linear in it, as arrays (n,) of
+            its arguments: ``direction`` of the motion, ``v`` [m/s] or ``x`` [m] first, or nothing for a constant; then
+            other parameters by name.
+        not_below: the parameter of the same law that it is never below; from there on nothing would tell of it.
     """
 
     name: str
@@ -75,6 +100,48 @@ class Parameter:
     lower: float
     upper: float
     meaning: str
+    _: KW_ONLY
+    advice: str = ""
+    open_with_zero: str = ""
+    open_with_scale: str = ""
+    gained: bool = False
+    inertia: bool = False
+    holds: bool = False
+    kinked: bool = False
+    multistable: bool = False
+    within_reach: bool = False
+    least: float = -math.inf
+    most: float = math.inf
+    ceiling: Callable[[float, float], float] | None = None
+    regressor: Callable[..., Any] | None = None
+    not_below: str = ""
+
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is an angle [rad], which turns round."""
+        return self.unit == "rad"
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """A term A·sin(2·pi·s/p + phi) or A·sin(omega·s + phi): names of its parameters, and what s is.
+
+    Attributes:
+        amplitude: A [N].
+        scanned: omega [rad/s] over ``TIME``, the pitch p [m] over ``PLACE``.
+        phase: phi [rad] at s = 0.
+        over: ``TIME`` or ``PLACE``.
+    """
+
+    amplitude: str
+    scanned: str
+    phase: str
+    over: str
+
+    @property
+    def names(self) -> tuple[str, str, str]:
+        """The three names."""
+        return self.amplitude, self.scanned, self.phase
 
 
 class Effect:
@@ -94,8 +161,8 @@ class Effect:
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;
     - ``reading(...)`` [m]: what the sensor makes of x.
 
-    An effect without any of these changes the structure (backlash, lag, time offset, ...), and the kernel
-    itself carries it.
+    An effect without any of these changes the structure (backlash, lag, time offset, ...), names its part in that as
+    ``structure``, and the kernel itself carries it.
     """
 
     name: ClassVar[str]
@@ -121,6 +188,8 @@ class Effect:
     jumps: ClassVar[bool] = False
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
+    #: Its name begins with a person's.
+    eponym: ClassVar[bool] = False
     #: Its position is an angle: it means nothing on a slide.
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
@@ -141,6 +210,23 @@ class Effect:
     turns: ClassVar[bool] = False
     #: Start values of what the law remembers from the last reversal: (name, value) pairs.
     memory: ClassVar[tuple[tuple[str, float], ...]] = ()
+    #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
+    #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
+    #: [kg], stiffness [N/m], damping [N·s/m] between them). Empty for an effect with a law.
+    structure: ClassVar[str] = ""
+    #: Its harmonic term, which is found by a scan and not by going down from anywhere.
+    harmonic: ClassVar[Harmonic | None] = None
+    #: It holds Coulomb's friction as a limit: name of the parameter that becomes its force.
+    dry_limit: ClassVar[str] = ""
+    #: It limits the force: name of the parameter that does [N].
+    limits_force: ClassVar[str] = ""
+    #: It acts on the spring so that the spring's zero is seen, beside those whose force depends on the place.
+    shows_zero: ClassVar[bool] = False
+    #: Ring-down that it makes (``RUBS``, ``DRAGS``, ``SOFTENS``, ``HARDENS``): signs of its first parameter for which
+    #: it does.
+    ring_down: ClassVar[Mapping[str, tuple[int, ...]]] = {}
+    #: What to measure, without any force profile, to know whether it acts.
+    measured_by: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:
@@ -177,6 +263,47 @@ class Effect:
             plant: a fitted or roughly known model without this effect.
         """
         raise NotImplementedError
+
+    @classmethod
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[Self, ...]:
+        """Starting values next to a fitted Coulomb friction of ``force`` [N], which the law holds as a limit."""
+        raise NotImplementedError
+
+    @classmethod
+    def limited(cls, limit: float) -> Self:
+        """The effect with nothing but a limit of the force [N] (see ``limits_force``)."""
+        return cls(**{**dict(cls.neutral), cls.limits_force: limit})
+
+    @property
+    def holding(self) -> float:
+        """Force [N] by which the cart may stand off the balance of all others."""
+        return sum(value for parameter, value in zip(self.parameters, self.values, strict=True) if parameter.holds)
+
+    def idle(self) -> frozenset[str]:
+        """Parameters that are not to be fitted: they state something, or stand for the absence of a part of the effect
+        (a limit at infinity).
+        """
+        pairs = zip(self.parameters, self.values, strict=True)
+        return frozenset(parameter.name for parameter, value in pairs if math.isinf(value)) | frozenset(self.held)
+
+    def is_dry_friction(self) -> bool:
+        """Whether its values leave nothing of it but Coulomb's friction."""
+        return False
+
+    def same_as_beside(self, model: Model) -> str:
+        """A sentence: what it is the same thing as beside another effect of the model; empty where it is not."""
+        del model
+        return ""
+
+    def same_as(self, model: Model) -> str:
+        """A sentence: what no data of this kind tells it apart from in this model; empty where that is nothing."""
+        del model
+        return ""
+
+    @classmethod
+    def remembers(cls) -> bool:
+        """Whether its force depends on more than time, position and velocity of the instant."""
+        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS)
 
     @classmethod
     def cause(cls) -> str:
@@ -230,7 +357,7 @@ class Effect:
             factor = math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
             sign = 1.0 if parameter.lower == 0.0 or rng.random() < 0.5 else -1.0
             angle = rng.uniform(-math.pi, math.pi)
-            drawn.append(angle if parameter.name.endswith("_phase") else sign * factor * value)
+            drawn.append(angle if parameter.is_phase else sign * factor * value)
         return self.within_bounds(*drawn)
 
     @classmethod

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import PLACE, Effect, Harmonic, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
-
-#: Pitches that can be told, in parts of the travel: one that is seen less than two and a half times is a bent spring.
-PITCHES = (0.02, 0.4)
 
 
 @dataclass(frozen=True)
@@ -27,8 +24,17 @@ class Cogging(Effect):
 
     name = "cogging"
     parameters = (
-        Parameter("cogging_amplitude", "A", "N", 0.0, math.inf, "amplitude of the cogging force"),
-        Parameter("cogging_pitch", "p", "m", 1e-9, math.inf, "pitch of the cogging force"),
+        Parameter(
+            "cogging_amplitude",
+            "A",
+            "N",
+            0.0,
+            math.inf,
+            "amplitude of the cogging force",
+            gained=True,
+            multistable=True,
+        ),
+        Parameter("cogging_pitch", "p", "m", 1e-9, math.inf, "pitch of the cogging force", least=2e-2),
         Parameter("cogging_phase", "phi", "rad", -math.inf, math.inf, "phase of the cogging force at x = 0"),
     )
     exact = ("cogging_pitch", "cogging_phase")
@@ -37,6 +43,8 @@ class Cogging(Effect):
     source = "first harmonic of the cogging force of permanent-magnet motors"
     neutral = (("cogging_amplitude", 0.0),)
     mirror = False
+    harmonic = Harmonic("cogging_amplitude", "cogging_pitch", "cogging_phase", PLACE)
+    measured_by = "move the cart through its travel by hand and read the force at rest in steps far below its pitch"
 
     @staticmethod
     def force(x: float, cogging_amplitude: float, cogging_pitch: float, cogging_phase: float) -> float:
@@ -46,7 +54,7 @@ class Cogging(Effect):
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Of a pitch that is hardly seen once the cart sees a bent spring."""
-        return {"cogging_pitch": (PITCHES[0] * seen.span, PITCHES[1] * seen.span)}
+        return {"cogging_pitch": (typical.PITCHES[0] * seen.span, typical.PITCHES[1] * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Cogging, ...]:

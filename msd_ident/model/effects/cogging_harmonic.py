@@ -38,6 +38,7 @@ class CoggingHarmonic(Effect):
     form_of = "cogging"
     prior_odds = 1.0 / 100.0
     mirror = False
+    harmonic = Cogging.harmonic
 
     @staticmethod
     def force(

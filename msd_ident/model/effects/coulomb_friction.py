@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import RUBS, Effect, Parameter
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
 
-COULOMB_FORCE = Parameter("coulomb_force", "Fc", "N", 0.0, math.inf, "kinetic dry friction")
+
+def _direction(direction: Any) -> Any:
+    """It is proportional to the direction of the motion."""
+    return direction
+
+
+COULOMB_FORCE = Parameter(
+    "coulomb_force", "Fc", "N", 0.0, math.inf, "kinetic dry friction",
+    advice="let it ring down from a larger amplitude until it stops",
+    gained=True, holds=True, kinked=True, regressor=_direction,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -29,9 +39,12 @@ class CoulombFriction(Effect):
     source = "C. A. Coulomb 1785; equation 2 of the 2014 report, Fc = µ·m·g"
     neutral = (("coulomb_force", 0.0),)
     family = "dry friction"
+    eponym = True
     dissipative = True
     piecewise_linear = True
     prior_odds = 1.0
+    ring_down = {RUBS: (1,)}
+    measured_by = "pull the cart slowly with a spring balance and read the force at which it moves, and moves on"
 
     @staticmethod
     def friction(coulomb_force: float) -> float:

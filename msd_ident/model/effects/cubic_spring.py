@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect, Parameter
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _cube(x: Any) -> Any:
+    """x³ [m³]."""
+    return x**3
 
 
 @dataclass(frozen=True)
@@ -21,11 +26,18 @@ class CubicSpring(Effect):
     cubic_stiffness: float
 
     name = "cubic_spring"
-    parameters = (Parameter("cubic_stiffness", "k3", "N/m³", -math.inf, math.inf, "hardening of the spring"),)
+    parameters = (
+        Parameter(
+            "cubic_stiffness", "k3", "N/m³", -math.inf, math.inf, "hardening of the spring",
+            advice="release it from two displacements about 3:1 apart", gained=True, most=1e3, regressor=_cube,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "k3·x³"
     source = "G. Duffing 1918"
     neutral = (("cubic_stiffness", 0.0),)
+    ring_down = {SOFTENS: (-1,), HARDENS: (1,)}
+    measured_by = "hang known masses on the spring and read the encoder at rest"
 
     @staticmethod
     def force(x: float, cubic_stiffness: float) -> float:

@@ -37,6 +37,14 @@ class DirectionDependentDamping(Effect):
         """Force [N] against +x beyond that of the mean damping."""
         return damping_difference * speed
 
+    def same_as(self, model: Model) -> str:
+        """A constant force, at one speed."""
+        del model
+        return (
+            "At speeds of one size, damping that differs between directions is the same thing as a force offset or as "
+            "asymmetric friction: move at several speeds to tell them apart."
+        )
+
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[DirectionDependentDamping, ...]:
         """A twentieth of the largest force at top speed, either way."""

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import BOTH, Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import BOTH, HARDENS, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _beyond(x: Any, stop_position: float) -> Any:
+    """Way beyond the stops [m], with its sign."""
+    return np.sign(x) * np.maximum(np.abs(x) - stop_position, 0.0)
 
 
 @dataclass(frozen=True)
@@ -25,14 +30,22 @@ class EndStop(Effect):
 
     name = "end_stop"
     parameters = (
-        Parameter("stop_position", "xs", "m", 0.0, math.inf, "distance of the stops from zero"),
-        Parameter("stop_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the stops"),
-    )
+        Parameter(
+            "stop_position", "xs", "m", 0.0, math.inf, "distance of the stops from zero",
+            advice="drive it into the stop", kinked=True, within_reach=True,
+        ),
+        Parameter(
+            "stop_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the stops",
+            advice="drive it into the stop", gained=True, regressor=_beyond,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "ks·(x - xs) for x > xs, ks·(x + xs) for x < -xs"
     source = "penalty contact; Shaw & Holmes 1983 (J. Sound Vib. 90)"
     neutral = (("stop_stiffness", 0.0),)
     piecewise_linear = True
+    ring_down = {HARDENS: (1,)}
+    measured_by = "read the encoder with the cart pushed against the stop"
     knee = ("stop_position", "stop_stiffness", BOTH)
 
     @classmethod

@@ -24,20 +24,34 @@ class ForceGainNonlinearity(Effect):
 
     name = "force_gain_nonlinearity"
     parameters = (
-        Parameter("gain_slope", "beta", "1/N", -math.inf, math.inf, "change of the force gain with the force"),
-        Parameter("force_limit", "Fmax", "N", 0.0, math.inf, "saturation of the actuator"),
-    )
+        Parameter(
+            "gain_slope", "beta", "1/N", -math.inf, math.inf, "change of the force gain with the force",
+            advice="push with a second amplitude in both directions, and release the cart by hand once",
+            open_with_scale="cannot be told from the scale of {others}, as the force has one size only",
+        ),
+        Parameter(
+            "force_limit", "Fmax", "N", 0.0, math.inf, "saturation of the actuator",
+            advice="push harder, until the force stops growing",
+        ),
+    )  # fmt: skip
     acts_on = "input"
     law = "F·(1 + beta·abs(F)), at most Fmax either way"
     source = "second-order static actuator curve with saturation"
     neutral = (("gain_slope", 0.0), ("force_limit", math.inf))
     piecewise_linear = True
+    limits_force = "force_limit"
+    measured_by = "read the force at rest with a load cell or a spring balance, at several commands"
 
     @staticmethod
     def input_map(u: float, gain_slope: float, force_limit: float) -> float:
         """Force [N] that a commanded u [N] becomes."""
         made = u * (1.0 + gain_slope * abs(u))
         return min(max(made, -force_limit), force_limit)
+
+    def idle(self) -> frozenset[str]:
+        """The slope too, where it is 0 beside a limit: the law is the limit alone."""
+        off = super().idle()
+        return off | {"gain_slope"} if self.gain_slope == 0.0 and "force_limit" not in off else off
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 
+def _constant() -> float:
+    """It is proportional to nothing that moves."""
+    return 1.0
+
+
 @dataclass(frozen=True)
 class ForceOffset(Effect):
     """F0 on the left-hand side: a tilted rail, a preload, a motor's bias."""
@@ -21,7 +26,14 @@ class ForceOffset(Effect):
     offset_force: float
 
     name = "force_offset"
-    parameters = (Parameter("offset_force", "F0", "N", -math.inf, math.inf, "constant force against +x"),)
+    parameters = (
+        Parameter(
+            "offset_force", "F0", "N", -math.inf, math.inf, "constant force against +x",
+            advice="read the encoder with the spring relaxed, or turn the rig round and repeat",
+            open_with_zero="shift the rest position alike, so only their sum is known (F0/k + zero)",
+            gained=True, regressor=_constant,
+        ),
+    )  # fmt: skip
     prior_odds = 1.0 / 10.0
     acts_on = "force"
     law = "F0"
@@ -29,11 +41,32 @@ class ForceOffset(Effect):
     neutral = (("offset_force", 0.0),)
     mirror = False
     piecewise_linear = True
+    measured_by = "tilt the rig by a known angle or turn it round, and read the encoder with the spring relaxed"
 
     @staticmethod
     def constant(offset_force: float) -> float:
         """Force [N] against +x."""
         return offset_force
+
+    def same_as_beside(self, model: Model) -> str:
+        """Beside dry friction, that which is more one way than the other."""
+        dry = [effect.name for effect in model.effects if effect.family == "dry friction"]
+        if not dry:
+            return ""
+        return (
+            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
+            "no record of force and position tells them apart; turn the rig round and repeat."
+        )
+
+    def same_as(self, model: Model) -> str:
+        """A shifted zero, where nothing shows where the spring's is."""
+        bent = any(effect.placed() or effect.shows_zero for effect in model.effects)
+        if not model.stiffness > 0.0 or bent:
+            return ""
+        return (
+            "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
+            "the spring relaxed to tell them apart."
+        )
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ForceOffset, ...]:

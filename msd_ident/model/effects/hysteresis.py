@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import RUBS, SOFTENS, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -26,14 +26,22 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     parameters = (
-        Parameter("hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force"),
-        Parameter("hysteresis_length", "L", "m", 1e-9, math.inf, "way over which it turns round"),
-    )
+        Parameter(
+            "hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force", gained=True, holds=True
+        ),
+        Parameter(
+            "hysteresis_length", "L", "m", 1e-9, math.inf, "way over which it turns round",
+            advice="ramp the force slowly up and down with small reversals", least=1e-3,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "Fh·z with z' = (v/L)·(1 - sign(v)·z)"
     source = "Bouc 1967, Wen 1976 (J. Eng. Mech. 102) with n = 1, beta = gamma = 1/2; P. Dahl 1968"
     neutral = (("hysteresis_force", 0.0),)
     memory = (("anchor_x", 0.0), ("anchor_z", 0.0))
+    dry_limit = "hysteresis_force"
+    ring_down = {RUBS: (1,), SOFTENS: (-1, 1)}
+    measured_by = "load and unload the spring in small steps and read the force at rest"
 
     @staticmethod
     def force(
@@ -64,6 +72,17 @@ class Hysteresis(Effect):
         What is more than those is left to ``bouc_wen``.
         """
         return {"hysteresis_length": (1e-3 * seen.span, (2.0 if seen.driven else 0.15) * seen.span)}
+
+    def same_as(self, model: Model) -> str:
+        """Its limit."""
+        del model
+        return "Hysteresis with a short length turns into Coulomb friction: the two differ only in small reversals."
+
+    @classmethod
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[Hysteresis, ...]:
+        """The same force, over each of the lengths of ``guess``."""
+        lengths = {guess.hysteresis_length for guess in cls.guess(record, plant)}
+        return tuple(cls(force, length) for length in sorted(lengths))
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Hysteresis, ...]:

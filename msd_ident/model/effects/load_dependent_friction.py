@@ -33,6 +33,8 @@ class LoadDependentFriction(Effect):
     neutral = (("coulomb_force", 0.0), ("load_ratio", 0.0))
     family = "dry friction"
     dissipative = True
+    shows_zero = True
+    dry_limit = "coulomb_force"
     needs_spring = True
     knee = AT_ZERO
 
@@ -53,7 +55,7 @@ class LoadDependentFriction(Effect):
         return cls(0.02 * force, 0.02), cls(0.002 * force, 0.05)
 
     @classmethod
-    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[LoadDependentFriction, ...]:
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[LoadDependentFriction, ...]:
         """Half of the constant friction in the load, and a little."""
-        share = simple.values[0] / typical.force(record, plant)
-        return cls(0.5 * simple.values[0], min(share, 0.5)), cls(simple.values[0], 0.1 * min(share, 0.5))
+        share = force / typical.force(record, plant)
+        return cls(0.5 * force, min(share, 0.5)), cls(force, 0.1 * min(share, 0.5))

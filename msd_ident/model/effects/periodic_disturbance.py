@@ -7,11 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import TIME, Effect, Harmonic, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _fastest(duration: float, period: float) -> float:
+    """Half the sampling rate [rad/s]."""
+    del duration
+    return math.pi / period
 
 
 @dataclass(frozen=True)
@@ -24,8 +30,10 @@ class PeriodicDisturbance(Effect):
 
     name = "periodic_disturbance"
     parameters = (
-        Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance"),
-        Parameter("disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance"),
+        Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance", gained=True),
+        Parameter(
+            "disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance", ceiling=_fastest
+        ),
         Parameter("disturbance_phase", "phi", "rad", -math.inf, math.inf, "phase of the disturbance at time 0"),
     )
     exact = ("disturbance_frequency", "disturbance_phase")
@@ -35,6 +43,8 @@ class PeriodicDisturbance(Effect):
     neutral = (("disturbance_amplitude", 0.0),)
     mirror = False
     steady = False
+    harmonic = Harmonic("disturbance_amplitude", "disturbance_frequency", "disturbance_phase", TIME)
+    measured_by = "record at rest, with everything around switched off and on"
 
     @staticmethod
     def disturbance(

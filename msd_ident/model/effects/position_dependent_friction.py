@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import RUBS, Effect, Parameter, RecordScales
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -35,6 +35,9 @@ class PositionDependentFriction(Effect):
     family = "dry friction"
     dissipative = True
     mirror = False
+    dry_limit = "coulomb_force"
+    ring_down = {RUBS: (1,)}
+    measured_by = "pull the cart slowly through its travel with a spring balance"
 
     @staticmethod
     def friction(x: float, coulomb_force: float, position_friction_slope: float) -> float:
@@ -50,6 +53,12 @@ class PositionDependentFriction(Effect):
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"position_friction_slope": (-10.0 / seen.span, 10.0 / seen.span)}
+
+    @classmethod
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[PositionDependentFriction, ...]:
+        """The same everywhere."""
+        del record, plant
+        return (cls(force, 0.0),)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[PositionDependentFriction, ...]:

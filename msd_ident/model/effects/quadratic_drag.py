@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import DRAGS, Effect, Parameter
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _square(v: Any) -> Any:
+    """v·abs(v) [m²/s²]."""
+    return v * abs(v)
 
 
 @dataclass(frozen=True)
@@ -21,12 +26,20 @@ class QuadraticDrag(Effect):
     drag_coefficient: float
 
     name = "quadratic_drag"
-    parameters = (Parameter("drag_coefficient", "c", "N·s²/m²", 0.0, math.inf, "quadratic drag"),)
+    parameters = (
+        Parameter(
+            "drag_coefficient", "c", "N·s²/m²", 0.0, math.inf, "quadratic drag",
+            advice="let it ring down from a three times larger amplitude, or sweep through resonance",
+            gained=True, most=1e3, regressor=_square,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "c·v·abs(v)"
     source = "Newton's drag law, c = rho·Cd·A/2"
     neutral = (("drag_coefficient", 0.0),)
     dissipative = True
+    ring_down = {DRAGS: (1,)}
+    measured_by = "let the cart swing in a shroud, or with another area, and record again"
     turns = True
 
     @staticmethod

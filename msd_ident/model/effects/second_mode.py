@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import SECOND_MASS, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+_ADVICE = "sweep through both resonances"
 
 
 @dataclass(frozen=True)
@@ -27,14 +29,25 @@ class SecondMode(Effect):
 
     name = "second_mode"
     parameters = (
-        Parameter("second_mass", "m2", "kg", 0.0, math.inf, "mass that hangs on the first"),
-        Parameter("second_stiffness", "k2", "N/m", 0.0, math.inf, "spring between the masses"),
-        Parameter("second_damping", "b2", "N·s/m", 0.0, math.inf, "damper between the masses"),
-    )
+        Parameter(
+            "second_mass", "m2", "kg", 0.0, math.inf, "mass that hangs on the first",
+            advice=_ADVICE, gained=True, inertia=True, multistable=True,
+        ),
+        Parameter(
+            "second_stiffness", "k2", "N/m", 0.0, math.inf, "spring between the masses",
+            advice=_ADVICE, gained=True, most=1e3,
+        ),
+        Parameter(
+            "second_damping", "b2", "N·s/m", 0.0, math.inf, "damper between the masses",
+            advice=_ADVICE, gained=True, most=1e3,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "k2·(x - x2) + b2·(x' - x2'), with m2·x2'' equal to it"
     source = "two-mass oscillator; Den Hartog, Mechanical Vibrations, 1934, chapter 3"
     neutral = (("second_mass", 0.0),)
+    structure = SECOND_MASS
+    measured_by = "add a known mass to the cart and record again"
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -21,7 +21,12 @@ class SensorDrift(Effect):
     sensor_drift_rate: float
 
     name = "sensor_drift"
-    parameters = (Parameter("sensor_drift_rate", "rate", "m/s", -math.inf, math.inf, "drift of the position reading"),)
+    parameters = (
+        Parameter(
+            "sensor_drift_rate", "rate", "m/s", -math.inf, math.inf, "drift of the position reading",
+            advice="take a reading at rest before and after",
+        ),
+    )  # fmt: skip
     acts_on = "sensor"
     law = "reading = x + rate·t, t from the record's time 0"
     source = "warming or slipping position sensor, first order in time"
@@ -29,6 +34,7 @@ class SensorDrift(Effect):
     piecewise_linear = True
     mirror = False
     steady = False
+    measured_by = "read the encoder with the cart clamped for as long as an experiment takes"
 
     @staticmethod
     def reading(t: float, x: float, sensor_drift_rate: float) -> float:

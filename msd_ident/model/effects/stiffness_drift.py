@@ -21,14 +21,18 @@ class StiffnessDrift(Effect):
 
     name = "stiffness_drift"
     parameters = (
-        Parameter("stiffness_drift_rate", "r", "1/s", -math.inf, math.inf, "relative drift of the stiffness"),
-    )
+        Parameter(
+            "stiffness_drift_rate", "r", "1/s", -math.inf, math.inf, "relative drift of the stiffness",
+            advice="repeat the first record last",
+        ),
+    )  # fmt: skip
     acts_on = "force"
     needs_spring = True
     law = "k·(1 + r·t), t from the record's time 0"
     source = "first order in time of a heating or creeping spring"
     neutral = (("stiffness_drift_rate", 0.0),)
     steady = False
+    measured_by = "repeat the first record after an hour of running"
 
     @staticmethod
     def force(t: float, spring_force: float, stiffness_drift_rate: float) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import RUBS, Effect, Parameter, RecordScales
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -16,6 +16,17 @@ if TYPE_CHECKING:
 
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+#: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
+#: peak are seen by nothing, so they would cost nothing.
+_NO_PEAK = 0.01
+#: Breakaway force over the sliding one where a search begins next to Coulomb's friction.
+_PEAK = 1.3
+
+
+def no_peak(coulomb_force: float, static_force: float) -> bool:
+    """Whether a breakaway force is so little above the sliding one that nothing shows of it."""
+    return static_force <= (1.0 + _NO_PEAK) * coulomb_force
 
 
 @dataclass(frozen=True)
@@ -32,15 +43,26 @@ class StribeckFriction(Effect):
     name = "stribeck_friction"
     parameters = (
         COULOMB_FORCE,
-        Parameter("static_force", "Fs", "N", 0.0, math.inf, "breakaway friction"),
-        Parameter("stribeck_velocity", "vs", "m/s", 1e-9, math.inf, "velocity over which friction falls"),
-    )
+        Parameter(
+            "static_force", "Fs", "N", 0.0, math.inf, "breakaway friction",
+            advice="ramp the force slowly from rest, in both directions",
+            gained=True, holds=True, kinked=True, not_below="coulomb_force",
+        ),
+        Parameter(
+            "stribeck_velocity", "vs", "m/s", 1e-9, math.inf, "velocity over which friction falls",
+            advice="add slow reversals: a sweep or a slow ramp in both directions", least=1e-3,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "(Fc + (Fs - Fc)·exp(-(v/vs)²))·sign(v), breakaway Fs"
     source = "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994 (Automatica 30): Gaussian form of Stribeck's curve"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
+    eponym = True
     dissipative = True
+    dry_limit = "coulomb_force"
+    ring_down = {RUBS: (1,)}
+    measured_by = "pull the cart slowly with a spring balance and read the force at which it breaks away"
 
     @staticmethod
     def friction(speed: float, coulomb_force: float, static_force: float, stribeck_velocity: float) -> float:
@@ -65,6 +87,16 @@ class StribeckFriction(Effect):
         force, speed = typical.force(record, plant), typical.speed(record)
         shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
         return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
+
+    @classmethod
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
+        """With a small peak, over each of the velocities of ``guess``."""
+        scales = {guess.stribeck_velocity for guess in cls.guess(record, plant)}
+        return tuple(cls(force, _PEAK * force, scale) for scale in sorted(scales))
+
+    def is_dry_friction(self) -> bool:
+        """Without a peak."""
+        return no_peak(self.coulomb_force, self.static_force)
 
     def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> StribeckFriction:
         """A breakaway force of 1.1 to 5 times the sliding one; 2 to 50 % of the speed of free swings as large as the

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects.base import Effect, Parameter
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -33,7 +33,9 @@ class StribeckShape(Effect):
     source = "Bo & Pavelescu 1982 (Wear 82): exponents from 1/2 to 1; Armstrong-Hélouvry 1991: 2"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
+    eponym = True
     dissipative = True
+    dry_limit = "coulomb_force"
     form_of = "stribeck_friction"
     prior_odds = 1.0 / 100.0
 
@@ -55,6 +57,16 @@ class StribeckShape(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
         """Those of the Gaussian curve, exponential."""
         return tuple(cls.within_bounds(*one.values, 1.0) for one in StribeckFriction.guess(record, plant))
+
+    @classmethod
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
+        """Those of the Gaussian curve, exponential."""
+        gaussian = StribeckFriction.from_dry_friction(force, record, plant)
+        return tuple(cls.within_bounds(*one.values, 1.0) for one in gaussian)
+
+    def is_dry_friction(self) -> bool:
+        """Without a peak."""
+        return no_peak(self.coulomb_force, self.static_force)
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[StribeckShape, ...]:

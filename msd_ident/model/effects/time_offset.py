@@ -7,11 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import DELAY, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _longest(duration: float, period: float) -> float:
+    """A quarter of the record [s]: beyond, too little of the force is left to fall on the motion."""
+    del period
+    return 0.25 * duration
 
 
 @dataclass(frozen=True)
@@ -21,12 +27,24 @@ class TimeOffset(Effect):
     time_offset: float
 
     name = "time_offset"
-    parameters = (Parameter("time_offset", "D", "s", -math.inf, math.inf, "delay of the force against its stamps"),)
+    parameters = (
+        Parameter(
+            "time_offset", "D", "s", -math.inf, math.inf, "delay of the force against its stamps",
+            advice="add a sweep to well above resonance", ceiling=_longest,
+        ),
+    )  # fmt: skip
     acts_on = "input"
     law = "F(t - D)"
     source = "clocks of two publishers; transport delay"
     neutral = (("time_offset", 0.0),)
     piecewise_linear = True
+    structure = DELAY
+    measured_by = "bring one edge to both channels at once, or let one clock stamp force and position"
+
+    def same_as(self, model: Model) -> str:
+        """Whose delay it is, the stamps do not say."""
+        del model
+        return "A delay of the force, of the encoder's stamps or between two clocks is one and the same time_offset."
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

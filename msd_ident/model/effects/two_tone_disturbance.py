@@ -42,6 +42,7 @@ class TwoToneDisturbance(Effect):
     prior_odds = 1.0 / 100.0
     mirror = False
     steady = False
+    harmonic = PeriodicDisturbance.harmonic
 
     @staticmethod
     def disturbance(

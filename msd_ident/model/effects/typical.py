@@ -7,6 +7,10 @@ import numpy as np
 from msd_ident.data.record import Record
 from msd_ident.model.plant import FloatArray, Model
 
+#: Pitches of a ripple that can be told, in parts of the travel: one that is seen less than two and a half times is a
+#: bent spring.
+PITCHES = (0.02, 0.4)
+
 
 def amplitude(record: Record) -> float:
     """Half the range of the positions [m]; never zero."""

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects import LIBRARY, structural
 from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
@@ -64,6 +64,14 @@ RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == 
 def bits(*names: str) -> int:
     """Set of those of the named effects that the library has."""
     return sum(BIT.get(name, 0) for name in names)
+
+
+def structure(role: str, count: int) -> tuple[int, tuple[int, ...]]:
+    """Bit of the effect with this part in the structure (0 without one), and where its ``count`` parameters stand."""
+    effect = structural(role)
+    if effect is None:
+        return 0, (0,) * count
+    return BIT[effect.name], tuple(INDEX[parameter.name] for parameter in effect.parameters)
 
 
 def _argument(name: str) -> str:

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean
 from msd_ident.model.kernel.exact import exact
@@ -20,13 +21,11 @@ RIGID = 150.0
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _PARAMETERS = len(laws.INDEX)
-_GAP = laws.INDEX.get("backlash_half_width", 0)
-_LAG, _SHIFT = laws.INDEX.get("lag_time", 0), laws.INDEX.get("time_offset", 0)
-_SECOND = tuple(laws.INDEX.get(name, 0) for name in ("second_mass", "second_stiffness", "second_damping"))
-_SECOND_MODE = laws.bits("second_mode")
+_BACKLASH, (_GAP,) = laws.structure(PLAY, 1)
+_ACTUATOR_LAG, (_LAG,) = laws.structure(LAG, 1)
+_TIME_OFFSET, (_SHIFT,) = laws.structure(DELAY, 1)
+_SECOND_MODE, _SECOND = laws.structure(SECOND_MASS, 3)
 _MEMORY = np.array(laws.MEMORY_START)
-_BACKLASH = laws.bits("backlash")
-_ACTUATOR_LAG, _TIME_OFFSET = laws.bits("actuator_lag"), laws.bits("time_offset")
 
 
 @joined

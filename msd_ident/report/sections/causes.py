@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import number
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Causes in a picture: the likeliest, so many at most.
 _LIKELY, _MOST = 1e-3, 8
-_SHOWN = ("mass", "damping", "stiffness")
+_SHOWN = PLANT
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,8 @@ class Causes(Section):
         for name in _SHOWN:
             before, after = base[name].value, model[name]
             cells.append((number(after), f"{100.0 * (after / before - 1.0):+.2g} %" if before else ""))
-        rubbing = "coulomb_force" in model.names
-        cells.append((f"{number(model['coulomb_force'], 3)}" if rubbing else "–", ""))
+        rubbing = FRICTION_FORCE in model.names
+        cells.append((f"{number(model[FRICTION_FORCE], 3)}" if rubbing else "–", ""))
         name = words.listed([words.effect(cause) for cause in contender.causes])
         return Change(name, words.probability(contender.probability), tuple(cells))
 
