@@ -52,7 +52,8 @@ def search(
     ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
-    for fitted in ahead.within(_BEHIND)[:_LEADERS] + ([] if clear else _simpler(ahead)):
+    asked = ahead.within(_BEHIND)[:_LEADERS] + _with_one_less(ahead) + ([] if clear else _simpler(ahead))
+    for fitted in {one.causes: one for one in asked}.values():
         initial = _begun(fitted.initial, part, experiment, known[0].initial)
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
     whole = _searching(experiment, progress)
@@ -79,6 +80,12 @@ def _begun(
             position, velocity = starting_state(other, _FIRST)
             found.append(Initial(position - start.zero, velocity, start.zero))
     return tuple(found)
+
+
+def _with_one_less(ahead: Ranking) -> list[Hypothesis]:
+    """Sets that lack one of the leader's causes: what each of these explains is judged beside what they do."""
+    wanted = {ahead.best.causes - {name} for name in ahead.best.causes} if len(ahead.best.causes) > 1 else set()
+    return [one for one in ahead.sets if one.causes in wanted]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:

@@ -36,10 +36,13 @@ from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR
 SHAPES = 8.0
 #: Part of its prior width that a parameter of a law is never known better than.
 LEAST_SPREAD = 0.03
-#: Noise floors below which the form of what a set leaves is not seen, and the part of what its causes explain that
-#: another form of their laws may then be. Of 11 causes below both on rigs of other laws 2 were false, of the visible
-#: ones on rigs of our own laws none lies below.
-FAINT, FAINT_PART = 3.0, 0.2
+#: Noise floors below which the form of what a set leaves is not seen.
+FAINT = 3.0
+#: Part of what the other causes explain (rms of the position) below which a further cause may be another form of their
+#: laws. On rigs of foreign laws (`make blind ARGS="--variants"`, 152 cases) 10 of 13 false further causes lie below.
+FORM_PART = 0.2
+#: Odds, in units of a cause's own prior odds, that a cause below ``FORM_PART`` is one of its own: 3 to 1 for most.
+_FORM_ODDS = 60.0
 #: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
 DECISIVE = 3.5
 #: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
@@ -157,13 +160,14 @@ class Ranking:
     """Sets by falling evidence, with their posterior probability (each in the order of ``sets``).
 
     ``left`` is what every set that was fitted leaves, in noise floors, those too that were searched on a part of the
-    data alone.
+    data alone. ``own`` says of the causes of a set that may be another form of its other laws how likely they are not.
     """
 
     sets: tuple[Hypothesis, ...]
     evidence: tuple[float, ...]
     probability: tuple[float, ...]
     left: Mapping[Causes, float] = field(default_factory=dict)
+    own: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def best(self) -> Hypothesis:
@@ -183,7 +187,12 @@ class Ranking:
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""
         kind = by_name(name).cause()
-        return sum(p for fitted, p in zip(self.sets, self.probability, strict=True) if kind in kinds(fitted.causes))
+        return sum(
+            p * self.own.get(fitted.causes, {}).get(law, 1.0)
+            for fitted, p in zip(self.sets, self.probability, strict=True)
+            for law in fitted.causes
+            if by_name(law).cause() == kind
+        )
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -225,24 +234,43 @@ def _simpler(causes: Causes) -> Iterator[Causes]:
             yield causes - {name} | {COULOMB}
 
 
+def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
+    """What each cause of a set explains beyond the others, as a part of what they explain (rms of the position).
+
+    Causes without which no set was fitted, and those whose others explain nothing, are left out.
+    """
+    base, found = sets.get(frozenset()), {}
+    for name in causes if base is not None else ():
+        smaller = sets.get(causes - {name})
+        if base is None or smaller is None or smaller.chi >= base.chi:
+            continue
+        further = max(smaller.chi - sets[causes].chi, 0.0)
+        found[name] = math.sqrt(further / (base.chi - smaller.chi))
+    return found
+
+
 def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
     """Whether one of the causes explains no more than the error of the others' laws may be.
 
     No law is exact: what a set leaves may be another form of the laws that it has. A further cause that explains less
-    than ``LEAST_SPREAD`` of what they do, or than ``FAINT_PART`` where less than ``FAINT`` noise floors are left, is
-    none of its own (all in rms of the position).
+    than ``LEAST_SPREAD`` of what they do, or than ``FORM_PART`` where less than ``FAINT`` noise floors are left
+    without it, is none of its own.
     """
-    base = sets.get(frozenset())
-    if base is None:
-        return False
-    for name in causes:
-        smaller = sets.get(causes - {name})
-        if smaller is None or not smaller.causes:
-            continue
-        part = FAINT_PART if smaller.chi < FAINT**2 * noise else LEAST_SPREAD
-        if smaller.chi - sets[causes].chi <= part**2 * (base.chi - smaller.chi):
+    for name, part in further_parts(causes, sets).items():
+        faint = sets[causes - {name}].chi < FAINT**2 * noise
+        if part <= (FORM_PART if faint else LEAST_SPREAD):
             return True
     return False
+
+
+def _of_their_own(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
+    """Causes that may be another form of the other laws, and the probability that they are causes of their own."""
+    odds = {
+        name: _FORM_ODDS * by_name(name).prior_odds
+        for name, part in further_parts(causes, sets).items()
+        if part <= FORM_PART
+    }
+    return {name: value / (1.0 + value) for name, value in odds.items()}
 
 
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
@@ -277,6 +305,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
+        own={causes: _of_their_own(causes, sets) for causes in order},
     )
 
 
