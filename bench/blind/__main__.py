@@ -18,10 +18,13 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
-import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one thread of BLAS
-from bench.blind import plan, told
-from bench.blind.cases import Case, Outcome, run
-from bench.blind.picture import draw
+from msd_ident import parallel
+
+parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
+
+from bench.blind import plan, told  # noqa: E402
+from bench.blind.cases import Case, Outcome, run  # noqa: E402
+from bench.blind.picture import draw  # noqa: E402
 
 #: Plans besides the whole study.
 _KINDS = {

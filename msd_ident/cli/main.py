@@ -7,6 +7,7 @@ import sys
 
 import typer
 
+from msd_ident import parallel
 from msd_ident.errors import MsdError, UsageError
 
 #: Subcommands, each a module of this package with a function of the same name.
@@ -47,6 +48,7 @@ def fail(error: MsdError) -> int:
 
 def main() -> int:
     """Run the command line; never ends in a traceback for anything that a user can mend."""
+    parallel.one_blas_thread()
     _register()
     try:
         outcome = app(standalone_mode=False)
