@@ -1,4 +1,4 @@
-"""Turn a force input and an encoder signal into a model a lab can trust."""
+"""Identify a mass-spring-damper from a force and an encoder signal, and find what its model lacks."""
 
 from __future__ import annotations
 

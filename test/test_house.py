@@ -164,6 +164,17 @@ def test_no_import_cycles() -> None:
         pytest.fail(" <- ".join(cycle.args[1]))
 
 
+def test_rooms_say_what_comes_in_what_goes_out_and_where_to_begin() -> None:
+    """Each names modules that exist."""
+    for path in sorted((REPOSITORY / "msd_ident").glob("*/__init__.py")):
+        text = " ".join((ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split())
+        said = re.search(r"\bIn: .+ Out: .+ Begin with (.+)", text)
+        assert said, f"{path.parent.name}: expected In:, Out: and Begin with"
+        for name in re.findall(r"``([a-z_.]+)``", said[1].partition(". ")[0]):
+            module = path.parent / name.replace(".", "/")
+            assert module.is_dir() or module.with_suffix(".py").exists(), f"{path.parent.name} has no {name}"
+
+
 def test_functions_are_short() -> None:
     too_long = []
     for name, tree in modules().items():

@@ -28,18 +28,36 @@ ListOption = Annotated[
 ]
 
 
+OutOption = Annotated[
+    str,
+    typer.Option(
+        "--out",
+        metavar="TABLE.parquet",
+        help="table to write; also in an object store",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="continue an interrupted batch; finished records are kept", rich_help_panel=options.BATCH
+    ),
+]
+RecordPagesOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--pages",
+        metavar="FOLDER",
+        help="also write a page for each record; the report links to them",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+
+
 @sources.reading
 def batch(
     source: sources.Source,
-    out: Annotated[
-        str,
-        typer.Option(
-            "--out",
-            metavar="TABLE.parquet",
-            help="table to write; also in an object store",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ],
+    out: OutOption,
     paths: ManyArgument = None,
     listed: ListOption = "",
     scheduler: options.SchedulerOption = "",
@@ -49,22 +67,9 @@ def batch(
     covariate: options.CovariateOption = None,
     model: options.ModelOption = "auto",
     tolerance: options.ToleranceOption = 1.0,
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume", help="continue an interrupted batch; finished records are kept", rich_help_panel=options.BATCH
-        ),
-    ] = False,
+    resume: ResumeOption = False,
     report: options.ReportOption = None,
-    record_pages: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--pages",
-            metavar="FOLDER",
-            help="also write a page for each record; the report links to them",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = None,
+    record_pages: RecordPagesOption = None,
     quiet: options.QuietOption = False,
     overwrite: options.OverwriteOption = False,
 ) -> int:

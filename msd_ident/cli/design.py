@@ -19,41 +19,47 @@ if TYPE_CHECKING:
     from msd_ident.diagnosis import Diagnosis
 
 
+TargetsOption = Annotated[
+    str,
+    typer.Option(
+        "--for",
+        metavar="NAME,…",
+        help="design for narrower intervals of these parameters, e.g. mass,damping",
+        rich_help_panel=options.MODEL,
+    ),
+]
+CheckOption = Annotated[
+    bool,
+    typer.Option(
+        "--check",
+        help="look for causes that this data could not show, even if none are tied",
+        rich_help_panel=options.MODEL,
+    ),
+]
+OutOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv", rich_help_panel=options.OUTPUT),
+]
+FigureOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--figure",
+        metavar="FILE",
+        help="picture of the rivals' predictions (.png, .svg, .pdf)",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+
+
 @sources.reading
 def design(
     paths: options.PathsArgument,
     source: sources.Source,
     limits: options.LimitsOption = None,
-    targets: Annotated[
-        str,
-        typer.Option(
-            "--for",
-            metavar="NAME,…",
-            help="design for narrower intervals of these parameters, e.g. mass,damping",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = "",
-    check: Annotated[
-        bool,
-        typer.Option(
-            "--check",
-            help="look for causes that this data could not show, even if none are tied",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = False,
-    out: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv", rich_help_panel=options.OUTPUT),
-    ] = None,
-    figure: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--figure",
-            metavar="FILE",
-            help="picture of the rivals' predictions (.png, .svg, .pdf)",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = None,
+    targets: TargetsOption = "",
+    check: CheckOption = False,
+    out: OutOption = None,
+    figure: FigureOption = None,
     model: options.ModelOption = "auto",
     json: options.JsonOption = "",
     quiet: options.QuietOption = False,

@@ -38,63 +38,73 @@ ReplayOption = Annotated[
 ]
 
 
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        metavar="FILE",
+        help="main file; further files are written next to it",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+NoReplayOption = Annotated[
+    bool,
+    typer.Option("--no-replay", help="write the file without a proof by replay", rich_help_panel=options.SOURCE),
+]
+JointOption = Annotated[
+    str, typer.Option("--joint", metavar="NAME", help="name of the joint", rich_help_panel=options.MODEL)
+]
+IntoOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--into",
+        metavar="ROBOT.xml",
+        help="insert the model into a joint of this MuJoCo model; --out is the new file",
+        rich_help_panel=options.MODEL,
+    ),
+]
+FragmentOption = Annotated[
+    bool,
+    typer.Option("--fragment", help="write only the joint's elements, to paste", rich_help_panel=options.OUTPUT),
+]
+MassOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        "--mass",
+        metavar="KG",
+        help="moving mass, for a result that has only ratios",
+        rich_help_panel=options.MODEL,
+    ),
+]
+DrawsOption = Annotated[
+    int, typer.Option("--draws", help="number of parameter sets of --to draws", rich_help_panel=options.OUTPUT)
+]
+StepsOption = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(
+        "--steps",
+        min=1,
+        max=1000,
+        help="solver steps per sample of the record; default: as many as the replay needs",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+
+
 @sources.reading
 def export(
     result: options.ResultArgument,
     source: sources.Source,
     to: ToOption,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="main file; further files are written next to it",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ],
+    out: OutOption,
     replay: ReplayOption = None,
-    no_replay: Annotated[
-        bool,
-        typer.Option("--no-replay", help="write the file without a proof by replay", rich_help_panel=options.SOURCE),
-    ] = False,
-    joint: Annotated[
-        str, typer.Option("--joint", metavar="NAME", help="name of the joint", rich_help_panel=options.MODEL)
-    ] = "x",
-    into: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--into",
-            metavar="ROBOT.xml",
-            help="insert the model into a joint of this MuJoCo model; --out is the new file",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = None,
-    fragment: Annotated[
-        bool,
-        typer.Option("--fragment", help="write only the joint's elements, to paste", rich_help_panel=options.OUTPUT),
-    ] = False,
-    mass: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(
-            "--mass",
-            metavar="KG",
-            help="moving mass, for a result that has only ratios",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = None,
-    draws: Annotated[
-        int, typer.Option("--draws", help="number of parameter sets of --to draws", rich_help_panel=options.OUTPUT)
-    ] = 1000,
-    steps: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(
-            "--steps",
-            min=1,
-            max=1000,
-            help="solver steps per sample of the record; default: as many as the replay needs",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = None,
+    no_replay: NoReplayOption = False,
+    joint: JointOption = "x",
+    into: IntoOption = None,
+    fragment: FragmentOption = False,
+    mass: MassOption = None,
+    draws: DrawsOption = 1000,
+    steps: StepsOption = None,
     line: options.LineOption = None,
     json: options.JsonOption = "",
     report: options.ReportOption = None,

@@ -15,32 +15,37 @@ if TYPE_CHECKING:
     from msd_ident.workflow.identification import Identification
 
 
+LossOption = Annotated[
+    str, typer.Option(help="linear, or soft_l1 for data with outliers", rich_help_panel=options.MODEL)
+]
+MassOption = Annotated[
+    str,
+    typer.Option(
+        "--mass",
+        metavar="KG[±STD]",
+        help="known moving mass; a free decay then has results in newtons",
+        rich_help_panel=options.MODEL,
+    ),
+]
+KnownOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(
+        "--known",
+        metavar="NAME=VALUE[±STD]",
+        help="parameter that is known and not fitted; repeatable",
+        rich_help_panel=options.MODEL,
+    ),
+]
+
+
 @sources.reading
 def identify(
     paths: options.PathsArgument,
     source: sources.Source,
     model: options.ModelOption = "auto",
-    loss: Annotated[
-        str, typer.Option(help="linear, or soft_l1 for data with outliers", rich_help_panel=options.MODEL)
-    ] = "linear",
-    mass: Annotated[
-        str,
-        typer.Option(
-            "--mass",
-            metavar="KG[±STD]",
-            help="known moving mass; a free decay then has results in newtons",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = "",
-    known: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option(
-            "--known",
-            metavar="NAME=VALUE[±STD]",
-            help="parameter that is known and not fitted; repeatable",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = None,
+    loss: LossOption = "linear",
+    mass: MassOption = "",
+    known: KnownOption = None,
     together: options.TogetherOption = False,
     on: options.OnOption = None,
     export: options.ExportOption = None,

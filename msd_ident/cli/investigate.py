@@ -28,49 +28,52 @@ EffectOption = Annotated[
 ]
 
 
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        metavar="FOLDER",
+        help="new folder for bags, journal and report",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+RigOption = Annotated[
+    str,
+    typer.Option(
+        "--rig",
+        metavar="NAME|FILE",
+        help="simulated rig; default: the rig of the ROS graph",
+        rich_help_panel=options.RIG,
+    ),
+]
+FirstOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--first",
+        metavar="PROFILE",
+        help="first experiment; default: a force step, sized by a gentle trial",
+        rich_help_panel=options.MODEL,
+    ),
+]
+RunsOption = Annotated[
+    int,
+    typer.Option(min=0, max=20, help="greatest number of experiments after the first", rich_help_panel=options.MODEL),
+]
+SecondsOption = Annotated[
+    float,
+    typer.Option(min=1.0, help="greatest total duration of all experiments, in seconds", rich_help_panel=options.MODEL),
+]
+
+
 def investigate(
     limits: options.LimitsOption = None,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out",
-            metavar="FOLDER",
-            help="new folder for bags, journal and report",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = Path("investigation"),
-    rig: Annotated[
-        str,
-        typer.Option(
-            "--rig",
-            metavar="NAME|FILE",
-            help="simulated rig; default: the rig of the ROS graph",
-            rich_help_panel=options.RIG,
-        ),
-    ] = "",
+    out: OutOption = Path("investigation"),
+    rig: RigOption = "",
     effect: EffectOption = None,
     seed: Annotated[int, typer.Option(help="seed of the simulated encoder noise", rich_help_panel=options.RIG)] = 0,
-    first: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--first",
-            metavar="PROFILE",
-            help="first experiment; default: a force step, sized by a gentle trial",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = None,
-    runs: Annotated[
-        int,
-        typer.Option(
-            min=0, max=20, help="greatest number of experiments after the first", rich_help_panel=options.MODEL
-        ),
-    ] = 2,
-    seconds: Annotated[
-        float,
-        typer.Option(
-            min=1.0, help="greatest total duration of all experiments, in seconds", rich_help_panel=options.MODEL
-        ),
-    ] = 120.0,
+    first: FirstOption = None,
+    runs: RunsOption = 2,
+    seconds: SecondsOption = 120.0,
     yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run", rich_help_panel=options.RIG)] = False,
     namespace: options.NamespaceOption = "msd",
     silence: options.SilenceOption = 0.5,

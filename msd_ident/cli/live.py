@@ -7,6 +7,12 @@ from typing import Annotated, Optional
 
 import typer
 
+DemoOption = Annotated[bool, typer.Option("--demo", help="also start a simulated rig, a recorder and an identifier")]
+RateOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(min=1.0, max=30.0, help="greatest number of frames per second"),
+]
+
 
 def live(
     namespace: Annotated[str, typer.Option(help="ROS namespace of the rig's topics; /: none")] = "msd",
@@ -16,13 +22,8 @@ def live(
     force: Annotated[str, typer.Option(help="force signal; default: force", metavar="TOPIC:FIELD")] = "",
     position: Annotated[str, typer.Option(help="position signal; default: encoder", metavar="TOPIC:FIELD")] = "",
     step_limit: Annotated[float, typer.Option(min=0.0, help="greatest force of the step button; 0: disabled")] = 20.0,
-    demo: Annotated[
-        bool, typer.Option("--demo", help="also start a simulated rig, a recorder and an identifier")
-    ] = False,
-    rate: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(min=1.0, max=30.0, help="greatest number of frames per second"),
-    ] = None,
+    demo: DemoOption = False,
+    rate: RateOption = None,
     show: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
 ) -> int:
     """Show force, displacement, model and residual live in the browser, with buttons, until Ctrl-C."""

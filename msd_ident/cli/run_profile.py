@@ -15,20 +15,23 @@ import typer
 from msd_ident.cli import options
 from msd_ident.errors import UsageError
 
+OutOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option("--out", metavar="FOLDER", help="bag to record", rich_help_panel=options.OUTPUT),
+]
+ResetOption = Annotated[
+    bool, typer.Option("--reset", help="first call rig/reset, if it exists", rich_help_panel=options.RIG)
+]
+
 
 def run_profile(
     profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
     limits: options.LimitsOption = None,
-    out: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--out", metavar="FOLDER", help="bag to record", rich_help_panel=options.OUTPUT),
-    ] = None,
+    out: OutOption = None,
     namespace: options.NamespaceOption = "msd",
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,
-    reset: Annotated[
-        bool, typer.Option("--reset", help="first call rig/reset, if it exists", rich_help_panel=options.RIG)
-    ] = False,
+    reset: ResetOption = False,
     json: options.JsonOption = "",
     quiet: options.QuietOption = False,
 ) -> int:

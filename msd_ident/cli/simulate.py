@@ -59,33 +59,39 @@ ReplaceOption = Annotated[
 ]
 
 
+SeedOption = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(help="seed of the encoder noise", rich_help_panel=options.RIG),
+]
+RateOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(help="sampling rate, in Hz", rich_help_panel=options.RIG),
+]
+DurationOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(help="duration, in seconds; default: that of the experiment", rich_help_panel=options.RIG),
+]
+JsonOption = Annotated[
+    str,
+    typer.Option(
+        "--json",
+        metavar="FILE|-",
+        help="write the true parameters as a JSON object",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+
+
 def simulate(
     out: OutOption,
     rig: RigOption = "ecp",
     experiment: ExperimentOption = "paper",
     effect: EffectOption = None,
     parameter: SetOption = None,
-    seed: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(help="seed of the encoder noise", rich_help_panel=options.RIG),
-    ] = None,
-    rate: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(help="sampling rate, in Hz", rich_help_panel=options.RIG),
-    ] = None,
-    duration: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(help="duration, in seconds; default: that of the experiment", rich_help_panel=options.RIG),
-    ] = None,
-    json: Annotated[
-        str,
-        typer.Option(
-            "--json",
-            metavar="FILE|-",
-            help="write the true parameters as a JSON object",
-            rich_help_panel=options.OUTPUT,
-        ),
-    ] = "",
+    seed: SeedOption = None,
+    rate: RateOption = None,
+    duration: DurationOption = None,
+    json: JsonOption = "",
     quiet: options.QuietOption = False,
     overwrite: ReplaceOption = False,
 ) -> int:

@@ -21,62 +21,71 @@ if TYPE_CHECKING:
 SIMULATION = "Your own simulation"
 
 
+PathsArgument = Annotated[
+    Optional[list[Path]],  # noqa: UP045
+    typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+]
+RefitZeroOption = Annotated[
+    bool,
+    typer.Option(
+        "--refit-zero",
+        help="also fit the encoder's zero; default: the zero of the result",
+        rich_help_panel=options.MODEL,
+    ),
+]
+RequireOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        "--require",
+        metavar="PERCENT",
+        help="exit with code 1 if the model explains less of the motion",
+        rich_help_panel=options.MODEL,
+    ),
+]
+MujocoOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--mujoco",
+        metavar="ROBOT.xml",
+        help="compare this MuJoCo model with the record, instead of a result; needs --joint",
+        rich_help_panel=SIMULATION,
+    ),
+]
+JointOption = Annotated[
+    str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco", rich_help_panel=SIMULATION)
+]
+FunctionOption = Annotated[
+    str,
+    typer.Option(
+        "--callable",
+        metavar="MODULE:FUNCTION",
+        help="compare this Python function with the record, instead of a result",
+        rich_help_panel=SIMULATION,
+    ),
+]
+SimulatedOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--simulated",
+        metavar="FILE",
+        help="compare these simulated positions with the record, instead of a result",
+        rich_help_panel=SIMULATION,
+    ),
+]
+
+
 @sources.reading
 def validate(
     result: options.ResultArgument,
     source: sources.Source,
-    paths: Annotated[
-        Optional[list[Path]],  # noqa: UP045
-        typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
-    ] = None,
+    paths: PathsArgument = None,
     line: options.LineOption = None,
-    refit_zero: Annotated[
-        bool,
-        typer.Option(
-            "--refit-zero",
-            help="also fit the encoder's zero; default: the zero of the result",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = False,
-    require: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option(
-            "--require",
-            metavar="PERCENT",
-            help="exit with code 1 if the model explains less of the motion",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = None,
-    mujoco: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--mujoco",
-            metavar="ROBOT.xml",
-            help="compare this MuJoCo model with the record, instead of a result; needs --joint",
-            rich_help_panel=SIMULATION,
-        ),
-    ] = None,
-    joint: Annotated[
-        str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco", rich_help_panel=SIMULATION)
-    ] = "",
-    function: Annotated[
-        str,
-        typer.Option(
-            "--callable",
-            metavar="MODULE:FUNCTION",
-            help="compare this Python function with the record, instead of a result",
-            rich_help_panel=SIMULATION,
-        ),
-    ] = "",
-    simulated: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--simulated",
-            metavar="FILE",
-            help="compare these simulated positions with the record, instead of a result",
-            rich_help_panel=SIMULATION,
-        ),
-    ] = None,
+    refit_zero: RefitZeroOption = False,
+    require: RequireOption = None,
+    mujoco: MujocoOption = None,
+    joint: JointOption = "",
+    function: FunctionOption = "",
+    simulated: SimulatedOption = None,
     together: options.TogetherOption = False,
     json: options.JsonOption = "",
     report: options.ReportOption = None,

@@ -16,48 +16,55 @@ if TYPE_CHECKING:
     from msd_ident.monitoring.watching import Options, Watch
 
 
+KeepOption = Annotated[
+    str,
+    typer.Option(
+        "--table",
+        metavar="TABLE.parquet",
+        help="table that keeps the results of records in folders",
+        rich_help_panel=options.BATCH,
+    ),
+]
+FalseAlarmsOption = Annotated[
+    float,
+    typer.Option(
+        "--false-alarms",
+        metavar="RATE",
+        help="accepted false alarms per robot and year",
+        rich_help_panel=options.MODEL,
+    ),
+]
+PerYearOption = Annotated[
+    float,
+    typer.Option(
+        "--records-per-year",
+        help="records per robot and year; 0: from their time stamps, else daily",
+        rich_help_panel=options.MODEL,
+    ),
+]
+CheckOption = Annotated[
+    bool, typer.Option("--check", help="exit with code 1 after an alarm", rich_help_panel=options.OUTPUT)
+]
+FollowOption = Annotated[
+    float,
+    typer.Option(
+        "--follow",
+        metavar="SECONDS",
+        help="repeat with this period until Ctrl-C",
+        rich_help_panel=options.BATCH,
+    ),
+]
+
+
 @sources.reading
 def watch(
     paths: many.TablesArgument,
     source: sources.Source,
-    keep: Annotated[
-        str,
-        typer.Option(
-            "--table",
-            metavar="TABLE.parquet",
-            help="table that keeps the results of records in folders",
-            rich_help_panel=options.BATCH,
-        ),
-    ] = "msd_watch.parquet",
-    false_alarms: Annotated[
-        float,
-        typer.Option(
-            "--false-alarms",
-            metavar="RATE",
-            help="accepted false alarms per robot and year",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = 1.0,
-    per_year: Annotated[
-        float,
-        typer.Option(
-            "--records-per-year",
-            help="records per robot and year; 0: from their time stamps, else daily",
-            rich_help_panel=options.MODEL,
-        ),
-    ] = 0.0,
-    check: Annotated[
-        bool, typer.Option("--check", help="exit with code 1 after an alarm", rich_help_panel=options.OUTPUT)
-    ] = False,
-    follow: Annotated[
-        float,
-        typer.Option(
-            "--follow",
-            metavar="SECONDS",
-            help="repeat with this period until Ctrl-C",
-            rich_help_panel=options.BATCH,
-        ),
-    ] = 0.0,
+    keep: KeepOption = "msd_watch.parquet",
+    false_alarms: FalseAlarmsOption = 1.0,
+    per_year: PerYearOption = 0.0,
+    check: CheckOption = False,
+    follow: FollowOption = 0.0,
     scheduler: options.SchedulerOption = "",
     workers: options.WorkersOption = 0,
     all_joints: options.AllJointsOption = False,
