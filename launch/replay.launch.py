@@ -18,7 +18,7 @@ from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
 #: Name, default and meaning of what can be said on the command line; no default: it must be.
 ARGUMENTS = (
     ("bag", None, "rosbag2 folder or .mcap file"),
-    ("rate", "1.0", "seconds of the bag in a second"),
+    ("rate", "1.0", "playback speed"),
     ("loop", "false", "true: begin anew at the end"),
     ("namespace", "msd", "namespace of the nodes; topics keep the bag's names"),
     (

@@ -143,12 +143,13 @@ def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool)
     listed = ", ".join(physical)
     if "offset_force" in physical and zeros and len(physical) == 1:
         return (
-            "offset_force and the position's zero shift the rest position alike, so only their sum is known "
+            "offset_force and the position's zero shift the rest position in the same way, so only their sum is known "
             f"(F0/k + zero): {_ADVICE['offset_force']}."
         )
     if common and not forced:
         return (
-            f"{listed} are known only up to a common factor, as no force acts in this data; their ratios are known: "
+            f"{listed} are known only up to a common factor, because no force acts in this data; their ratios are "
+            "known: "
             "push with a known force, or weigh the moving mass."
         )
     if common:

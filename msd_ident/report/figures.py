@@ -44,6 +44,10 @@ def paths(found: Diagnosis | Identification | Validation | Export, directory: Pa
 def save(found: Diagnosis | Identification | Validation | Export, directory: Path) -> list[Path]:
     """Write all plots as PNG and SVG; returns the paths.
 
+    Args:
+        found: a result.
+        directory: folder for the files; made if it does not exist.
+
     Raises:
         SetupError: the disk does not take them.
     """

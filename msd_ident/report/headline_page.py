@@ -40,6 +40,12 @@ class Told:
 def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
     """Write the page.
 
+    Args:
+        command: subcommand that the page is of.
+        name: title of the page.
+        sections: in their order.
+        path: file to write.
+
     Raises:
         SetupError: the disk does not take it.
     """

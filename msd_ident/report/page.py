@@ -190,7 +190,12 @@ def save(
     path: Path,
     provenance: Sequence[Provenance | None] = (),
 ) -> None:
-    """Write one page about all results.
+    """Write one self-contained page about all results.
+
+    Args:
+        results: one article each.
+        path: file to write.
+        provenance: of each result: files, versions and command.
 
     Raises:
         SetupError: the disk does not take it.
@@ -239,4 +244,5 @@ def environment() -> Environment:
 
 @cache
 def shipped(folder: str, name: str) -> str:
+    """Text of a file in a folder of this package, e.g. of ``templates``."""
     return resources.files("msd_ident.report").joinpath(folder).joinpath(name).read_text(encoding="utf-8")

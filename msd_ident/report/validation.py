@@ -44,10 +44,10 @@ def sentences(found: Validation) -> tuple[str, ...]:
     """The tests of the residual, and what became of the missing force, in words."""
     tests = found.adequacy
     if tests.consistent:
-        said = ["The residual is what noise would be."]
+        said = ["The residual is consistent with noise."]
     else:
         said = [
-            "The residual is more than noise: the probability that noise is as large is "
+            "The residual is not noise alone: the probability that noise is as large is "
             f"{tests.size:.2g}, as correlated {tests.whiteness:.2g}, as dependent on force and motion "
             f"{tests.independence:.2g}."
         ]

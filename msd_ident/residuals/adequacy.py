@@ -54,7 +54,12 @@ class Adequacy:
 
 
 def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adequacy:
-    """Judge the residuals (model − data); their size over all records and in each, as a long one drowns a short one."""
+    """Test the residuals for size, whiteness and independence; the size over all records and in each of them.
+
+    Args:
+        residuals: model − data of each record, (n,) each.
+        readings: of the same records, with noise and weights.
+    """
     pieces = np.array([part.evidence for part in readings])
     chi = np.array([part.chi(residual) for residual, part in zip(residuals, readings, strict=True)])
     size = _size(float(chi.sum()), float(pieces.sum()))

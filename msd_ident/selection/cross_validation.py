@@ -77,7 +77,13 @@ def segments(record: Record) -> FloatArray:
 
 
 def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:
-    """Compare two fitted sets on left-out segments."""
+    """Compare the predictions of two fitted sets on left-out segments.
+
+    Args:
+        experiment: readings with their weights.
+        base: the fit without the causes.
+        extended: the fit with them.
+    """
     cuts = [segments(record) for record in experiment.records]
     errors = left_out(experiment, base, cuts)
     if extended is base:

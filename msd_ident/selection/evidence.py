@@ -240,6 +240,10 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.
+
+    Args:
+        sets: every fitted set by its causes.
+        scale: noise and number of unknown shapes of the error.
     """
     own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}

@@ -15,12 +15,12 @@ def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
     bent = any(effect.placed() or effect.name in _ON_SPRING for effect in model.effects)
     if model.has("force_offset") and dry:
         said.append(
-            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
+            f"force_offset beside {dry[0]} is equivalent to asymmetric friction (more one way than the other): "
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
     if model.has("direction_dependent_damping"):
         said.append(
-            "At speeds of one size, damping that differs between directions is the same thing as a force offset or as "
+            "At speeds of one size, damping that differs between directions is equivalent to a force offset or as "
             "asymmetric friction: move at several speeds to tell them apart."
         )
     if model.has("force_offset") and model.stiffness > 0.0 and not bent:

@@ -59,7 +59,7 @@ def each_joint(
 
     def work(joint: _Joint) -> JointResult:
         if not joint.has_effort:
-            return JointResult(joint.name, False, "its messages carry no effort: there is no force to go by")
+            return JointResult(joint.name, False, "its messages contain no effort, so there is no force")
         try:
             record = read(joint)
             judged = judge(record)

@@ -247,7 +247,7 @@ def burst(world: World, rng: random.Random) -> None:
 
 
 FAULTS: tuple[Fault, ...] = (
-    Fault("publisher restarted", publisher_restarted, "its publisher began anew, and a new recording with it"),
+    Fault("publisher restarted", publisher_restarted, "its publisher restarted; a new recording starts"),
     Fault("time jumps back", time_back, "the clock jumped back by"),
     Fault("time jumps back by less than a second", time_back_a_little, "the clock jumped back by 0."),
     Fault("time jumps forward", time_forward, "the clock jumped forward by"),
