@@ -218,6 +218,6 @@ def _lines() -> Callable[[int, int, Sequence[Any]], None]:
         last = now
         rate = done / max(now - began, 1e-3)
         left = (total - done) / rate
-        print(f"{done} of {total} records, {rate:.3g} a second, {left:.0f} s left", file=sys.stderr, flush=True)
+        print(f"{done} of {total} records, {rate:.3g} per second, {left:.0f} s left", file=sys.stderr, flush=True)
 
     return tell

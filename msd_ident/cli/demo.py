@@ -72,7 +72,7 @@ def _new_folder(out: Path) -> Path:
         except FileExistsError:
             continue
         except OSError as error:
-            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
     raise SetupError(f"{out / name} exists a thousand times; expected a new name to be free: give another --out")
 
 

@@ -80,7 +80,7 @@ def watch(
 
     settings = Options(false_alarms, per_year)
     if follow < 0.0 or (follow and json == "-"):
-        raise UsageError("--follow takes seconds above 0, and goes with --json FILE; expected both so")
+        raise UsageError("--follow takes seconds above 0 and not --json -; expected a number and a file")
     output = run.Output(json, quiet, overwrite)
     output.check()
     if report is not None:

@@ -32,7 +32,7 @@ def make_folder(folder: Path, overwrite: bool) -> None:
     except FileExistsError:
         raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
     except OSError as error:
-        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
 
 
 def is_empty(folder: Path) -> bool:

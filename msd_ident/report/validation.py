@@ -53,5 +53,7 @@ def sentences(found: Validation) -> tuple[str, ...]:
         ]
     if found.states:
         listed = "; ".join(f"{signal}: {state}" for signal, state in found.states.items())
-        said.append(f"What the force that mass, damping and stiffness lacked went with on their own record: {listed}.")
+        said.append(
+            f"Signals that the missing force of mass, damping and stiffness depended on, on their own record: {listed}."
+        )
     return tuple(said)
