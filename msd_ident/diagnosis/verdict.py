@@ -1,4 +1,6 @@
-"""The verdict, and its words: which causes act and how sure that is; how much is left, and whether that matters."""
+"""The verdict and its sentences: which causes act, with which probability; how much is left, compared with the
+tolerance.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a comparison: what differs, every parameter record by record, and the joint fits behind it."""
+"""The page of a comparison: differences, every parameter of each record, and the joint fits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an export shows on the terminal: what each effect became, and the proof."""
+"""Terminal output of an export: how each effect is written, and the proof."""
 
 from __future__ import annotations
 

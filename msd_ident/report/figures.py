@@ -1,4 +1,4 @@
-"""Pictures for papers and notebooks, as PNG and SVG: the page's plots, and the paper's Figures 7 and 8."""
+"""Figures for papers and notebooks, as PNG and SVG: the page's plots, and the paper's Figures 7 and 8."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages of a comparison and of a watch: a headline, plots, a table, in the looks of the other pages."""
+"""Pages of comparisons and monitoring: a headline, plots and a table, in the style of the other pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page that people look at: all sections of all results in one file that needs no network."""
+"""The HTML page: all sections of all results in one file that needs no network."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``msd paper`` prints: Tables 2 and 3 beside the printed ones, and what the paper's model cannot reproduce."""
+"""Output of ``msd paper``: Tables 2 and 3 next to the printed ones, and what the paper's model cannot reproduce."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which plots a result gives: measured and modelled motion, residuals, missing force, ring-down, frequency response."""
+"""The plots of a result: measured and simulated motion, residuals, missing force, ring-down, frequency response."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a trial of a saved model shows: terminal tables."""
+"""Terminal tables of a validation."""
 
 from __future__ import annotations
 

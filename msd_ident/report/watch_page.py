@@ -1,4 +1,4 @@
-"""The page of a watch: each robot's parameters against time with their change points, and the alarm's statistic."""
+"""The page of a watch: each robot's parameters over time with their change points, and the statistic of the alarm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A diagnosis in the words of the workshop; nothing here adds a fact."""
+"""Short sentences for the page and the terminal; they add no facts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Is anything wrong with a model? Its residual against the noise, against itself and against the motion.
+"""Tests of a residual: size, whiteness, and independence of force and motion.
 
 Three questions, each with a probability that a right model would look so bad: is the residual larger than the noise; is
 it correlated with itself (Ljung and Box 1978, and sums over blocks for what is slow); does it depend on force and

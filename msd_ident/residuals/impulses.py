@@ -1,4 +1,4 @@
-"""A push that no force signal tells of: somebody bumps the table, or the cart meets something once.
+"""Pushes that are in no force signal: a bump against the table, or a collision of the cart.
 
 It shows as a short, strong missing force in a record that is otherwise explained. A cause that belongs to the rig acts
 again and again, with every swing; a push comes once or twice.

@@ -1,4 +1,4 @@
-"""What a reading is worth: its noise, and how much independent evidence it holds.
+"""Noise of the readings, and how much independent evidence they contain.
 
 An encoder that repeats the same number for a hundred samples has said one thing, not a hundred: its rounding error is
 the same in all of them, and a model that moves within the same count is contradicted by none. So a run of equal

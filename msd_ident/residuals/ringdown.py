@@ -1,4 +1,4 @@
-"""Damping and frequency against amplitude, ζ(A) and ωn(A), of everything that rings down in the records.
+"""Damping and frequency as functions of the amplitude, ζ(A) and ωn(A), of every ring-down in the records.
 
 For weak losses ζ(A) ≈ ζ + 2·Fc/(π·k·A) + 4·c·A/(3·π·m): a damping ratio that rises as the amplitude A falls means dry
 friction, one that falls means drag; ωn(A) bends with the spring alone.

@@ -1,4 +1,6 @@
-"""Every cause of the library: how likely it is, what it leaves, and why it is not in the extended model."""
+"""Assessment of every cause of the library: probability, residual, and the reason why the extended model includes it or
+not.
+"""
 
 from __future__ import annotations
 

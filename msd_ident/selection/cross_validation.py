@@ -1,4 +1,4 @@
-"""Does the extension predict? Both models on segments of the data that their fits did not see.
+"""Prediction of left-out data by base and extended model.
 
 The records are cut where the force steps, or else into equal parts, and dealt into folds. For each fold both models are
 refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them;

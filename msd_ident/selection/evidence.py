@@ -1,4 +1,4 @@
-"""How strongly the data speaks for a set of causes, and what cannot be told from what.
+"""Evidence of sets of causes, their probabilities, and ties.
 
 No model of a real rig is exact, and what a model misses is no noise: the error of a law is the same in every swing. So
 a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. What a set

@@ -1,4 +1,4 @@
-"""All joints of a bag, each diagnosed on its own where its effort can be the force that moves it."""
+"""All joints of a bag, each diagnosed separately if its effort can be the force that moves it."""
 
 from __future__ import annotations
 

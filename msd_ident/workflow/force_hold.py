@@ -1,4 +1,4 @@
-"""How a measured force goes on between its samples: held, linear or band-limited, asked of the data.
+"""The force between its samples: held, linear or band-limited, decided by the data.
 
 A table with a force on the position's stamps does not say whether a converter held that force (a command) or a sensor
 read one that is smooth in between. A wrong answer acts like a delay of half a sample. The same model is fitted with

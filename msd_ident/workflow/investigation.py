@@ -1,5 +1,5 @@
-"""The loop of a lab: run an experiment, diagnose, design the next, run it, diagnose all together, until one explanation
-stands or the budget is spent.
+"""Loop of experiments: run one, diagnose all together, design the next, until one explanation remains or the budget is
+spent.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Parameters that are known before any fit: a weighed mass, a spring measured with weights.
+"""Parameters that are known and not fitted: a weighed mass, a spring measured with weights.
 
 One known force scale turns the ratios of a free decay into kilograms and newtons.
 """

@@ -1,7 +1,7 @@
-"""From records to a result: the one path that command line, nodes and tests share.
+"""From records to a result: the functions that command line, nodes and Python share.
 
-``identify`` goes the paper's way (features, standard form, physical parameters, friction raised from 0 to the
-least error) and, beside it, refits all parameters jointly by simulation error.
+``identify`` follows the paper (features, standard form, physical parameters, friction raised from 0 to the least
+error) and also refits all parameters together by simulation error. ``diagnose`` finds the causes that the model lacks.
 """
 
 from __future__ import annotations

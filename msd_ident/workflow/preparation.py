@@ -1,4 +1,4 @@
-"""From records as they came to records that models are fitted to: findings, features, and how the force is read."""
+"""Prepare records for a fit: findings, features, start at the release, hold and sign of the force."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results read back from their JSON: the model that an identification or a diagnosis ended with."""
+"""Read results back from their JSON: the model of an identification or a diagnosis."""
 
 from __future__ import annotations
 

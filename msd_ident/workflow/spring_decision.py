@@ -1,4 +1,6 @@
-"""Whether a spring acts, where no response shows it: two fits, one without, and what the data says of the stiffness."""
+"""Decide whether a spring acts if no response shows it: a fit with and one without, and the stiffness with its
+interval.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A saved model tried on another record: simulated as it is, nothing refitted but how the record began."""
+"""Validate a saved model on another record: only the initial state of the record is fitted."""
 
 from __future__ import annotations
 
