@@ -30,8 +30,7 @@ def message_class(type_name: str) -> Any:
         return getattr(module, rest.rpartition("/")[2])
     except (ImportError, AttributeError, ValueError):
         raise SetupError(
-            f"message type {type_name} is not here; expected its package to be installed: "
-            "source the workspace that has it"
+            f"message type {type_name} is not installed; expected its package: source the workspace that has it"
         ) from None
 
 
@@ -95,9 +94,7 @@ class Signal:
         usual = FORCE_FIELDS if what == "force" else POSITION_FIELDS
         text = field or usual.get(type_name, "")
         if not text:
-            raise DataError(
-                f"{what} topic is of type {type_name}; expected to be told which field to use: write TOPIC:FIELD"
-            )
+            raise DataError(f"{what} topic is of type {type_name}; expected to be told which field to use: write TOPIC:FIELD")
         self.field = parse_field(text)
         self.is_batch = type_name == BATCH and text == "positions"
         self.type_name = type_name
