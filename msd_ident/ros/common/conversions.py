@@ -94,7 +94,9 @@ class Signal:
         usual = FORCE_FIELDS if what == "force" else POSITION_FIELDS
         text = field or usual.get(type_name, "")
         if not text:
-            raise DataError(f"{what} topic is of type {type_name}; expected to be told which field to use: write TOPIC:FIELD")
+            raise DataError(
+                f"{what} topic is of type {type_name}; expected to be told which field to use: write TOPIC:FIELD"
+            )
         self.field = parse_field(text)
         self.is_batch = type_name == BATCH and text == "positions"
         self.type_name = type_name
