@@ -1,4 +1,4 @@
-"""The next experiment: force profiles within a rig's limits that decide between causes which the data leaves tied.
+"""The next experiment: force profiles within a rig's limits that decide between tied causes.
 
 In: a ``Diagnosis`` and the rig's ``Limits``. Out: a ``Proposal`` with profile, duration and probability of a decision.
 Begin with ``proposal``, then ``evaluation`` (what a profile would show) and ``profile_search``.
