@@ -138,7 +138,7 @@ def page(names: Sequence[str], table: np.ndarray) -> str:
         lines.append(f"| {called(pair)} | " + " | ".join(cells) + " |")
     lines += [
         "",
-        "A force offset on a linear spring is a shifted zero, which no profile separates from the plant alone: tilt the",
+        "A force offset on a linear spring is a shifted zero, which no profile tells from the plant alone: tilt the",
         "rig by a known angle, or turn it round, and read the encoder with the spring relaxed. `msd design",
         "--check` says so. The table is for orientation; `msd design` computes it for the given rig, with what",
         "is known of it.",
