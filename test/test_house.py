@@ -198,7 +198,7 @@ def test_command_starts_without_heavy_libraries() -> None:
 #: Modules whose ``main`` starts a process, and what a test calls to see what that process has set.
 ENTRIES = (
     "msd_ident.cli.main",
-    *(f"msd_ident.ros.{node}.main" for node in ("experimenter", "identifier", "live", "recorder", "replayer")),
+    *(f"msd_ident.ros.{node}.__main__" for node in ("experimenter", "identifier", "live", "recorder", "replayer")),
 )
 
 
