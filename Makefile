@@ -26,6 +26,9 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
+# Matrices of ten by ten: threads of BLAS would only compete with the threads that fit.
+export OPENBLAS_NUM_THREADS ?= 1
+
 .PHONY: help setup demo test test-all lint docs docs-output picture bench bench-batch bench-compare bench-watch bench-export bench-live \
         blind blind-design real study soak load fuzz audit clean
 
@@ -72,14 +75,12 @@ bench: setup
 bench-batch: setup
 	@$(PY) -m bench.batch $(ARGS)
 
-bench-compare: export OPENBLAS_NUM_THREADS = 1
 bench-compare: setup
 	@$(PY) -m bench.compare $(ARGS)
 
 bench-watch: setup
 	@$(PY) -m bench.watch $(ARGS)
 
-bench-export: export OPENBLAS_NUM_THREADS = 1
 bench-export: setup
 	@$(PY) -m bench.export $(ARGS)
 
@@ -93,7 +94,6 @@ blind: setup
 real: setup
 	@$(PY) -m bench.real $(ARGS)
 
-study: export OPENBLAS_NUM_THREADS = 1
 study: setup
 	@mkdir -p out/study
 	@for seed in 0 1000; do $(PY) bench/study_coverage.py --seed $$seed --json out/study/coverage_$$seed.json || true; done

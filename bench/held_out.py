@@ -16,16 +16,19 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one thread of BLAS
-from msd_ident.data.record import Record
-from msd_ident.estimate.problem import Initial
-from msd_ident.model import Plant
-from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.residuals import noise_model
-from msd_ident.selection.cross_validation import HeldOut, predict
-from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine
-from msd_sim import lottery
-from msd_sim.api import simulate
+from msd_ident import parallel
+
+parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
+
+from msd_ident.data.record import Record  # noqa: E402
+from msd_ident.estimate.problem import Initial  # noqa: E402
+from msd_ident.model import Plant  # noqa: E402
+from msd_ident.model.effects import LIBRARY, by_name  # noqa: E402
+from msd_ident.residuals import noise_model  # noqa: E402
+from msd_ident.selection.cross_validation import HeldOut, predict  # noqa: E402
+from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine  # noqa: E402
+from msd_sim import lottery  # noqa: E402
+from msd_sim.api import simulate  # noqa: E402
 
 #: Effects that each rig without any is extended by, one after the other.
 USELESS = 2

@@ -97,7 +97,7 @@ def page(url: str) -> Iterator[Any]:
             opened = browser.new_page(viewport={"width": 1400, "height": 900})
             opened.set_default_timeout(300_000)  # of a busy machine [ms]
             opened.goto(url)
-            opened.get_by_text("samples a second").wait_for(timeout=120_000)
+            opened.get_by_text("samples per second").wait_for(timeout=120_000)
             yield opened
         finally:
             browser.close()

@@ -123,8 +123,8 @@ def page(names: Sequence[str], table: np.ndarray) -> str:
         "",
         "Written by `python -m bench.planning`. The first cause of a pair is true, the second refitted to it with",
         "all its parameters free and nothing measured before; the table has chi² that is left, for each second of",
-        "the experiment. About 25 in all decide. Rig: 1 kg on 100 N/m with 1 N·s/m, 0.2 mm of noise at 500 Hz, at most",
-        "10 N and 0.4 m.",
+        "the experiment. A total of about 25 decides. Rig: 1 kg on 100 N/m with 1 N·s/m, 0.2 mm of noise at 500 Hz,",
+        "at most 10 N and 0.4 m.",
         f"Sizes, in SI units: {sizes}.",
         "",
         "![chi² a second](images/planning.png)",
@@ -140,7 +140,7 @@ def page(names: Sequence[str], table: np.ndarray) -> str:
         "",
         "A force offset on a linear spring is a shifted zero, which no profile tells from the plant alone: tilt the",
         "rig by a known angle, or turn it round, and read the encoder with the spring relaxed. `msd design",
-        "--check` says so. The table is for planning by eye; `msd design` computes it for the rig at hand, with what",
+        "--check` says so. The table is for orientation; `msd design` computes it for the given rig, with what",
         "is known of it.",
     ]
     return "\n".join(lines) + "\n"

@@ -34,7 +34,7 @@ from msd_sim import lottery
 _MU = "friction_coefficient"
 _PAGE = """# How sharp a designed experiment makes µ
 
-Written by `python -m bench.sharpening --docs docs`. Rigs with Coulomb friction are drawn by lot, pushed once and
+Written by `python -m bench.sharpening --docs docs`. Rigs with Coulomb friction are drawn at random, pushed once and
 diagnosed; `msd design --for friction_coefficient` (here its function) designs an experiment of at most 20 s within the
 rig's limits. That experiment, a single step and random steps, all as long and within the same limits, are then
 played on the rig, and each record is fitted alone. Half of the 95 % interval of µ, as a share of that after the step:
@@ -109,7 +109,7 @@ def told(rows: list[Row], seed: int) -> str:
     lines = [
         f"{len(rows)} rigs, seeds from {seed} on.",
         "",
-        "| figure | got | must |",
+        "| figure | result | required |",
         "|---|---|---|",
         f"| interval against a single step as long, median | {np.median(ratios):.2f} | <= 0.5 |",
         f"| the same, in nine rigs of ten at most | {np.quantile(ratios, 0.9):.2f} | |",

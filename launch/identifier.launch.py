@@ -24,10 +24,10 @@ ARGUMENTS = (
         "YAML file: sources of force and position, and the rest",
     ),
     ("use_sim_time", "false", "true: follow /clock"),
-    ("live", "false", "true: serve the live view too"),
+    ("live", "false", "true: also serve the live view"),
     ("live_port", "8210", "port of the live view"),
-    ("respawn", "false", "true: a node that dies comes back"),
-    ("log_level", "info", f"of all nodes: {', '.join(LOG_LEVELS)}"),
+    ("respawn", "false", "true: restart a node that died"),
+    ("log_level", "info", f"log level of all nodes: {', '.join(LOG_LEVELS)}"),
 )
 
 

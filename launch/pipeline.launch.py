@@ -31,12 +31,12 @@ ARGUMENTS = (
     ("rig_params", config("ecp.yaml"), "which rig: YAML file"),
     ("identifier_params", config("identifier.yaml"), "identifier's YAML file"),
     ("recorder_params", config("recorder.yaml"), "recorder's YAML file"),
-    ("use_sim_time", "false", "true: the rig publishes /clock, faster than the wall, and the others follow it"),
-    ("experimenter", "false", "true: play force profiles by experimenter/run too"),
-    ("live", "false", "true: serve the live view too"),
+    ("use_sim_time", "false", "true: the rig publishes /clock, faster than real time, and the other nodes follow it"),
+    ("experimenter", "false", "true: also start the experimenter (experimenter/run)"),
+    ("live", "false", "true: also serve the live view"),
     ("live_port", "8210", "port of the live view"),
-    ("respawn", "false", "true: a node that dies comes back; a recorder that was recording goes on in a new bag"),
-    ("log_level", "info", f"of all nodes: {', '.join(LOG_LEVELS)}"),
+    ("respawn", "false", "true: restart a node that died; a recorder continues its recording in a new bag"),
+    ("log_level", "info", f"log level of all nodes: {', '.join(LOG_LEVELS)}"),
 )
 
 

@@ -18,16 +18,16 @@ from msd_ident.ros.common.launch_arguments import LOG_LEVELS, Arguments
 #: Name, default and meaning of what can be said on the command line; no default: it must be.
 ARGUMENTS = (
     ("bag", None, "rosbag2 folder or .mcap file"),
-    ("rate", "1.0", "seconds of the bag in a second"),
-    ("loop", "false", "true: begin anew at the end"),
+    ("rate", "1.0", "playback speed"),
+    ("loop", "false", "true: restart at the end"),
     ("namespace", "msd", "namespace of the nodes; topics keep the bag's names"),
     (
         "params",
         PathJoinSubstitution([FindPackageShare("msd_ident"), "config", "identifier.yaml"]),
         "identifier's YAML file",
     ),
-    ("respawn", "false", "true: an identifier that dies comes back; the replayer ends with its bag"),
-    ("log_level", "info", f"of both nodes: {', '.join(LOG_LEVELS)}"),
+    ("respawn", "false", "true: restart an identifier that died; the replayer ends with its bag"),
+    ("log_level", "info", f"log level of both nodes: {', '.join(LOG_LEVELS)}"),
 )
 
 

@@ -1,18 +1,14 @@
-"""Turn a force input and an encoder signal into a model a lab can trust."""
+"""Identify a mass-spring-damper from a force and an encoder signal, and find what its model lacks."""
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterable
 
     from msd_ident.workflow.saved_model import SavedModel
-
-# On matrices of ten by ten the threads of BLAS gain nothing, and spin beside those that fit: a diagnosis takes a fifth
-# longer with them. A setting of the user's own stands, and so does numpy's where it was imported before.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def load(path: str | os.PathLike[str]) -> SavedModel:

@@ -229,7 +229,10 @@ CASES = (
     Case("millimetres as metres", changed(lambda t, f, x: (t, f, 1e3 * x)), 0, "spans 36.44 m"),
     Case("kN as N", changed(lambda t, f, x: (t, f / 1e3, x)), 0, "the moving mass is about 0.00037 kg"),
     Case(
-        "mN as N", changed(lambda t, f, x: (t, f * 1e3, x)), 0, "The mass is 940.7 kg: a unit wrong by a factor of 1000"
+        "mN as N",
+        changed(lambda t, f, x: (t, f * 1e3, x)),
+        0,
+        "The mass is 940.7 kg: is a unit wrong by a factor of 1000",
     ),
     Case("milliseconds as seconds", changed(lambda t, f, x: (t * 1e3, f, x)), 0, "the samples lie 4 s apart"),
     Case("nanoseconds as seconds", changed(lambda t, f, x: (t * 1e9, f, x)), 0, "the samples lie 4e+06 s apart"),

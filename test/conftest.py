@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from msd_ident import parallel
 from msd_ident.ros.common.domain import private_domain
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -42,7 +43,8 @@ _next_domain = itertools.count(17 * os.getpid())
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give each test process its own ROS domain, before anything starts a node."""
+    """Give each test process its own ROS domain, before anything starts a node, and one thread of BLAS."""
+    parallel.one_blas_thread()
     config.stash[_claim] = ExitStack()
     os.environ["ROS_DOMAIN_ID"] = str(config.stash[_claim].enter_context(private_domain(next(_next_domain))))
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

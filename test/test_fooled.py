@@ -122,7 +122,7 @@ def held(force: float, begin: float, rate: float = 250.0) -> Record:
 
 def test_a_cart_that_rests_under_the_first_force_was_pushed_before() -> None:
     found = pipeline.identify([held(10.0, 1.5)])
-    assert any("is taken to have acted before the record began" in said for said in found.warnings)
+    assert any("is assumed to have acted before the record began" in said for said in found.warnings)
     assert found.refined.see < 2.0 * found.noise_floor
     assert found.refined.parameters["stiffness"].value == pytest.approx(694.1, rel=0.02)
     assert len(found.features[0].responses) == 1
@@ -138,7 +138,7 @@ def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
          "initial_position": displaced}
     )  # fmt: skip
     result = pipeline.identify([from_samples(found.time, np.full(found.time.size, force), found.position)])
-    assert any("taken as a release while that force acted, a free decay" in said for said in result.warnings)
+    assert any("treated as a release under this force, a free decay" in said for said in result.warnings)
     assert any("known only as ratios" in said for said in result.open)
     assert result.features[0].kind == "free_decay"
     ratio = result.refined.parameters["stiffness"].value / result.refined.parameters["mass"].value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -176,6 +177,17 @@ def test_no_import_cycles() -> None:
         pytest.fail(" <- ".join(cycle.args[1]))
 
 
+def test_rooms_say_what_comes_in_what_goes_out_and_where_to_begin() -> None:
+    """Each names modules that exist."""
+    for path in sorted((REPOSITORY / "msd_ident").glob("*/__init__.py")):
+        text = " ".join((ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split())
+        said = re.search(r"\bIn: .+ Out: .+ Begin with (.+)", text)
+        assert said, f"{path.parent.name}: expected In:, Out: and Begin with"
+        for name in re.findall(r"``([a-z_.]+)``", said[1].partition(". ")[0]):
+            module = path.parent / name.replace(".", "/")
+            assert module.is_dir() or module.with_suffix(".py").exists(), f"{path.parent.name} has no {name}"
+
+
 def test_functions_are_short() -> None:
     too_long = []
     for name, tree in modules().items():
@@ -223,18 +235,59 @@ def test_command_starts_without_heavy_libraries() -> None:
     assert heavy & {name.split(".")[0] for name in done.stdout.splitlines()[-1].split()} == set()
 
 
+#: Modules whose ``main`` starts a process, and what a test calls to see what that process has set.
+ENTRIES = (
+    "msd_ident.cli.main",
+    *(f"msd_ident.ros.{node}.__main__" for node in ("experimenter", "identifier", "live", "recorder", "replayer")),
+)
+
+
+def _without_blas_setting() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
 @pytest.mark.parametrize(("own", "found"), [(None, "1"), ("3", "3")])
-def test_blas_has_one_thread_unless_the_user_says_otherwise(own: str | None, found: str) -> None:
-    """Known before numpy is loaded, or it would not hear of it."""
-    code = (
-        "import os, sys, msd_ident; print('numpy' in sys.modules, os.environ['OPENBLAS_NUM_THREADS']); "
-        "import msd_ident.cli.main, numpy"
-    )
-    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
-    if own is not None:
-        environment["OPENBLAS_NUM_THREADS"] = own
+def test_entry_points_limit_blas_before_numpy_is_loaded(entry: str, own: str | None, found: str) -> None:
+    """OpenBLAS reads its variable when numpy is loaded; a user's own setting stays."""
+    code = f"""
+import importlib, os, sys
+from unittest import mock
+entry = importlib.import_module("{entry}")
+early = "numpy" in sys.modules
+sys.modules["msd_ident.ros.common.node_runner"] = mock.MagicMock(run=lambda *given: 0)
+sys.argv = ["entry", "--help"]
+sys.stdout = open(os.devnull, "w")
+entry.main()
+print(early, os.environ["OPENBLAS_NUM_THREADS"], file=sys.__stdout__)
+"""
+    environment = _without_blas_setting() | ({} if own is None else {"OPENBLAS_NUM_THREADS": own})
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
     assert done.stdout.split() == ["False", found]
+
+
+def test_all_entry_points_of_this_package_are_tested() -> None:
+    named = re.findall(r'"\w+ = (msd_ident[\w.]+):main"', (REPOSITORY / "setup.py").read_text(encoding="utf-8"))
+    assert sorted(named) == sorted(ENTRIES)
+
+
+def test_importing_the_library_changes_no_setting_of_the_process() -> None:
+    """Environment, switch interval, garbage collector and signal handlers stay as the importing program has them."""
+    code = """
+import gc, importlib, os, pkgutil, signal, sys
+import matplotlib, numba, numpy, scipy.optimize
+def settings():
+    handlers = [str(signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    return dict(os.environ), sys.getswitchinterval(), gc.isenabled(), gc.get_threshold(), handlers, numpy.geterr()
+before = settings()
+import msd_ident
+for module in pkgutil.walk_packages(msd_ident.__path__, "msd_ident."):
+    if not module.name.startswith(("msd_ident.ros", "msd_ident.live", "msd_ident.batching", "msd_ident.report")):
+        importlib.import_module(module.name)
+for one, other in zip(before, settings()):
+    assert one == other, (one, other)
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, env=_without_blas_setting())
 
 
 @pytest.mark.xdist_group("house")

@@ -18,10 +18,13 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
-import msd_ident  # noqa: F401 - before numpy, as the `msd` command has it: one thread of BLAS
-from bench.blind import plan, told
-from bench.blind.cases import Case, Outcome, run
-from bench.blind.picture import draw
+from msd_ident import parallel
+
+parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
+
+from bench.blind import plan, told  # noqa: E402
+from bench.blind.cases import Case, Outcome, run  # noqa: E402
+from bench.blind.picture import draw  # noqa: E402
 
 #: Plans besides the whole study.
 _KINDS = {
@@ -33,8 +36,8 @@ _KINDS = {
 _PAGE = """# Hidden causes, found or not
 
 Made by `make blind` (`python -m bench.blind --docs docs`; the seeds are named below). The rig draws a plant, an
-encoder and hidden effects from a seed and writes a file; the diagnosis gets the path and nothing else; then the
-envelope is opened. Strengths come from ranges that reach from what nobody can see to what rules the motion.
+encoder and hidden effects from a seed and writes a file; the diagnosis gets only the path; then its
+result is compared with the truth. Strengths range from invisible to dominating the motion.
 
 - *Visible*: the base model, or the truth without any one of its effects, leaves at least 3 noise floors. Only what is
   visible must be found.
@@ -60,8 +63,8 @@ _PAGES = {
         """# Laws that the library does not have
 
 Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Rigs
-of `msd_sim/foreign`: known causes whose law has another form than any law of the library, one a rig, and noise or
-forces that no cause explains. The diagnosis gets the path of a file and nothing else.
+of `msd_sim/foreign`: known causes whose law has another form than any law of the library, one per rig, and noise or
+forces that no cause explains. The diagnosis gets only the path of a file.
 
 - *Family named*: a cause of the law's family is named, or tied with one that is, where the base model leaves at least 3
   noise floors. Laws without a relative in the library count as named.
@@ -76,7 +79,7 @@ forces that no cause explains. The diagnosis gets the path of a file and nothing
 
 Made by `make blind ARGS="--mujoco"` (`python -m bench.blind --mujoco --docs docs`; the seeds are named below). MuJoCo
 simulates a slide joint with frictionloss, limits, armature, and a drive with gain, lag, saturation or dead zone
-(`bench/mujoco_rigs`, which imports neither the library nor our rig), drawn by lot; solver steps are halved until the
+(`bench/mujoco_rigs`, which imports neither the library nor our rig), drawn at random; solver steps are halved until the
 record no longer changes by a tenth of its noise. Limits are MuJoCo's own constraint: half of them with its default
 impedance, in which the stop replaces 90 % of all other forces instead of adding to them, half as a mere spring and
 damper.

@@ -32,10 +32,10 @@ _BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 _PAGE = """# Investigated blind
 
 Made by `make blind-design` (`python -m bench.blind_design --docs docs`; the seed is named below). Rigs with a hidden
-effect, alone and beside Coulomb friction, are drawn by lot and pushed once. Where the diagnosis of that step leaves the
-truth open (another name, a tie, or nothing at all), `investigate` goes on with at most two designed experiments
-of at most 20 s each within the rig's limits, sees records and nothing else, and then the envelope is opened. A force
-offset, of which a linear spring shows nothing but another zero, is counted apart.
+effect, alone or with Coulomb friction, are drawn at random and pushed once. If the diagnosis of that step does not
+decide (another name, a tie, or no cause), `investigate` continues with at most two designed experiments of at most 20 s
+each within the rig's limits. It gets only the records; its result is then compared with the truth. A force offset,
+which a linear spring shows only as another zero, is counted separately.
 
 {table}
 """

@@ -1,4 +1,4 @@
-"""One blind investigation: a rig by lot, a first step, designed experiments; then the envelope is opened.
+"""One blind investigation: a rig by lot, a first step, designed experiments; then its result is checked.
 
 The rig is reached through a player that gets a profile and gives a record. It is an ordinary cart at rest before each
 run; limits are watched on what truly happened, not on what the encoder says.

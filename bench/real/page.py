@@ -29,13 +29,12 @@ SOURCES = {
 
 _HEAD = """# Rigs that others measured
 
-Made by `make real ARGS="--docs docs"`. Records of public repositories, measured by people who do not know this project;
-they are read where they lie beside it, and none is part of it. Each is diagnosed with nothing but the names of its
-columns and units.
+Made by `make real ARGS="--docs docs"`. Records of public repositories, measured by people who do not know this project.
+The records are not part of this repository. The diagnosis gets only the names of the columns and the units.
 
 - *Right*: what acts is named, or tied with what is named; nothing is named with p > 0.9 that the rig cannot have;
   values that others published are met.
-- *SEE*: simulation error of the model that is handed over, beside that of a careful fit by hand with the right law.
+- *SEE*: simulation error of the final model, compared with that of a careful manual fit with the right law.
 """
 
 
@@ -50,10 +49,10 @@ def text(rows: Sequence[Row]) -> str:
     lines += ["| rig | what is true | verdict | causes | judgement | values | SEE (of the expert's) |"]
     lines += ["|---" * 7 + "|"]
     lines += [_line(row) for row in rows]
-    lines += ["", *(f"{one}." for one in score.totals(rows)), "", "## What it gets wrong", ""]
+    lines += ["", *(f"{one}." for one in score.totals(rows)), "", "## Errors", ""]
     wrong = [row for row in rows if not row.right or row.reached is False]
     lines += [f"- `{row.rig}`: {_wrong(row)}" for row in wrong] or ["Nothing of this table."]
-    lines += ["", "## Where the records come from", "", "| rig | source |", "|---|---|"]
+    lines += ["", "## Sources of the records", "", "| rig | source |", "|---|---|"]
     lines += [f"| {row.rig} | {SOURCES[row.rig][0]} |" for row in rows if row.rig in SOURCES]
     return "\n".join(lines) + "\n"
 

@@ -18,7 +18,7 @@ from msd_ident.workflow.identification import Identification
 #: Deviation from the clean result up to which an estimate is right.
 TOLERANCE: Mapping[str, float] = MappingProxyType({"mass": 0.01, "stiffness": 0.01, "friction_coefficient": 0.05})
 #: Words of the warnings that speak of the numbers themselves.
-DOUBTS = ("something is missing in it", "Something pushed the cart", "did not settle")
+DOUBTS = ("the model lacks something", "Something pushed the cart", "did not converge")
 
 
 @dataclass(frozen=True)

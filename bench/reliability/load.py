@@ -238,7 +238,7 @@ def main() -> int:
             found.append(load(rate, 60.0 * minutes, Path(folder), lambda line: print(line, flush=True)))
             print(found[-1].row.line, flush=True)
         if given.write:
-            put(f"load_{rate:g}", [found[-1].row], f"{os.cpu_count()} cores, {BURNERS} processes that burn them")
+            put(f"load_{rate:g}", [found[-1].row], f"{os.cpu_count()} cores, {BURNERS} processes that load them")
     return 1 if any(one.wrong for one in found) else 0
 
 

@@ -10,18 +10,30 @@ from typing import Any
 import typer
 from docs_tables import cell, code, plain, table
 
-from msd_ident.cli import main
+from msd_ident.cli import main, options
 
 _HEAD = """# Command line
 
-`.venv/bin/msd` is the command. This page is made from its own help; `msd COMMAND --help` says the same.
+`.venv/bin/msd` is the command. This page is generated from its help; `msd COMMAND --help` shows the same text.
+`msd --version` prints the version, `msd --install-completion` installs completion for bash, zsh, fish or PowerShell.
 
-**Exit codes**: 0 when done, whatever the verdict; 2 with one clear line on standard error for what cannot be used. Of
-several paths the good ones are done, and a bad one is said in its place.
+## Exit codes
 
-**`--json -`** writes one JSON object a path to standard output and nothing else: see the [JSON contract](json.md).
+| code | meaning |
+|---|---|
+| 0 | The command is done. The verdict and single rows of a batch do not change this. |
+| 1 | A demand is not met: `msd validate --require`, `msd watch --check`. Also an internal error, with a traceback. |
+| 2 | An option, a file or a rig cannot be used, or the command was interrupted. Standard error says why, in one line. |
+
+With several paths, a path that cannot be used does not stop the others.
+
+`--json -` writes one JSON object per line to standard output and nothing else: see the [JSON contract](json.md).
+
+## Commands
 
 """
+#: Panels of ``--help`` in the order of the page; options without a panel come first.
+_PANELS = ("", options.SOURCE, options.MODEL, options.RIG, options.BATCH, options.OUTPUT)
 
 
 def page() -> str:
@@ -39,13 +51,20 @@ def _first(text: str | None) -> str:
 
 def _section(name: str, command: Any) -> str:
     arguments = [p for p in command.params if p.param_type_name == "argument"]
-    options = [p for p in command.params if p.param_type_name == "option" and not p.hidden and p.name != "help"]
+    optional = [p for p in command.params if p.param_type_name == "option" and not p.hidden and p.name != "help"]
     words = " ".join(_metavar(p) for p in arguments)
     text = f"## msd {name}\n\n    msd {name} [OPTIONS] {words}".rstrip() + f"\n\n{plain(command.help)}\n\n"
-    rows = [(code(_metavar(p)), p.help or "", "") for p in arguments]
     kinds = _kinds(command)
-    rows += [(code(_flags(p, kinds)), p.help or "", _default(p)) for p in options]
-    return text + table(("option", "meaning", "unless said"), rows)
+    rows = {"": [(code(_metavar(p)), p.help or "", "") for p in arguments]}
+    for p in optional:
+        panel = getattr(p, "rich_help_panel", None) or ""
+        rows.setdefault(panel, []).append((code(_flags(p, kinds)), p.help or "", _default(p)))
+    order = sorted(rows, key=lambda panel: _PANELS.index(panel) if panel in _PANELS else 1)
+    return text + "\n".join(_panel(panel, rows[panel]) for panel in order if rows[panel])
+
+
+def _panel(name: str, rows: list[tuple[str, str, str]]) -> str:
+    return table((name.lower() or "argument or option", "meaning", "default"), rows)
 
 
 def _metavar(parameter: Any) -> str:
@@ -71,7 +90,7 @@ def _flags(parameter: Any, kinds: dict[str, str]) -> str:
 
 def _default(parameter: Any) -> str:
     if parameter.required:
-        return "needed"
+        return "required"
     if parameter.default in (None, "", False) or callable(parameter.default):
         return ""
     return cell(str(parameter.default))

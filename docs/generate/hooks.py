@@ -9,6 +9,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # MkDocs takes it off again; the pages import each other later
 
+import architecture  # noqa: E402
 import command_page  # noqa: E402
 import docs_equations  # noqa: E402
 import docs_values  # noqa: E402
@@ -21,8 +22,13 @@ from mkdocs.structure.files import File, Files  # noqa: E402
 
 #: Written by studies (`make blind` and others): in the contents where they are there.
 OPTIONAL = ("planning.md", "reliability.md", "accuracy.md", "blind-study.md", "blind-design.md")
-_TABLE = re.compile(r"^<!-- (message|parameters|export): (\S+) -->$", re.MULTILINE)
-_TABLES = {"message": ros_tables.message, "parameters": ros_tables.parameters, "export": export_tables.written}
+_TABLE = re.compile(r"^<!-- (message|parameters|export|house): (\S+) -->$", re.MULTILINE)
+_TABLES = {
+    "message": ros_tables.message,
+    "parameters": ros_tables.parameters,
+    "export": export_tables.written,
+    "house": architecture.written,
+}
 
 
 def generated() -> dict[str, str]:

@@ -50,7 +50,7 @@ def _part(title: str, text: str) -> str:
 def parameters(node: str) -> str:
     """Table of the parameters that a node declares."""
     rows = list(_rig() if node == "rig" else _settings(node))
-    return table(("parameter", "unless said", "takes", "meaning"), rows)
+    return table(("parameter", "default", "takes", "meaning"), rows)
 
 
 def settings(node: str) -> Sequence[Any]:

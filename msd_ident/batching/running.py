@@ -69,7 +69,7 @@ class Link:
             SetupError: it is not, after a while.
         """
         if not self.address:
-            raise SetupError("the scheduler is gone; what is done is kept: go on with --resume")
+            raise SetupError("the scheduler is gone; finished records are kept: continue with --resume")
         self.close()
         until = time.monotonic() + PATIENCE_SECONDS
         while True:

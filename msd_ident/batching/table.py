@@ -231,7 +231,7 @@ def _disk(target: str) -> Iterator[None]:
         full = error.errno == errno.ENOSPC or "No space left" in str(error)
         cure = "free some space" if full else "make it writable"
         raise SetupError(
-            f"cannot write {target}: {_line(error)}; what is done so far stands in {target}.parts: {cure}, and go on "
+            f"cannot write {target}: {_line(error)}; finished records are in {target}.parts: {cure}, and go on "
             "with --resume"
         ) from None
 

@@ -89,7 +89,7 @@ class Work:
 
     def _joint(self, path: str, copy: Path, joint: Joint) -> Row:
         if not joint.has_effort:
-            return {"error": "its messages carry no effort: there is no force to go by"}
+            return {"error": "its messages contain no effort, so there is no force"}
         try:
             (record,) = read_all(copy, source_of(self.job.source, joint))
             judged = judge(record)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import options, run, sources
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -20,46 +20,60 @@ if TYPE_CHECKING:
 
 ManyArgument = Annotated[
     Optional[list[str]],  # noqa: UP045
-    typer.Argument(metavar="PATHS…", help="folders, patterns, records; also in object stores, e.g. s3://bucket/folder"),
+    typer.Argument(metavar="PATHS…", help="folders, patterns and records; also in object stores, e.g. s3://bucket/dir"),
 ]
-ListOption = Annotated[str, typer.Option("--list", metavar="FILE|-", help="a file with a path a line")]
-SchedulerOption = Annotated[
-    str, typer.Option("--scheduler", metavar="tcp://HOST:8786", help="a Dask cluster that runs; else this machine")
+ListOption = Annotated[
+    str,
+    typer.Option("--list", metavar="FILE|-", help="file with one path per line", rich_help_panel=options.SOURCE),
 ]
-WorkersOption = Annotated[int, typer.Option("--workers", help="processes on this machine; 0: one a core")]
-LabelOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option("--label", metavar="robot|day=REGEX", help="fill a column from the path, e.g. robot='arm_([0-9]+)'"),
+
+
+OutOption = Annotated[
+    str,
+    typer.Option(
+        "--out",
+        metavar="TABLE.parquet",
+        help="table to write; also in an object store",
+        rich_help_panel=options.OUTPUT,
+    ),
 ]
-CovariateOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option("--covariate", metavar="NAME=TOPIC:FIELD|COLUMN", help="where temperature or load is"),
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="continue an interrupted batch; finished records are kept", rich_help_panel=options.BATCH
+    ),
+]
+RecordPagesOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--pages",
+        metavar="FOLDER",
+        help="also write a page for each record; the report links to them",
+        rich_help_panel=options.OUTPUT,
+    ),
 ]
 
 
 @sources.reading
 def batch(
     source: sources.Source,
-    out: Annotated[str, typer.Option("--out", metavar="TABLE.parquet", help="the table; here or in an object store")],
+    out: OutOption,
     paths: ManyArgument = None,
     listed: ListOption = "",
-    scheduler: SchedulerOption = "",
-    workers: WorkersOption = 0,
-    all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag, a row each")] = False,
-    label: LabelOption = None,
-    covariate: CovariateOption = None,
-    model: sources.ModelOption = "auto",
-    tolerance: sources.ToleranceOption = 1.0,
-    resume: Annotated[bool, typer.Option("--resume", help="go on; what is done already is not done again")] = False,
-    report: pages.ReportOption = None,
-    record_pages: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--pages", metavar="FOLDER", help="a page of each record too, which a click in the report opens"),
-    ] = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    scheduler: options.SchedulerOption = "",
+    workers: options.WorkersOption = 0,
+    all_joints: options.AllJointsOption = False,
+    label: options.LabelOption = None,
+    covariate: options.CovariateOption = None,
+    model: options.ModelOption = "auto",
+    tolerance: options.ToleranceOption = 1.0,
+    resume: ResumeOption = False,
+    report: options.ReportOption = None,
+    record_pages: RecordPagesOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Diagnose many records: one table with a row for each, whatever is wrong with single ones."""
+    """Diagnose many records into one table with a row for each; a record that fails is a row with the reason."""
     from msd_ident.workflow import pipeline
 
     folder = ""
@@ -204,6 +218,6 @@ def _lines() -> Callable[[int, int, Sequence[Any]], None]:
         last = now
         rate = done / max(now - began, 1e-3)
         left = (total - done) / rate
-        print(f"{done} of {total} records, {rate:.3g} a second, {left:.0f} s left", file=sys.stderr, flush=True)
+        print(f"{done} of {total} records, {rate:.3g} per second, {left:.0f} s left", file=sys.stderr, flush=True)
 
     return tell

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
-from msd_ident.cli import batch, many, run, sources
+from msd_ident.cli import batch, many, options, run, sources
 
 
 @sources.reading
 def compare(
     paths: many.TablesArgument,
     source: sources.Source,
-    by: Annotated[str, typer.Option("--by", metavar="robot|joint|day", help="what the groups are")] = "robot",
-    scheduler: batch.SchedulerOption = "",
-    workers: batch.WorkersOption = 0,
-    all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag is a record")] = False,
-    label: batch.LabelOption = None,
-    covariate: batch.CovariateOption = None,
-    json: Annotated[str, typer.Option("--json", metavar="FILE|-", help="one JSON object; -: nothing else")] = "",
-    report: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--report", metavar="FILE.html", help="one page that needs no network"),
-    ] = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    by: Annotated[
+        str, typer.Option("--by", metavar="robot|joint|day", help="groups to compare", rich_help_panel=options.SOURCE)
+    ] = "robot",
+    scheduler: options.SchedulerOption = "",
+    workers: options.WorkersOption = 0,
+    all_joints: options.AllJointsOption = False,
+    label: options.LabelOption = None,
+    covariate: options.CovariateOption = None,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Compare robots, joints or days: what they share, what differs, and whether it is the robot at all."""
+    """Compare robots, joints or days: which parameters they share, and which differ."""
     from msd_ident.comparison import comparing, rows
 
     output = run.Output(json, quiet, overwrite)

@@ -22,12 +22,10 @@ if TYPE_CHECKING:
 
 
 def demo(
-    fast: Annotated[
-        bool, typer.Option("--fast/--real-time", help="let simulated time run faster than the wall")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="folder in which the demo makes its own")] = Path("out"),
+    fast: Annotated[bool, typer.Option("--fast/--real-time", help="run simulated time faster than real time")] = False,
+    out: Annotated[Path, typer.Option(help="folder for the folder of the demo")] = Path("out"),
 ) -> int:
-    """Show the whole way: a simulated rig, a bag, and what the identifier finds."""
+    """Run the whole pipeline over ROS 2: a simulated rig, a recorded bag, and the identified model."""
     from rich.console import Console
 
     from msd_ident.cli.needs_ros import require_ros
@@ -74,7 +72,7 @@ def _new_folder(out: Path) -> Path:
         except FileExistsError:
             continue
         except OSError as error:
-            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
     raise SetupError(f"{out / name} exists a thousand times; expected a new name to be free: give another --out")
 
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from msd_ident.cli import sources
-from msd_ident.errors import UsageError
+from msd_ident.cli import options, sources
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,37 +18,55 @@ if TYPE_CHECKING:
     from msd_ident.design.parameter_design import Sharpened
     from msd_ident.diagnosis import Diagnosis
 
-LimitsOption = Annotated[
+
+TargetsOption = Annotated[
+    str,
+    typer.Option(
+        "--for",
+        metavar="NAME,…",
+        help="design for narrower intervals of these parameters, e.g. mass,damping",
+        rich_help_panel=options.MODEL,
+    ),
+]
+CheckOption = Annotated[
+    bool,
+    typer.Option(
+        "--check",
+        help="look for causes that this data could not show, even if none are tied",
+        rich_help_panel=options.MODEL,
+    ),
+]
+OutOption = Annotated[
     Optional[Path],  # noqa: UP045
-    typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) that the rig takes"),
+    typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv", rich_help_panel=options.OUTPUT),
+]
+FigureOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--figure",
+        metavar="FILE",
+        help="picture of the rivals' predictions (.png, .svg, .pdf)",
+        rich_help_panel=options.OUTPUT,
+    ),
 ]
 
 
 @sources.reading
 def design(
-    paths: sources.PathsArgument,
+    paths: options.PathsArgument,
     source: sources.Source,
-    limits: LimitsOption = None,
-    targets: Annotated[
-        str, typer.Option("--for", metavar="NAME,…", help="sharpen these parameters instead, e.g. mass,damping")
-    ] = "",
-    check: Annotated[bool, typer.Option("--check", help="look for what this data could not show, tied or not")] = False,
-    out: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv"),
-    ] = None,
-    figure: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--figure", metavar="FILE", help="picture of what the rivals predict (.png, .svg, .pdf)"),
-    ] = None,
-    model: sources.ModelOption = "auto",
-    json: sources.JsonOption = "",
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    limits: options.LimitsOption = None,
+    targets: TargetsOption = "",
+    check: CheckOption = False,
+    out: OutOption = None,
+    figure: FigureOption = None,
+    model: options.ModelOption = "auto",
+    json: options.JsonOption = "",
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Design the shortest experiment that tells apart what this data cannot. All paths are of one rig."""
+    """Design the shortest experiment that decides between tied causes. All paths are records of one rig."""
     from msd_ident.cli import run
-    from msd_ident.design import read_limits
     from msd_ident.diagnosis import same_plant
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
@@ -59,9 +76,7 @@ def design(
     for target in (out, figure):
         if target is not None:
             run.check_target(target, overwrite)
-    if limits is None:
-        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
-    allowed = read_limits(limits)
+    allowed = options.limits_of(limits)
     with run.progress(quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
         diagnosis = pipeline.diagnose(

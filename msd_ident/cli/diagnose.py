@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from msd_ident.cli import exports, pages, run, sources, trials
+from msd_ident.cli import exports, options, pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -17,33 +15,33 @@ if TYPE_CHECKING:
 
 @sources.reading
 def diagnose(
-    paths: sources.PathsArgument,
+    paths: options.PathsArgument,
     source: sources.Source,
-    model: sources.ModelOption = "auto",
-    tolerance: sources.ToleranceOption = 1.0,
-    calibrate: sources.CalibrateOption = False,
-    together: sources.TogetherOption = False,
-    on: trials.OnOption = None,
-    export: exports.ExportOption = None,
-    json: sources.JsonOption = "",
-    report: pages.ReportOption = None,
-    markdown: pages.MarkdownOption = None,
-    figures: pages.FiguresOption = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
-    all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag, each on its own")] = False,
+    model: options.ModelOption = "auto",
+    tolerance: options.ToleranceOption = 1.0,
+    calibrate: options.CalibrateOption = False,
+    together: options.TogetherOption = False,
+    on: options.OnOption = None,
+    export: options.ExportOption = None,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    markdown: options.MarkdownOption = None,
+    figures: options.FiguresOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
+    all_joints: options.AllJointsOption = False,
 ) -> int:
-    """Diagnose: what the model lacks, how sure that is, what it costs, what was gained, what is still open."""
+    """Find what the model of mass, damping and stiffness lacks: causes, probabilities, extended model, gain."""
     from msd_ident.report import diagnosis as tables
     from msd_ident.workflow import pipeline
 
-    options = pipeline.Options(model=model, tolerance=tolerance, calibrate=calibrate)
+    settings = pipeline.Options(model=model, tolerance=tolerance, calibrate=calibrate)
     output = run.Output(json, quiet, overwrite)
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints
 
         others = (source.force, source.position, report, markdown, figures)
-        return diagnose_joints(paths, source, options, output, others)
+        return diagnose_joints(paths, source, settings, output, others)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
     tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
@@ -53,7 +51,7 @@ def diagnose(
         def tell(stage: str, fraction: float, cause: str) -> None:
             progress(f"{stage}: {cause}" if cause else stage, fraction)
 
-        return pipeline.diagnose(records, options, tell)
+        return pipeline.diagnose(records, settings, tell)
 
     further = trials.both(tried, exported)
     code = run.work(paths, source, together, output, solve, tables.print_diagnosis, exported.keep, further)

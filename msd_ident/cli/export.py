@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import options, pages, run, sources
 from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
@@ -23,49 +23,96 @@ ToOption = Annotated[
     typer.Option(
         "--to",
         metavar="TARGET",
-        help="mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
+        help="format: mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
+        rich_help_panel=options.OUTPUT,
     ),
 ]
 ReplayOption = Annotated[
     Optional[list[Path]],  # noqa: UP045
-    typer.Option("--replay", metavar="PATH", help="record to prove it on; repeatable; else the result's own"),
+    typer.Option(
+        "--replay",
+        metavar="PATH",
+        help="record for the proof by replay; repeatable; default: the result's own",
+        rich_help_panel=options.SOURCE,
+    ),
+]
+
+
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        metavar="FILE",
+        help="main file; further files are written next to it",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+NoReplayOption = Annotated[
+    bool,
+    typer.Option("--no-replay", help="write the file without a proof by replay", rich_help_panel=options.SOURCE),
+]
+JointOption = Annotated[
+    str, typer.Option("--joint", metavar="NAME", help="name of the joint", rich_help_panel=options.MODEL)
+]
+IntoOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--into",
+        metavar="ROBOT.xml",
+        help="insert the model into a joint of this MuJoCo model; --out is the new file",
+        rich_help_panel=options.MODEL,
+    ),
+]
+FragmentOption = Annotated[
+    bool,
+    typer.Option("--fragment", help="write only the joint's elements, to paste", rich_help_panel=options.OUTPUT),
+]
+MassOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        "--mass",
+        metavar="KG",
+        help="moving mass, for a result that has only ratios",
+        rich_help_panel=options.MODEL,
+    ),
+]
+DrawsOption = Annotated[
+    int, typer.Option("--draws", help="number of parameter sets of --to draws", rich_help_panel=options.OUTPUT)
+]
+StepsOption = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(
+        "--steps",
+        min=1,
+        max=1000,
+        help="solver steps per sample of the record; default: as many as the replay needs",
+        rich_help_panel=options.OUTPUT,
+    ),
 ]
 
 
 @sources.reading
 def export(
-    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
+    result: options.ResultArgument,
     source: sources.Source,
     to: ToOption,
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="main file; others go beside it")],
+    out: OutOption,
     replay: ReplayOption = None,
-    no_replay: Annotated[bool, typer.Option("--no-replay", help="write only, prove nothing")] = False,
-    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="name of the joint")] = "x",
-    into: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--into", metavar="ROBOT.xml", help="put it into this MuJoCo model's joint, written to --out"),
-    ] = None,
-    fragment: Annotated[bool, typer.Option("--fragment", help="only the elements of the joint, to paste")] = False,
-    mass: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--mass", metavar="KG", help="the moving mass: newtons for a result that has only ratios"),
-    ] = None,
-    draws: Annotated[int, typer.Option("--draws", help="parameter sets of --to draws")] = 1000,
-    steps: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option("--steps", min=1, max=1000, help="solver steps a step of the record; else as the replay asks"),
-    ] = None,
-    line: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option("--line", min=1, help="which result of a file with several, one a line"),
-    ] = None,
-    json: sources.JsonOption = "",
-    report: pages.ReportOption = None,
-    figures: pages.FiguresOption = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    no_replay: NoReplayOption = False,
+    joint: JointOption = "x",
+    into: IntoOption = None,
+    fragment: FragmentOption = False,
+    mass: MassOption = None,
+    draws: DrawsOption = 1000,
+    steps: StepsOption = None,
+    line: options.LineOption = None,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    figures: options.FiguresOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Export a saved model: MuJoCo, SDF, URDF, Python, FMU, gains or draws, and prove it by replay."""
+    """Export a saved model to MuJoCo, SDF, URDF, Python, FMU, gains or draws, and check it by replay."""
     from rich.console import Console
 
     from msd_ident import export as exports
@@ -80,10 +127,10 @@ def export(
     chosen.check_name(out)
     _check_files(chosen, out, overwrite)
     saved = saved_model(result, line)
-    options = exports.Options(joint, mass, draws, steps)
+    settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
     records = [record for path in paths for record in read_all(path, source)]
-    found = exports.export(saved, chosen, out, options, records)
+    found = exports.export(saved, chosen, out, settings, records)
     if why and found.proof is None and found.target.library is not None:
         found = found.unproven(why)
     if output.tables:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from msd_ident.cli import run
 from msd_ident.errors import UsageError
@@ -17,11 +15,6 @@ if TYPE_CHECKING:
 
     from msd_ident.cli.pages import Pages
     from msd_ident.io import SourceOptions
-
-ExportOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option("--export", metavar="TARGET:FILE", help="export the model too, as msd export does; repeatable"),
-]
 
 
 @dataclass

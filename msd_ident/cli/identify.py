@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 
 import typer
 
-from msd_ident.cli import exports, pages, run, sources, trials
+from msd_ident.cli import exports, options, pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -15,36 +15,53 @@ if TYPE_CHECKING:
     from msd_ident.workflow.identification import Identification
 
 
+LossOption = Annotated[
+    str, typer.Option(help="linear, or soft_l1 for data with outliers", rich_help_panel=options.MODEL)
+]
+MassOption = Annotated[
+    str,
+    typer.Option(
+        "--mass",
+        metavar="KG[±STD]",
+        help="known moving mass; a free decay then has results in newtons",
+        rich_help_panel=options.MODEL,
+    ),
+]
+KnownOption = Annotated[
+    Optional[list[str]],  # noqa: UP045
+    typer.Option(
+        "--known",
+        metavar="NAME=VALUE[±STD]",
+        help="parameter that is known and not fitted; repeatable",
+        rich_help_panel=options.MODEL,
+    ),
+]
+
+
 @sources.reading
 def identify(
-    paths: sources.PathsArgument,
+    paths: options.PathsArgument,
     source: sources.Source,
-    model: sources.ModelOption = "auto",
-    loss: Annotated[str, typer.Option(help="linear, or soft_l1 where single samples are wild")] = "linear",
-    mass: Annotated[
-        str,
-        typer.Option("--mass", metavar="KG[±STD]", help="the moving mass, weighed; gives a free decay newtons"),
-    ] = "",
-    known: Annotated[
-        Optional[list[str]],  # noqa: UP045
-        typer.Option("--known", metavar="NAME=VALUE[±STD]", help="a parameter known beforehand; repeatable"),
-    ] = None,
-    together: sources.TogetherOption = False,
-    on: trials.OnOption = None,
-    export: exports.ExportOption = None,
-    json: sources.JsonOption = "",
-    report: pages.ReportOption = None,
-    markdown: pages.MarkdownOption = None,
-    figures: pages.FiguresOption = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    model: options.ModelOption = "auto",
+    loss: LossOption = "linear",
+    mass: MassOption = "",
+    known: KnownOption = None,
+    together: options.TogetherOption = False,
+    on: options.OnOption = None,
+    export: options.ExportOption = None,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    markdown: options.MarkdownOption = None,
+    figures: options.FiguresOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Identify (ωn, ζ, K), then m, b, k and dry friction, each with its interval."""
+    """Estimate ωn, ζ and K, then mass, damping, stiffness and dry friction, each with its 95 % interval."""
     from msd_ident.report import tables
     from msd_ident.workflow import pipeline
     from msd_ident.workflow.known_parameters import parse_all
 
-    options = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
+    settings = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
@@ -52,7 +69,7 @@ def identify(
     exported.check(1 if together else len(paths))
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
-        return pipeline.identify(records, options, progress)
+        return pipeline.identify(records, settings, progress)
 
     further = trials.both(tried, exported)
     code = run.work(paths, source, together, output, solve, tables.print_identification, exported.keep, further)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import sources
+from msd_ident.cli import options, sources
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @sources.reading
 def info(
-    paths: sources.PathsArgument,
+    paths: options.PathsArgument,
     source: sources.Source,
-    json: sources.JsonOption = "",
-    overwrite: sources.OverwriteOption = False,
+    json: options.JsonOption = "",
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Show topics, types, rates and gaps, the signals that would be used, and what is wrong with them."""
+    """Show topics, types, rates and gaps, the signals that would be used, and problems with them."""
     from rich.console import Console
 
     from msd_ident.cli import run

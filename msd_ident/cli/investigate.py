@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import options
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,50 +19,76 @@ if TYPE_CHECKING:
 
 EffectOption = Annotated[
     Optional[list[str]],  # noqa: UP045
-    typer.Option("--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="something wrong with the simulated rig"),
+    typer.Option(
+        "--effect",
+        metavar="NAME[:PARAMETER=NUMBER,…]",
+        help="effect that the simulated rig has; repeatable",
+        rich_help_panel=options.RIG,
+    ),
+]
+
+
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        metavar="FOLDER",
+        help="new folder for bags, journal and report",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
+RigOption = Annotated[
+    str,
+    typer.Option(
+        "--rig",
+        metavar="NAME|FILE",
+        help="simulated rig; default: the rig of the ROS graph",
+        rich_help_panel=options.RIG,
+    ),
+]
+FirstOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--first",
+        metavar="PROFILE",
+        help="first experiment; default: a force step, sized by a gentle trial",
+        rich_help_panel=options.MODEL,
+    ),
+]
+RunsOption = Annotated[
+    int,
+    typer.Option(min=0, max=20, help="greatest number of experiments after the first", rich_help_panel=options.MODEL),
+]
+SecondsOption = Annotated[
+    float,
+    typer.Option(min=1.0, help="greatest total duration of all experiments, in seconds", rich_help_panel=options.MODEL),
 ]
 
 
 def investigate(
-    limits: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) of the rig"),
-    ] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="new folder for bags, journal, report")] = Path(
-        "investigation"
-    ),
-    rig: Annotated[
-        str, typer.Option("--rig", metavar="NAME|FILE", help="a simulated rig; without it, the rig of the graph")
-    ] = "",
+    limits: options.LimitsOption = None,
+    out: OutOption = Path("investigation"),
+    rig: RigOption = "",
     effect: EffectOption = None,
-    seed: Annotated[int, typer.Option(help="of the simulated encoder's noise")] = 0,
-    first: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(
-            "--first", metavar="PROFILE", help="first experiment; else a step as large as a gentle one allows"
-        ),
-    ] = None,
-    runs: Annotated[int, typer.Option(min=0, max=20, help="experiments after the first one, at most")] = 2,
-    seconds: Annotated[float, typer.Option(min=1.0, help="of all experiments together, at most")] = 120.0,
-    yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run")] = False,
-    namespace: Annotated[str, typer.Option(help="namespace of the graph's rig")] = "msd",
-    silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
-    lead: Annotated[
-        float, typer.Option(min=0.0, help="how long before its instant a force is sent [s]; 0: a rig that acts at once")
-    ] = 0.05,
-    json: sources.JsonOption = "",
-    quiet: sources.QuietOption = False,
+    seed: Annotated[int, typer.Option(help="seed of the simulated encoder noise", rich_help_panel=options.RIG)] = 0,
+    first: FirstOption = None,
+    runs: RunsOption = 2,
+    seconds: SecondsOption = 120.0,
+    yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run", rich_help_panel=options.RIG)] = False,
+    namespace: options.NamespaceOption = "msd",
+    silence: options.SilenceOption = 0.5,
+    lead: options.LeadOption = 0.05,
+    json: options.JsonOption = "",
+    quiet: options.QuietOption = False,
 ) -> int:
-    """Investigate a rig: run, diagnose, design the next experiment, run it, until one explanation stands."""
+    """Run, diagnose and design experiments in a loop until one explanation remains."""
     from msd_ident.cli import run
-    from msd_ident.design import read_limits, read_profile
+    from msd_ident.design import read_profile
     from msd_ident.workflow import investigation
 
     output = run.Output(json, quiet, False)
     output.check()
-    if limits is None:
-        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
-    allowed = read_limits(limits)
+    allowed = options.limits_of(limits)
     begin = read_profile(first) if first else None
     if begin is not None:
         allowed.check(begin)

@@ -7,20 +7,26 @@ from typing import Annotated, Optional
 
 import typer
 
+DemoOption = Annotated[bool, typer.Option("--demo", help="also start a simulated rig, a recorder and an identifier")]
+RateOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(min=1.0, max=30.0, help="greatest number of frames per second"),
+]
+
 
 def live(
-    namespace: Annotated[str, typer.Option(help="of the graph's topics; / for none")] = "msd",
-    host: Annotated[str, typer.Option(help="address to serve on; others than this machine get a token")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="to serve on; 0: any that is free")] = 8210,
-    token: Annotated[str, typer.Option(help="that a browser must bring; else made where one is needed")] = "",
-    force: Annotated[str, typer.Option(help="TOPIC:FIELD; else force", metavar="TOPIC:FIELD")] = "",
-    position: Annotated[str, typer.Option(help="TOPIC:FIELD; else encoder", metavar="TOPIC:FIELD")] = "",
-    step_limit: Annotated[float, typer.Option(min=0.0, help="greatest force of the step button; 0: none")] = 20.0,
-    demo: Annotated[bool, typer.Option("--demo", help="with a simulated rig, recorder and identifier")] = False,
-    rate: Annotated[Optional[float], typer.Option(min=1.0, max=30.0, help="most frames a second")] = None,  # noqa: UP045
+    namespace: Annotated[str, typer.Option(help="ROS namespace of the rig's topics; /: none")] = "msd",
+    host: Annotated[str, typer.Option(help="address to serve on; other machines need a token")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="port to serve on; 0: any free port")] = 8210,
+    token: Annotated[str, typer.Option(help="token that a browser must send; default: generated if needed")] = "",
+    force: Annotated[str, typer.Option(help="force signal; default: force", metavar="TOPIC:FIELD")] = "",
+    position: Annotated[str, typer.Option(help="position signal; default: encoder", metavar="TOPIC:FIELD")] = "",
+    step_limit: Annotated[float, typer.Option(min=0.0, help="greatest force of the step button; 0: disabled")] = 20.0,
+    demo: DemoOption = False,
+    rate: RateOption = None,
     show: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
 ) -> int:
-    """Show force, displacement, the model beside the rig and its residual as they come, with buttons; until Ctrl-C."""
+    """Show force, displacement, model and residual live in the browser, with buttons, until Ctrl-C."""
     from msd_ident.cli.needs_ros import require_ros
     from msd_ident.live.needs import require_page
 

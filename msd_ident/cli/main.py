@@ -4,26 +4,44 @@ from __future__ import annotations
 
 import importlib
 import sys
+from typing import Annotated
 
 import typer
 
+from msd_ident import parallel
 from msd_ident.errors import MsdError, UsageError
 
-#: Subcommands, each a module of this package with a function of the same name.
+#: Subcommands: each is a module of this package with a function of the same name.
 COMMANDS = (
     *("identify", "diagnose", "validate", "export", "batch", "compare", "watch", "design", "run", "investigate"),
     *("record", "replay", "live", "repair", "simulate", "demo", "paper", "info", "warm"),
 )
-#: Modules that are not called like their subcommand, and the function in them.
+#: Subcommand -> module and function, where the name differs.
 MODULES = {"run": "run_profile"}
 
 app = typer.Typer(
     name="msd",
-    help="Identify a mass-spring-damper from force and encoder data, and see what the model gets wrong.",
+    help="Identify a mass-spring-damper from force and encoder data, and find what its model lacks.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"msd_ident {version('msd_ident')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _general(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    pass
 
 
 def _register() -> None:
@@ -46,7 +64,8 @@ def fail(error: MsdError) -> int:
 
 
 def main() -> int:
-    """Run the command line; never ends in a traceback for anything that a user can mend."""
+    """Run the command line; the exit code. Errors that the user can correct are printed in one line."""
+    parallel.one_blas_thread()
     _register()
     try:
         outcome = app(standalone_mode=False)

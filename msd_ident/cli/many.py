@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from msd_ident.batching.job import Job
 
 TablesArgument = Annotated[
-    list[str], typer.Argument(metavar="TABLE|PATHS…", help="a table of msd batch, or records, folders, patterns")
+    list[str], typer.Argument(metavar="TABLE|PATHS…", help="table of msd batch, or records, folders and patterns")
 ]
 
 

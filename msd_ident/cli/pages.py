@@ -8,9 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
-
-import typer
+from typing import TYPE_CHECKING
 
 from msd_ident.cli import run
 
@@ -21,19 +19,6 @@ if TYPE_CHECKING:
     from msd_ident.io import SourceOptions
     from msd_ident.workflow.identification import Identification
     from msd_ident.workflow.validation import Validation
-
-ReportOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--report", metavar="FILE.html", help="one page with plots, self-contained"),
-]
-MarkdownOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--markdown", metavar="FILE.md", help="a summary for a lab notebook"),
-]
-FiguresOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--figures", metavar="FOLDER", help="the page's plots as PNG and SVG, a folder a result"),
-]
 
 
 @dataclass

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from msd_ident.cli import sources
+from msd_ident.cli import options
 
 
 def paper(
-    json: sources.JsonOption = "", quiet: sources.QuietOption = False, overwrite: sources.OverwriteOption = False
+    json: options.JsonOption = "", quiet: options.QuietOption = False, overwrite: options.OverwriteOption = False
 ) -> int:
-    """Tables 2 and 3 of the paper from its Table 1 alone, and what no viscous + Coulomb model reproduces."""
+    """Compute Tables 2 and 3 of the paper from its Table 1, and show what no viscous + Coulomb model reproduces."""
     from rich.console import Console
 
     from msd_ident.cli import run

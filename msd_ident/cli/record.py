@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
+from msd_ident.cli import options
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -18,18 +19,39 @@ if TYPE_CHECKING:
 WAIT = 5.0
 
 
+TopicsArgument = Annotated[
+    Optional[list[str]],  # noqa: UP045 - typer reads it at run time, also on Python 3.10
+    typer.Argument(metavar="[TOPICS…]", help="topics to record; default: force, encoder and encoder_batch"),
+]
+OutOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="folder of the bag; default: named by date and time", rich_help_panel=options.OUTPUT),
+]
+DurationOption = Annotated[
+    float, typer.Option(min=0.0, help="duration, in seconds; 0: until Ctrl-C", rich_help_panel=options.SOURCE)
+]
+EveryOption = Annotated[
+    bool,
+    typer.Option("--all", help="all topics, including those that start later", rich_help_panel=options.SOURCE),
+]
+CompressionOption = Annotated[
+    str, typer.Option(help="compression of the bag: zstd or none", rich_help_panel=options.OUTPUT)
+]
+NamespaceOption = Annotated[
+    str,
+    typer.Option(help="ROS namespace of the topics; default: the one with publishers", rich_help_panel=options.SOURCE),
+]
+
+
 def record(
-    topics: Annotated[
-        Optional[list[str]],  # noqa: UP045 - typer reads it at run time, also on Python 3.10
-        typer.Argument(metavar="[TOPICS…]", help="topics to record; none: force, encoder and encoder_batch"),
-    ] = None,
-    out: Annotated[Optional[Path], typer.Option(help="bag to make; else named by date and time")] = None,  # noqa: UP045
-    duration: Annotated[float, typer.Option(min=0.0, help="seconds; 0: until Ctrl-C")] = 0.0,
-    every: Annotated[bool, typer.Option("--all", help="every topic there is and those that come")] = False,
-    compression: Annotated[str, typer.Option(help="of the bag's chunks: zstd or none")] = "zstd",
-    namespace: Annotated[str, typer.Option(help="of the topics; else the one in which they are published")] = "",
+    topics: TopicsArgument = None,
+    out: OutOption = None,
+    duration: DurationOption = 0.0,
+    every: EveryOption = False,
+    compression: CompressionOption = "zstd",
+    namespace: NamespaceOption = "",
 ) -> int:
-    """Record topics to a rosbag2 folder (MCAP) until Ctrl-C; topics that come later are waited for."""
+    """Record topics to a rosbag2 folder (MCAP) until Ctrl-C; waits for topics that start later."""
     from msd_ident.cli.needs_ros import require_ros
 
     require_ros("msd record")

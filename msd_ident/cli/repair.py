@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import options
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 def repair(
     paths: Annotated[list[Path], typer.Argument(help="bag folders or .mcap files", show_default=False)],
-    json: sources.JsonOption = "",
-    overwrite: sources.OverwriteOption = False,
+    json: options.JsonOption = "",
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Give bags that were cut off their index and true metadata, and say what was lost."""
+    """Rebuild index and metadata of bags whose recording was interrupted, and report what was lost."""
     from msd_ident import io
     from msd_ident.cli import run
 

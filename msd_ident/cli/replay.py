@@ -10,13 +10,13 @@ import typer
 
 def replay(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="rosbag2 folder, .mcap or .db3 file")],
-    rate: Annotated[float, typer.Option(help="seconds of the bag in a second, 0.01 to 100")] = 1.0,
-    loop: Annotated[bool, typer.Option("--loop", help="begin anew at the end")] = False,
-    clock: Annotated[bool, typer.Option("--clock", help="publish /clock, for nodes with use_sim_time")] = False,
-    topics: Annotated[Optional[list[str]], typer.Option("--topic", help="play only this one; repeatable")] = None,  # noqa: UP045
-    wait: Annotated[float, typer.Option(help="longest wait for a subscriber on every topic [s]")] = 3.0,
+    rate: Annotated[float, typer.Option(help="playback speed, 0.01 to 100")] = 1.0,
+    loop: Annotated[bool, typer.Option("--loop", help="restart at the end")] = False,
+    clock: Annotated[bool, typer.Option("--clock", help="publish /clock for nodes with use_sim_time")] = False,
+    topics: Annotated[Optional[list[str]], typer.Option("--topic", help="play only this topic; repeatable")] = None,  # noqa: UP045
+    wait: Annotated[float, typer.Option(help="longest wait until every topic has a subscriber, in seconds")] = 3.0,
 ) -> int:
-    """Play a bag as it was recorded: the same bytes, order and QoS, at any rate."""
+    """Play a bag as it was recorded: same bytes, order and QoS, at a chosen speed."""
     from msd_ident.cli.needs_ros import require_ros
 
     require_ros("msd replay")

@@ -79,7 +79,7 @@ def make_folder(path: Path) -> None:
     except (FileExistsError, NotADirectoryError):
         raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
     except OSError as error:
-        raise SetupError(f"cannot make {path}: {error.strerror}; expected a place that takes folders") from None
+        raise SetupError(f"cannot make {path}: {error.strerror}; expected a writable place") from None
 
 
 def jsonable(value: Any) -> Any:

@@ -12,40 +12,38 @@ from typing import Annotated, Any, Optional
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import options
 from msd_ident.errors import UsageError
 
-LimitsOption = Annotated[
+OutOption = Annotated[
     Optional[Path],  # noqa: UP045
-    typer.Option("--limits", metavar="FILE", help="YAML with force, travel, duration (and speed) that the rig takes"),
+    typer.Option("--out", metavar="FOLDER", help="bag to record", rich_help_panel=options.OUTPUT),
 ]
-NamespaceOption = Annotated[str, typer.Option(help="namespace of the rig's topics")]
+ResetOption = Annotated[
+    bool, typer.Option("--reset", help="first call rig/reset, if it exists", rich_help_panel=options.RIG)
+]
 
 
 def run_profile(
-    profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv, as msd design writes it")],
-    limits: LimitsOption = None,
-    out: Annotated[Optional[Path], typer.Option("--out", metavar="FOLDER", help="bag to record")] = None,  # noqa: UP045
-    namespace: NamespaceOption = "msd",
-    silence: Annotated[float, typer.Option(help="longest time without an encoder reading [s]")] = 0.5,
-    lead: Annotated[
-        float, typer.Option(min=0.0, help="how long before its instant a force is sent [s]; 0: a rig that acts at once")
-    ] = 0.05,
-    reset: Annotated[bool, typer.Option("--reset", help="call rig/reset first, where there is one")] = False,
-    json: sources.JsonOption = "",
-    quiet: sources.QuietOption = False,
+    profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
+    limits: options.LimitsOption = None,
+    out: OutOption = None,
+    namespace: options.NamespaceOption = "msd",
+    silence: options.SilenceOption = 0.5,
+    lead: options.LeadOption = 0.05,
+    reset: ResetOption = False,
+    json: options.JsonOption = "",
+    quiet: options.QuietOption = False,
 ) -> int:
-    """Play a profile on the rig; stops with force 0 when a limit is left, the encoder falls silent, or on Ctrl-C."""
+    """Play a profile on the rig and record it; force 0 at a limit, without encoder samples, or on Ctrl-C."""
     from msd_ident.cli import run
     from msd_ident.cli.needs_ros import require_ros
-    from msd_ident.design import read_limits, read_profile
+    from msd_ident.design import read_profile
 
     output = run.Output(json, quiet, False)
     output.check()
     wanted = read_profile(profile)
-    if limits is None:
-        raise UsageError("no limits; expected --limits FILE with force, travel and duration that the rig takes")
-    allowed = read_limits(limits)
+    allowed = options.limits_of(limits)
     allowed.check(wanted)
     bag = out or Path(f"{profile.stem}_bag")
     run.check_target(bag, False)

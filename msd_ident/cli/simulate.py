@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from msd_ident.cli import sources
+from msd_ident.cli import options
 from msd_ident.errors import SetupError, UsageError
 
 if TYPE_CHECKING:
@@ -17,25 +17,69 @@ if TYPE_CHECKING:
 #: Entry points that simulate: a mapping in, an object with time, force_time, force, position, hold and truth out.
 RIGS = "msd.rigs"
 
-RigOption = Annotated[str, typer.Option("--rig", metavar="NAME|FILE", help="a rig by name, or its YAML file")]
+RigOption = Annotated[
+    str,
+    typer.Option("--rig", metavar="NAME|FILE", help="name of a rig, or its YAML file", rich_help_panel=options.RIG),
+]
 ExperimentOption = Annotated[
     str,
     typer.Option(
-        metavar="NAME[:OPTION=NUMBER,…]", help="what is done to it, e.g. paper, steps, release, sweep:force=2"
+        metavar="NAME[:OPTION=NUMBER,…]",
+        help="experiment, e.g. paper, steps, release, sweep:force=2",
+        rich_help_panel=options.RIG,
     ),
 ]
-OutOption = Annotated[Path, typer.Option("--out", metavar="FILE.csv|FOLDER", help="CSV file, or folder for a bag")]
+OutOption = Annotated[
+    Path,
+    typer.Option(
+        "--out", metavar="FILE.csv|FOLDER", help="CSV file, or folder of a bag", rich_help_panel=options.OUTPUT
+    ),
+]
 EffectOption = Annotated[
     Optional[list[str]],  # noqa: UP045
     typer.Option(
-        "--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="something wrong with the rig, e.g. backlash; repeatable"
+        "--effect",
+        metavar="NAME[:PARAMETER=NUMBER,…]",
+        help="effect that the rig has, e.g. backlash; repeatable",
+        rich_help_panel=options.RIG,
     ),
 ]
 SetOption = Annotated[
     Optional[list[str]],  # noqa: UP045
-    typer.Option("--set", metavar="PARAMETER=NUMBER", help="a parameter of the rig, e.g. mass=2 or encoder.noise=1e-5"),
+    typer.Option(
+        "--set",
+        metavar="PARAMETER=NUMBER",
+        help="parameter of the rig, e.g. mass=2 or encoder.noise=1e-5; repeatable",
+        rich_help_panel=options.RIG,
+    ),
 ]
-ReplaceOption = Annotated[bool, typer.Option("--force", "--overwrite", help="replace files that exist")]
+ReplaceOption = Annotated[
+    bool,
+    typer.Option("--force", "--overwrite", help="replace files that already exist", rich_help_panel=options.OUTPUT),
+]
+
+
+SeedOption = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(help="seed of the encoder noise", rich_help_panel=options.RIG),
+]
+RateOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(help="sampling rate, in Hz", rich_help_panel=options.RIG),
+]
+DurationOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(help="duration, in seconds; default: that of the experiment", rich_help_panel=options.RIG),
+]
+JsonOption = Annotated[
+    str,
+    typer.Option(
+        "--json",
+        metavar="FILE|-",
+        help="write the true parameters as a JSON object",
+        rich_help_panel=options.OUTPUT,
+    ),
+]
 
 
 def simulate(
@@ -44,14 +88,14 @@ def simulate(
     experiment: ExperimentOption = "paper",
     effect: EffectOption = None,
     parameter: SetOption = None,
-    seed: Annotated[Optional[int], typer.Option(help="of the encoder's noise")] = None,  # noqa: UP045
-    rate: Annotated[Optional[float], typer.Option(help="samples per second")] = None,  # noqa: UP045
-    duration: Annotated[Optional[float], typer.Option(help="seconds, instead of the experiment's own")] = None,  # noqa: UP045
-    json: Annotated[str, typer.Option("--json", metavar="FILE|-", help="the hidden truth as a JSON object")] = "",
-    quiet: sources.QuietOption = False,
+    seed: SeedOption = None,
+    rate: RateOption = None,
+    duration: DurationOption = None,
+    json: JsonOption = "",
+    quiet: options.QuietOption = False,
     overwrite: ReplaceOption = False,
 ) -> int:
-    """Run an experiment on a simulated rig and write what its encoder says."""
+    """Simulate an experiment on a rig and write force and encoder signal to a CSV file or a bag."""
     from msd_ident import io
     from msd_ident.cli import run
 

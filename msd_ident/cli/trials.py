@@ -5,19 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from msd_ident.io import SourceOptions
-
-OnOption = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Option("--on", metavar="PATH", help="try the model on this record too, as msd validate does; repeatable"),
-]
 
 
 @dataclass(frozen=True)

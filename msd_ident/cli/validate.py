@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Optional
 
 import typer
 
-from msd_ident.cli import pages, run, sources
+from msd_ident.cli import options, pages, run, sources
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,45 +17,83 @@ if TYPE_CHECKING:
     from msd_ident.workflow.validation import Options, Validation
 
 
+#: Panel of ``--help`` for simulations of the user's own.
+SIMULATION = "Your own simulation"
+
+
+PathsArgument = Annotated[
+    Optional[list[Path]],  # noqa: UP045
+    typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+]
+RefitZeroOption = Annotated[
+    bool,
+    typer.Option(
+        "--refit-zero",
+        help="also fit the encoder's zero; default: the zero of the result",
+        rich_help_panel=options.MODEL,
+    ),
+]
+RequireOption = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        "--require",
+        metavar="PERCENT",
+        help="exit with code 1 if the model explains less of the motion",
+        rich_help_panel=options.MODEL,
+    ),
+]
+MujocoOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--mujoco",
+        metavar="ROBOT.xml",
+        help="compare this MuJoCo model with the record, instead of a result; needs --joint",
+        rich_help_panel=SIMULATION,
+    ),
+]
+JointOption = Annotated[
+    str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco", rich_help_panel=SIMULATION)
+]
+FunctionOption = Annotated[
+    str,
+    typer.Option(
+        "--callable",
+        metavar="MODULE:FUNCTION",
+        help="compare this Python function with the record, instead of a result",
+        rich_help_panel=SIMULATION,
+    ),
+]
+SimulatedOption = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(
+        "--simulated",
+        metavar="FILE",
+        help="compare these simulated positions with the record, instead of a result",
+        rich_help_panel=SIMULATION,
+    ),
+]
+
+
 @sources.reading
 def validate(
-    result: Annotated[Path, typer.Argument(metavar="RESULT.json", help="what --json of identify or diagnose wrote")],
+    result: options.ResultArgument,
     source: sources.Source,
-    paths: Annotated[
-        Optional[list[Path]],  # noqa: UP045
-        typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
-    ] = None,
-    line: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option("--line", min=1, help="which result of a file with several, one a line"),
-    ] = None,
-    refit_zero: Annotated[
-        bool, typer.Option("--refit-zero", help="fit the encoder's zero too; it is kept from the result otherwise")
-    ] = False,
-    require: Annotated[
-        Optional[float],  # noqa: UP045
-        typer.Option("--require", metavar="PERCENT", help="exit code 1 where less of the motion is explained"),
-    ] = None,
-    mujoco: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--mujoco", metavar="ROBOT.xml", help="try this MuJoCo model in place of a result; with --joint"),
-    ] = None,
-    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco")] = "",
-    function: Annotated[
-        str, typer.Option("--callable", metavar="MODULE:FUNCTION", help="try this Python function in place of a result")
-    ] = "",
-    simulated: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--simulated", metavar="FILE", help="try these simulated positions in place of a result"),
-    ] = None,
-    together: sources.TogetherOption = False,
-    json: sources.JsonOption = "",
-    report: pages.ReportOption = None,
-    figures: pages.FiguresOption = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    paths: PathsArgument = None,
+    line: options.LineOption = None,
+    refit_zero: RefitZeroOption = False,
+    require: RequireOption = None,
+    mujoco: MujocoOption = None,
+    joint: JointOption = "",
+    function: FunctionOption = "",
+    simulated: SimulatedOption = None,
+    together: options.TogetherOption = False,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    figures: options.FiguresOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Validate a saved model on other records, nothing refitted but their start, or name what your simulation lacks."""
+    """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
     output = run.Output(json, quiet, overwrite)
     if mujoco is not None or function or simulated is not None:
         from msd_ident.cli import theirs
@@ -66,13 +104,13 @@ def validate(
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident.workflow import validation
 
-    options = validation.Options(refit_zero, require)
+    settings = validation.Options(refit_zero, require)
     targets = pages.Pages(report, None, figures, source, output)
     targets.check()
-    return _tried(saved_model(result, line), options, paths, together, targets)
+    return _tried(saved_model(result, line), settings, paths, together, targets)
 
 
-def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
+def _tried(saved: SavedModel, settings: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
     """Try a saved model on every path, or on all together; the exit code."""
     from msd_ident.report import validation as tables
     from msd_ident.workflow import validation
@@ -81,7 +119,7 @@ def _tried(saved: SavedModel, options: Options, paths: Sequence[Path], together:
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
         progress("simulating the saved model", 0.5)
-        found = validation.validate(saved, records, options)
+        found = validation.validate(saved, records, settings)
         met.append(found.met)
         return found
 

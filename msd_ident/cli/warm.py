@@ -9,7 +9,7 @@ GROUP = "msd.warm"
 
 
 def warm() -> int:
-    """Compile solver and rig now, for this user, so that no first start takes a minute; nothing when that is done."""
+    """Compile solver and simulated rig for this user, so that the first start takes no minute."""
     for entry in entry_points(group=GROUP):
         begin = time.monotonic()
         entry.load()()

@@ -5,53 +5,82 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import batch, many, run, sources
+from msd_ident.cli import batch, many, options, run, sources
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.monitoring.watching import Options, Watch
 
 
+KeepOption = Annotated[
+    str,
+    typer.Option(
+        "--table",
+        metavar="TABLE.parquet",
+        help="table that keeps the results of records in folders",
+        rich_help_panel=options.BATCH,
+    ),
+]
+FalseAlarmsOption = Annotated[
+    float,
+    typer.Option(
+        "--false-alarms",
+        metavar="RATE",
+        help="accepted false alarms per robot and year",
+        rich_help_panel=options.MODEL,
+    ),
+]
+PerYearOption = Annotated[
+    float,
+    typer.Option(
+        "--records-per-year",
+        help="records per robot and year; 0: from their time stamps, else daily",
+        rich_help_panel=options.MODEL,
+    ),
+]
+CheckOption = Annotated[
+    bool, typer.Option("--check", help="exit with code 1 after an alarm", rich_help_panel=options.OUTPUT)
+]
+FollowOption = Annotated[
+    float,
+    typer.Option(
+        "--follow",
+        metavar="SECONDS",
+        help="repeat with this period until Ctrl-C",
+        rich_help_panel=options.BATCH,
+    ),
+]
+
+
 @sources.reading
 def watch(
     paths: many.TablesArgument,
     source: sources.Source,
-    keep: Annotated[
-        str, typer.Option("--table", metavar="TABLE.parquet", help="table that records of folders are kept in")
-    ] = "msd_watch.parquet",
-    false_alarms: Annotated[
-        float, typer.Option("--false-alarms", metavar="RATE", help="false alarms a robot and year, at most")
-    ] = 1.0,
-    per_year: Annotated[
-        float, typer.Option("--records-per-year", help="of a robot; 0: as their times say, else daily")
-    ] = 0.0,
-    check: Annotated[bool, typer.Option("--check", help="exit code 1 where there was an alarm")] = False,
-    follow: Annotated[
-        float, typer.Option("--follow", metavar="SECONDS", help="look again so often, until Ctrl-C")
-    ] = 0.0,
-    scheduler: batch.SchedulerOption = "",
-    workers: batch.WorkersOption = 0,
-    all_joints: Annotated[bool, typer.Option("--all-joints", help="every joint of a bag is watched")] = False,
-    label: batch.LabelOption = None,
-    covariate: batch.CovariateOption = None,
-    json: Annotated[str, typer.Option("--json", metavar="FILE|-", help="one JSON object a robot")] = "",
-    report: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option("--report", metavar="FILE.html", help="one page that needs no network"),
-    ] = None,
-    quiet: sources.QuietOption = False,
-    overwrite: sources.OverwriteOption = False,
+    keep: KeepOption = "msd_watch.parquet",
+    false_alarms: FalseAlarmsOption = 1.0,
+    per_year: PerYearOption = 0.0,
+    check: CheckOption = False,
+    follow: FollowOption = 0.0,
+    scheduler: options.SchedulerOption = "",
+    workers: options.WorkersOption = 0,
+    all_joints: options.AllJointsOption = False,
+    label: options.LabelOption = None,
+    covariate: options.CovariateOption = None,
+    json: options.JsonOption = "",
+    report: options.ReportOption = None,
+    quiet: options.QuietOption = False,
+    overwrite: options.OverwriteOption = False,
 ) -> int:
-    """Watch robots over days: what changed, when, how surely, and an alarm with a stated rate of false ones."""
+    """Find changes of parameters over days, and raise an alarm with a known false-alarm rate."""
     from msd_ident.monitoring.watching import Options
 
-    options = Options(false_alarms, per_year)
+    settings = Options(false_alarms, per_year)
     if follow < 0.0 or (follow and json == "-"):
-        raise UsageError("--follow takes seconds above 0, and goes with --json FILE; expected both so")
+        raise UsageError("--follow takes seconds above 0 and not --json -; expected a number and a file")
     output = run.Output(json, quiet, overwrite)
     output.check()
     if report is not None:
@@ -60,20 +89,20 @@ def watch(
 
     def look() -> list[Watch]:
         table = many.table_of(paths, job, (scheduler, workers), quiet, keep)
-        return _told(table, options, output, report, ", ".join(paths))
+        return _told(table, settings, output, report, ", ".join(paths))
 
     found = _again(look, follow) if follow else look()
     return 1 if check and any(one.alarms for one in found) else 0
 
 
-def _told(table: Any, options: Options, output: run.Output, report: Path | None, source: str) -> list[Watch]:
+def _told(table: Any, settings: Options, output: run.Output, report: Path | None, source: str) -> list[Watch]:
     """Watch all robots of a table, and say what was found."""
     from msd_ident.monitoring import rows, watching
 
     found, few = [], []
     for name, samples in rows.by_robot(table).items():
         try:
-            found.append(watching.watch(name, samples, options))
+            found.append(watching.watch(name, samples, settings))
         except DataError as error:
             few.append(error)
     if not found:

@@ -88,9 +88,9 @@ class Comparison:
 
     def _told(self, one: Difference) -> str:
         if one.kind in ("shared", "open"):
-            return "" if one.kind == "shared" else f"{one.parameter} is left open by these records"
+            return "" if one.kind == "shared" else f"{one.parameter} is not determined by these records"
         if one.kind == "explained":
-            return f"{one.parameter} goes with {' and '.join(one.tied_with)}, not with the {self.by}"
+            return f"{one.parameter} varies with {' and '.join(one.tied_with)}, not with the {self.by}"
         parts = [
             f"{abs(size):.2g} % ± {half:.1g} {'lower' if size < 0.0 else 'higher'} on {self.by} {group}"
             for group, (size, half) in one.percent.items()
@@ -265,10 +265,12 @@ def _warnings(made: Design, counts: Mapping[str, int], by: str) -> tuple[str, ..
     said = []
     if max(counts.values()) == 1:
         said.append(
-            f"One record of each {by}: how well a record repeats is not known, so what differs between two records "
-            f"counts as differing between two {by}s; record each several times."
+            f"One record of each {by}: the repeatability is not known, so a difference between two records counts "
+            f"as a difference between two {by}s; record each several times."
         )
     missing = [name for name in ("temperature", "load") if name not in made.columns]
     if missing:
-        said.append(f"No {' and no '.join(missing)} that varies was recorded, so none can be a rival cause.")
+        said.append(
+            f"No {' and no '.join(missing)} that varies was recorded, so neither can be excluded as the reason."
+        )
     return tuple(said)

@@ -248,7 +248,15 @@ class Record:
 def from_samples(
     time: npt.ArrayLike, force: npt.ArrayLike, position: npt.ArrayLike, *, hold: Hold = "zero", name: str = "record"
 ) -> Record:
-    """Record whose force and position share their stamps: time [s], force [N], position [m], each (n,)."""
+    """Record whose force and position share their stamps.
+
+    Args:
+        time: stamps [s] (n,), rising.
+        force: force [N] (n,) at the stamps.
+        position: position [m] (n,) at the stamps.
+        hold: force between the stamps: ``zero``, ``linear`` or ``band_limited``.
+        name: of the record, for sentences and files.
+    """
     return Record(
         time=np.asarray(time),
         position=np.asarray(position),

@@ -110,7 +110,7 @@ def _ordered(
     check_finite(np.asarray(stamps, dtype=np.float64), f"{what} time")
     late = _late(what, stamps, data, tick)
     if late:
-        notes.append(f"{what}: {late} of {stamps.size} samples came late and were put in their place by their stamps.")
+        notes.append(f"{what}: {late} of {stamps.size} samples came late and were sorted by their stamps.")
     unique, first = np.unique(stamps, return_index=True)
     dropped = stamps.size - unique.size
     if what == "position" and unique.size < MINIMUM_SAMPLES <= stamps.size:

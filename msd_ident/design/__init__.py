@@ -1,4 +1,8 @@
-"""The next experiment: profiles, limits, and the design that parts what the data cannot tell apart."""
+"""The next experiment: force profiles within a rig's limits that decide between tied causes.
+
+In: a ``Diagnosis`` and the rig's ``Limits``. Out: a ``Proposal`` with profile, duration and probability of a decision.
+Begin with ``proposal``, then ``evaluation`` (what a profile would show) and ``profile_search``.
+"""
 
 from __future__ import annotations
 

@@ -22,4 +22,6 @@ def measurement(one: CandidateModel, other: CandidateModel) -> str:
 
 def between(pairs: Sequence[tuple[str, str, str]]) -> tuple[str, ...]:
     """A sentence for each (name, other, measurement)."""
-    return tuple(f"No profile within these limits parts {one} and {other}: {what}." for one, other, what in pairs)
+    return tuple(
+        f"No profile within these limits decides between {one} and {other}: {what}." for one, other, what in pairs
+    )

@@ -172,19 +172,20 @@ def _rings(period: float) -> Iterator[Shape]:
 
 _WHY = {
     "step": "a step shows the static gain and how fast it rings down",
-    "steps both": "both directions show what is not the same either way",
+    "steps both": "both directions show what differs between directions",
     "steps of two": "two sizes in both directions show what changes with amplitude and direction",
-    "repeated": "ring-downs one after the other show what takes the energy of each swing",
-    "small steps": "small steps show what holds the cart when hardly anything pushes it",
-    "staircase": "many levels at rest show how force and position go together",
-    "release": "free motion knows nothing of the input, and its decay over amplitude tells friction from drag",
-    "ramp": "slow motion leaves out mass and damper, and dwelling shows what sticks or creeps",
+    "repeated": "successive ring-downs show the energy loss of each swing",
+    "small steps": "small steps show what holds the cart against small forces",
+    "staircase": "many levels at rest show how position depends on force",
+    "release": "free motion does not depend on the input, and its decay over amplitude distinguishes friction from "
+    "drag",
+    "ramp": "slow motion excludes mass and damper, and dwelling shows what sticks or creeps",
     "sweep": "motion at all speeds, through resonance, shows what depends on speed, amplitude and time",
     "slow": "slow motion over the whole travel shows what depends on position and direction",
     "fast": "above resonance the phase shows lag and delay",
-    "small reversals": "small reversals show what remembers where the motion turned",
+    "small reversals": "small reversals show effects with memory",
     "pseudo": "many frequencies at once, in little time",
-    "resonance": "resonance makes a large motion of a small force, and its ring-down shows what takes the energy",
+    "resonance": "resonance gives a large motion with a small force, and its ring-down shows the energy loss",
     "rest": "without force only disturbances and drift are left",
 }
 
@@ -192,4 +193,4 @@ _WHY = {
 def why(name: str) -> str:
     """What a profile of the family is good for."""
     fitting = [key for key in _WHY if name.startswith(key)]
-    return _WHY[max(fitting, key=len)] if fitting else "it moves what the rivals predict apart"
+    return _WHY[max(fitting, key=len)] if fitting else "the predictions of the rivals differ"

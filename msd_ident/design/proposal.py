@@ -81,7 +81,11 @@ class Proposal:
 
 
 def design(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
-    """The shortest profile that parts the tied explanations of a diagnosis; ``None`` when nothing is tied.
+    """The shortest profile that decides between the tied explanations of a diagnosis; ``None`` without a tie.
+
+    Args:
+        diagnosis: with tied explanations, or an ambiguous one.
+        limits: what the rig allows.
 
     Raises:
         UsageError: no experiment of the family has room within the limits.
@@ -95,7 +99,11 @@ def design(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
 
 
 def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
-    """The profile that shows most of what the data cannot show yet; ``None`` when nothing could hide.
+    """The profile that best reveals causes which the data cannot show yet; ``None`` if none can be hidden.
+
+    Args:
+        diagnosis: of any verdict.
+        limits: what the rig allows.
 
     Raises:
         UsageError: no experiment of the family has room within the limits.
@@ -210,10 +218,11 @@ def _sentence(
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
     return (
         f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. It should {what} {aim} with "
-        f"probability {option.probability:.2f}. Hardest is {true} against {rival}: even refitted, the two will differ "
+        f"probability {option.probability:.2f}. The most difficult pair is {true} and {rival}: even after a refit "
+        "they differ "
         f"by up to {levels:.3g} noise levels, at {option.grid.record.time[worst]:.1f} s. The cart will move "
         f"{option.travel[0]:.3g} to {option.travel[1]:.3g} {units[1]} from its start, at {option.peak_speed:.3g} "
-        f"{units[1]}/s at most, whichever is right."
+        f"{units[1]}/s at most, whichever of them is true."
     )
 
 

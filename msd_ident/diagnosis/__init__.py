@@ -1,4 +1,4 @@
-"""What the simulation gets wrong, the name of the cause, the extended model and its gain.
+"""What the base model lacks: causes with probabilities, the extended model and its gain.
 
 In: records of one rig and the fits of ``estimate``. Out: a frozen ``Diagnosis`` with verdict, causes and missing force.
 Begin with ``pipeline``, then ``result`` and ``verdict``.

@@ -1,4 +1,4 @@
-"""What acts beyond a linear plant, beside the law that the diagnosis named.
+"""The force beyond the linear plant, compared with the law of the named causes.
 
 The force that mass, damper and spring of the extended model do not make is smoothed from the readings. The same
 smoother goes over the extended model's own motion: if the named causes are right, the two agree at every instant,

@@ -1,4 +1,6 @@
-"""The diagnosis, step by step: is anything wrong, what is missing, which causes, does it predict, how sure."""
+"""The diagnosis, step by step: is anything wrong, what is missing, which causes, does it predict, with which
+probability.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a diagnosis found, frozen, with the JSON contract."""
+"""Result of a diagnosis, frozen, with the JSON contract."""
 
 from __future__ import annotations
 

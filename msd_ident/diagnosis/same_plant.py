@@ -1,4 +1,4 @@
-"""Are several records of one rig? Asked where no explanation fits them together."""
+"""Check whether several records are of one rig, if no explanation fits all of them."""
 
 from __future__ import annotations
 

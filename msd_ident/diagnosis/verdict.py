@@ -1,4 +1,6 @@
-"""The verdict, and its words: which causes act and how sure that is; how much is left, and whether that matters."""
+"""The verdict and its sentences: which causes act, with which probability; how much is left, compared with the
+tolerance.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +28,19 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
 
 
 def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, depends: str) -> str:
-    """The verdict in words; ``depends`` says what the force that is left goes with."""
+    """The verdict in sentences.
+
+    Args:
+        verdict: as ``decide`` gives it.
+        causes: named causes, strongest first.
+        left: missing force and unexplained motion of base and extended model.
+        heldout: prediction of left-out data.
+        depends: sentence on the signals that the remaining force depends on.
+    """
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
-        return f"Something is missing that no cause of the library repairs. {_left('With m, b, k', left)} {depends}"
+        return f"Something is missing that no cause of the library explains. {_left('With m, b, k', left)} {depends}"
     them = "it" if len(causes) == 1 else "them"
     said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
     if left.exceeds:
@@ -44,7 +54,12 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
 
 
 def force(left: Remainder, unit: str) -> str:
-    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``; what bounds it where none is seen."""
+    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``, or its bound if none is detected.
+
+    Args:
+        left: of one model.
+        unit: of the force.
+    """
     low, high = left.force_interval
     if not left.seen:
         return f"below {high:.2g} {unit} rms"
@@ -52,16 +67,16 @@ def force(left: Remainder, unit: str) -> str:
 
 
 def percent(value: float) -> str:
-    """Per cent in two digits, never in powers of ten."""
+    """A percentage with two digits, never in powers of ten."""
     return f"{value:.0f} %" if value >= 10.0 else f"{value:.2g} %" if value >= 0.01 else "less than 0.01 %"
 
 
 def _left(lead: str, left: Remainders) -> str:
-    """How much is left, and whether that is more than the lab cares about."""
+    """How much stays unexplained, and whether that is more than the tolerance."""
     found, part = left.extended, _part(left)
     if not found.seen:
         missing = f"any slow missing force is {force(found, left.force_unit)}{part}"
-        return f"{lead}, nothing is left that this data can see: {missing}."
+        return f"{lead}, the residual is consistent with noise: {missing}."
     tolerance = f"{'more' if left.exceeds else 'less'} than the tolerance of {left.tolerance_percent:g} %"
     return (
         f"{lead}, {percent(found.motion_percent)} of the motion is still unexplained, {tolerance}: a missing force of "
@@ -81,21 +96,21 @@ def _named(causes: Sequence[Cause]) -> str:
 
 
 def _ties(causes: Sequence[Cause]) -> str:
-    """What this data cannot tell."""
+    """Pairs of tied causes."""
     ties = [f"{spoken(c.name)} from {' or '.join(map(spoken, c.tied_with))}" for c in causes if c.tied_with]
     return f", but this data cannot tell {'; '.join(ties)}" if ties else ""
 
 
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
-    """A sentence where a cause may as well not act, though no other one stands in its place."""
+    """A sentence if it is open whether a cause acts, although no other one replaces it."""
     doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability < CERTAIN]
     return [f"Whether {' and '.join(doubts)} acts at all is not certain."] if doubts else []
 
 
 def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """How far the numbers move between explanations, and laws of one cause, that the data does not tell apart."""
+    """Range of the parameters over explanations, and laws of one cause, that the data does not distinguish."""
     if not spread:
         return ()
     moved = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in spread.items())
-    said = "Between explanations, or laws of one cause, that the data does not tell apart the parameters move"
-    return (f"{said}, beyond their intervals: {moved}.",)
+    said = "The data does not distinguish between some explanations or laws of one cause; between them the parameters"
+    return (f"{said} differ by more than their intervals: {moved}.",)

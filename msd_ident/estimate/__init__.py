@@ -1,6 +1,6 @@
-"""Fitting a model to records by simulation error, with intervals that hold.
+"""Fit of a model to records by simulation error, with 95 % intervals.
 
-In: a model with starting values, and records. Out: a ``FitResult``: parameters with covariance, what stays open, SEE.
+In: a model with starting values, and records. Out: a ``FitResult``: parameters with covariance, open directions, SEE.
 Begin with ``fitting``, then ``problem`` (what is free) and ``least_squares``.
 """
 

@@ -103,7 +103,8 @@ def _sentence(physical: list[str], zeros: list[str], common: bool, forced: bool)
         return f"{listed} and the position's zero {why}: {_of(listed).advice}."
     if common and not forced:
         return (
-            f"{listed} are known only up to a common factor, as no force acts in this data; their ratios are known: "
+            f"{listed} are known only up to a common factor, because no force acts in this data; their ratios are "
+            "known: "
             "push with a known force, or weigh the moving mass."
         )
     if common:

@@ -1,4 +1,8 @@
-"""export: an identified model as files that other simulations read, with proof by replay."""
+"""An identified model as a file for other simulations, with a proof by replay.
+
+In: a saved model, a ``Target`` and records. Out: files, and an ``Export`` that says how well they replay the records.
+Begin with ``exporting``, then ``target`` and one of the targets, e.g. ``mujoco_target``.
+"""
 
 from pathlib import Path
 

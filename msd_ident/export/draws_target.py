@@ -24,9 +24,11 @@ class DrawsTarget(Target):
     why_not = "draws are parameter sets, not a simulation"
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         return Saying("exact", f"columns {', '.join(parameter.name for parameter in effect.parameters)}")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         draws = plan.draws
         assert draws is not None, "the draws are made before they are written"
         labels = ["+".join(causes) or "none" for causes, _ in draws.explanations]

@@ -82,17 +82,20 @@ class FmuTarget(PythonTarget):
     imported = False
 
     def saying(self, effect: Effect, model: Model) -> Saying:
+        """How this target carries this effect of this model."""
         if effect.structure == DELAY and effect.values[0] < 0.0:
             return BEFORE
         return super().saying(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         said = "\n".join(header.lines(plan, self.what))
         name = f"Rig{hashlib.sha256(repr(plan.values).encode() + repr(plan.zero).encode()).hexdigest()[:8]}"
         text = python_source.text(plan, said, name) + _filled(plan, name)
         return {out: built(text, name)}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
+        """Readings (n,) of the written file, run in its target."""
         record, initial = start.record, start.initial
         force = plan.force_scale * plan.saved.force_sign * averages(record, 1)[:, 0]
         given = np.zeros(force.size + 1, dtype=[("time", np.float64), ("force", np.float64)])

@@ -37,10 +37,12 @@ class GainsTarget(Target):
     needs_newtons = True
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         nearest = Saying("approximated", "the nearest m, b, k and friction are fitted in its place")
         return _SAID.get(effect.name, nearest)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         comment = "".join(f"# {line}".rstrip() + "\n" for line in header.lines(plan, self.what))
         use = (
             "# force = kS*sign(v) + kV*v + kA*a + kP*(x - zero) + kG, of the reference's motion x, v, a.\n"

@@ -110,14 +110,17 @@ class SdfTarget(Target):
     template = _SDF
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         return _SAID.get(effect.name, Saying("approximated", _SHAKEN))
 
     def saying(self, effect: Effect, model: Model) -> Saying:
+        """How this target carries this effect of this model."""
         if effect.name == "force_offset" and model.stiffness == 0.0:
             return Saying("cannot", "there is no spring whose reference could carry it")
         return super().saying(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         text = self.template.format(
             header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"),
             joint=plan.joint, kind=MOTIONS[plan.saved.position_unit], inertial=self.inertial(plan), free=number(FREE),
@@ -146,6 +149,7 @@ class UrdfTarget(SdfTarget):
 
     @staticmethod
     def inertial(plan: Plan) -> str:
+        """Mass and inertia of the moving link as XML attributes; a revolute joint has the inertia."""
         size = number(plan.model.mass)
         mass, moment = ("1", size) if plan.revolute else (size, "1e-3")
         rest = 'ixy="0" ixz="0" iyz="0"'

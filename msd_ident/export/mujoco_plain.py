@@ -30,6 +30,7 @@ class MujocoXmlTarget(Target):
     stepped = True
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         if effect.name in _SAID:
             return _SAID[effect.name]
         if effect.name in NATIVE and "input_map" not in effect.laws():
@@ -39,6 +40,7 @@ class MujocoXmlTarget(Target):
         return Saying("approximated", "the nearest m, b, k, friction and other elements are fitted in its place")
 
     def saying(self, effect: Effect, model: Model) -> Saying:
+        """How this target carries this effect of this model."""
         if effect.structure == DELAY and effect.values[0] < 0.0:
             return mujoco_elements.BEFORE
         if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
@@ -46,8 +48,10 @@ class MujocoXmlTarget(Target):
         return super().saying(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         made = mujoco_elements.elements(plan)
         return {out: mujoco_target.model(plan, made, self.what).encode()}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
+        """Readings (n,) of the written file, run in its target."""
         return mujoco_replay.run(out, None, plan, start)

@@ -20,7 +20,7 @@ from msd_ident.export.plan import Plan
 _FRAGMENT = """<!--
 {header}
 
-To paste: the attributes into joint "{joint}" of your model (angle="radian"), the sections beside those that it has.
+Paste the attributes into joint "{joint}" of your model (angle="radian"), the sections beside those that it has.
 The armature is the inertia that the bodies of your model do not have already: take theirs off it.
 The friction is dry with the integrator RK4 at a timestep of {step} s and <flag refsafe="disable"/>.
 -->
@@ -36,10 +36,11 @@ class FragmentTarget(MujocoTarget):
     name = "mujoco-fragment"
     what = "MuJoCo elements of one joint, to paste"
     library = None
-    why_not = "a fragment is no model that runs: put it into one with --into robot.xml"
+    why_not = "a fragment is not a complete model: insert it into one with --into robot.xml"
     needs_newtons = True
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         made = mujoco_elements.elements(plan)
         text = _FRAGMENT.format(
             header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"), joint=plan.joint,
@@ -71,6 +72,7 @@ class RobotTarget(MujocoTarget):
         self.path = path
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         tree = robot.parsed(self.path)
         one = robot.joint(tree, self.path, plan.joint, plan.saved.position_unit)
         made = mujoco_elements.elements(plan)

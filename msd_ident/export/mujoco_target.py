@@ -51,14 +51,17 @@ class MujocoTarget(Target):
     stepped = True
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         return mujoco_elements.says(effect)
 
     def saying(self, effect: Effect, model: Model) -> Saying:
+        """How this target carries this effect of this model."""
         if effect.structure == DELAY and effect.values[0] < 0.0:
             return mujoco_elements.BEFORE
         return super().saying(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         made = mujoco_elements.elements(plan)
         files = {out: model(plan, made, self.what).encode()}
         if made.called:
@@ -67,9 +70,11 @@ class MujocoTarget(Target):
         return files
 
     def beside(self, out: Path) -> tuple[Path, ...]:
+        """Files that may be written next to the main one."""
         return (callback_path(out),)
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
+        """Readings (n,) of the written file, run in its target."""
         called = mujoco_elements.elements(plan).called
         return mujoco_replay.run(out, callback_path(out) if called else None, plan, start)
 

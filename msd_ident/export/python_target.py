@@ -25,6 +25,7 @@ class PythonTarget(Target):
     imported = True
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         if effect.jumps:
             return Saying("cannot", "its force begins with a jump between two steps of the file")
         if effect.laws() or effect.knee or effect.structure in python_source.STRUCTURES:
@@ -32,10 +33,12 @@ class PythonTarget(Target):
         return Saying("cannot", "no law that the file could hold")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         said = "\n".join(header.lines(plan, self.what))
         return {out: python_source.text(plan, said, out.stem).encode()}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
+        """Readings (n,) of the written file, run in its target."""
         module = mujoco_replay.imported(out)
         record = start.record
         readings = module.simulate(
@@ -75,18 +78,22 @@ class PythonMsdTarget(Target):
     itself = True
 
     def says(self, effect: type[Effect]) -> Saying:
+        """How this target carries an effect."""
         return Saying("exact", "msd_ident itself")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
+        """Content of each file to write; the main file first."""
         said = "\n".join(header.lines(plan, self.what))
         beside = out.with_suffix(".json")
         text = _LINES.format(header=said, file=beside.name, zero=laws.number(plan.zero))
         return {out: text.encode(), beside: plan.saved.text.encode()}
 
     def beside(self, out: Path) -> tuple[Path, ...]:
+        """Files that may be written next to the main one."""
         return (out.with_suffix(".json"),)
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
+        """Readings (n,) of the written file, run in its target."""
         module = mujoco_replay.imported(out)
         raw = replace(start.record, force=plan.saved.force_sign * start.record.force)
         made = module.motion(raw, start.initial.position, start.initial.velocity)

@@ -79,7 +79,7 @@ class Export:
             try:
                 path.write_bytes(content)
             except OSError as error:
-                raise SetupError(f"cannot write {path}: {error.strerror}; expected a place that takes files") from None
+                raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable place") from None
         return replace(self, files=tuple(made))
 
     def unproven(self, why: str) -> Export:

@@ -1,4 +1,8 @@
-"""external: what somebody else's simulation gets wrong about a record."""
+"""What another simulation gets wrong about a record.
+
+In: a simulation (MuJoCo, a Python function, a table of positions) and records. Out: a ``Comparison`` with differences.
+Begin with ``comparing``, then ``simulations`` and ``difference``.
+"""
 
 from msd_ident.external.comparing import Comparison, compare
 from msd_ident.external.difference import Difference

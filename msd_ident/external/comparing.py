@@ -71,10 +71,11 @@ class Comparison:
     def sentence(self) -> str:
         """The outcome in words."""
         unit = self.records[0].position_unit
-        said = f"The simulation leaves {self.see:.3g} {unit} and explains {self.explained_percent:.5g} % of the motion"
+        explained = f"it explains {self.explained_percent:.5g} % of the motion"
+        said = f"The error of the simulation is {self.see:.3g} {unit}; {explained}"
         if not self.differences:
-            return f"{said}. Nothing in it differs from the rig by more than this record can tell."
-        return f"{said}; with what follows mended it would leave {self.rig.see:.3g} {unit}."
+            return f"{said}. This record shows no significant difference from the rig."
+        return f"{said}. With the following corrections the error would be {self.rig.see:.3g} {unit}."
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.external/1`` without ``path``."""

@@ -45,6 +45,7 @@ class MujocoSimulation:
 
     @property
     def name(self) -> str:
+        """Name for sentences and tables."""
         return f"{self.path.name}, joint {self.joint}"
 
     def check(self, record: Record) -> None:
@@ -53,6 +54,7 @@ class MujocoSimulation:
         mujoco_replay.load(self.path)
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
+        """Simulated readings (n,) at the record's samples, in the position unit."""
         mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
         steps = max(math.ceil(record.period / model.opt.timestep - 1e-6), 1)
         model.opt.timestep = record.period / steps
@@ -111,6 +113,7 @@ class FunctionSimulation:
 
     @property
     def name(self) -> str:
+        """Name for sentences and tables."""
         return self.target
 
     def check(self, record: Record) -> None:
@@ -133,6 +136,7 @@ class FunctionSimulation:
         return found
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
+        """Simulated readings (n,) at the record's samples, in the position unit."""
         function = self._function()
         time = record.time.copy()
         force = np.append(mujoco_replay.averages(record, 1)[:, 0], record.force_at(time[-1:]))
@@ -165,6 +169,7 @@ class TableSimulation:
 
     @property
     def name(self) -> str:
+        """Name for sentences and tables."""
         return self.label
 
     def check(self, record: Record) -> None:
@@ -179,6 +184,7 @@ class TableSimulation:
             )
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
+        """Simulated readings (n,) at the record's samples, in the position unit."""
         del initial
         return np.asarray(np.interp(record.time, self.time, self.position), dtype=np.float64)
 

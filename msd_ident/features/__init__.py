@@ -1,4 +1,8 @@
-"""Step response and free decay: the paper's equations, numbered, and what they need from the data."""
+"""Step response and free decay: the paper's numbered equations, and the peaks and levels that they need.
+
+In: a ``Record``. Out: ``Features``, and from those of all records the ``StandardForm``: ωn, ζ and K with intervals.
+Begin with ``extract``, then ``response`` and ``decay`` (what is read off) and ``equations``.
+"""
 
 from __future__ import annotations
 

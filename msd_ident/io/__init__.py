@@ -1,4 +1,8 @@
-"""Bags, CSV and MAT files in and out, without ROS."""
+"""Bags, CSV and MAT files in and out, without ROS.
+
+In: a path and ``SourceOptions``. Out: a ``Record``, or from a ``Record`` a bag or CSV file.
+Begin with ``read``, then ``signal_choice`` and ``bag`` or ``csv_table``; for recording, ``writer``.
+"""
 
 from msd_ident.io.bag import Bag, iterate_messages, open_bag
 from msd_ident.io.covariates import covariates

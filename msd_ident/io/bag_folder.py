@@ -42,6 +42,7 @@ def look_into(folder: Path) -> Folder:
 
 
 def unreadable(path: Path, error: OSError) -> DataError:
+    """The error for a file that cannot be read; says why."""
     return DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read")
 
 

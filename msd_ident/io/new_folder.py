@@ -32,7 +32,7 @@ def make_folder(folder: Path, overwrite: bool) -> None:
     except FileExistsError:
         raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
     except OSError as error:
-        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a place that takes folders") from None
+        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
 
 
 def is_empty(folder: Path) -> bool:
@@ -76,5 +76,5 @@ def _clear(folder: Path, overwrite: bool) -> None:
     if not overwrite:
         raise UsageError(f"{folder} exists; expected a new name: give another one, or --overwrite to replace it")
     if any(is_being_written(path) for path in content):
-        raise UsageError(f"{folder} is being recorded; expected a bag that is finished: stop the recorder first")
+        raise UsageError(f"{folder} is being recorded; expected a bag that is complete: stop the recorder first")
     shutil.rmtree(folder)

@@ -65,7 +65,7 @@ class SourceOptions:
             if scale is not None and (scale == 0 or not math.isfinite(scale)):
                 raise UsageError(f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0")
         if self.rate is not None and not (self.rate > 0.0 and math.isfinite(self.rate)):
-            raise UsageError(f"rate is {self.rate:g}; expected samples a second above 0, e.g. --rate 100")
+            raise UsageError(f"rate is {self.rate:g}; expected a sampling rate above 0, e.g. --rate 100")
         if self.rate is not None and self.time:
             raise UsageError(
                 f"a rate of {self.rate:g} and the time column {self.time}; expected one of them: leave --rate or "

@@ -1,12 +1,11 @@
-"""The live view: what the rig does, the model beside it, and buttons, on a page in the browser. Knows no ROS.
+"""The live view: measured motion, the model's motion and buttons on a page in the browser. It does not use ROS.
 
-``scope`` keeps the samples and runs the model beside them, ``board`` keeps what is known and being done, ``page`` shows
-both, ``server`` serves the page. Whoever has the data fills scope and board and does what the buttons ask for.
+In: samples, estimates and diagnoses as they arrive. Out: a page, and what its buttons ask for.
+Begin with ``board`` (state of rig and jobs), then ``scope`` (samples and simulation), ``page`` and ``server``.
 
-The page is made with Bokeh. Reasons: arrays go to the browser as they are, without becoming text; its server has all
-of its scripts on board, so that no network is needed; it asks for 8 MB beyond what the reports need anyway; and it has
-been kept for more than ten years. NiceGUI brings 49 packages (24 MB) and sends curves as JSON; Panel is Bokeh with
-pandas and a dozen more (77 MB).
+The page is made with Bokeh. It sends arrays in binary form, its server brings all scripts (no network is needed), it
+adds 8 MB to what the reports need, and it has been maintained for more than ten years. NiceGUI brings 49 packages
+(24 MB) and sends curves as JSON; Panel is Bokeh with pandas and a dozen more packages (77 MB).
 """
 
 from msd_ident.live.board import Board, Cause, Diagnosed, Estimated, Job, Row

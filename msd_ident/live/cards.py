@@ -54,7 +54,7 @@ def jobs(known: Known, now: float | None = None) -> str:
 def estimate(found: Estimated | None) -> str:
     """Parameters with their intervals."""
     if found is None:
-        hint = "None yet. It comes when the response to a force step has settled, or with <b>Identify</b>."
+        hint = "None yet. It appears when the response to a force step has settled, or after <b>Identify</b>."
         return f'<h2>Estimate</h2><p class="quiet">{hint}</p>'
     rows = "".join(_row(row) for row in found.rows)
     see = f'<tr class="sum"><td>SEE</td><td>{length(found.see, found.unit)}</td><td></td></tr>'
@@ -68,7 +68,7 @@ def estimate(found: Estimated | None) -> str:
 def verdict(found: Diagnosed | None) -> str:
     """Verdict, causes and gain."""
     if found is None:
-        hint = "None yet. <b>Diagnose</b> says what the model gets wrong, and why."
+        hint = "None yet. <b>Diagnose</b> finds what the model lacks."
         return f'<h2>Verdict</h2><p class="quiet">{hint}</p>'
     pill = f'<span class="pill {escape(found.verdict)}">{VERDICTS.get(found.verdict, escape(found.verdict))}</span>'
     causes = "".join(_cause(cause) for cause in found.causes)
@@ -115,7 +115,7 @@ def _gain(found: Diagnosed) -> str:
     pairs.append(("noise floor", length(found.noise, found.unit)))
     if math.isfinite(found.left_percent):
         pairs.append(
-            ("unexplained motion", f"{number(found.left_percent, 2)} % (tolerated {found.tolerance_percent:g} %)")
+            ("unexplained motion", f"{number(found.left_percent, 2)} % (tolerance {found.tolerance_percent:g} %)")
         )
         force, lower, upper = (number(value, 2) for value in found.force)
         pairs.append(("missing force", f"{force} {escape(found.force_unit)} rms ({lower} to {upper})"))

@@ -15,5 +15,5 @@ def require_page() -> None:
     """
     if importlib.util.find_spec("bokeh") is None:
         raise SetupError(
-            "bokeh is not here, and the live view needs it: run `make setup`, or pip install 'msd_ident[live]'"
+            "bokeh is not installed, and the live view needs it: run `make setup`, or pip install 'msd_ident[live]'"
         )

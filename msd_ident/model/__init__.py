@@ -1,7 +1,8 @@
-"""Plant, effects and the simulation of both.
+"""Plant, effects and their simulation.
 
-``Plant(mass, damping, stiffness) + CoulombFriction(coulomb_force) + ...`` makes a ``Model``; ``Simulator(model,
-record)`` computes the positions that an encoder would read under the record's force.
+In: ``Plant(mass, damping, stiffness) + CoulombFriction(coulomb_force) + ...``, a ``Model``, and a record's force.
+Out: from ``Simulator(model, record)`` the positions that an encoder would read.
+Begin with ``plant``, then ``effects.base`` and ``simulator``; the compiled solver is ``kernel``.
 """
 
 from __future__ import annotations

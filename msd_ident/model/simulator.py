@@ -157,5 +157,12 @@ class Simulator:
 
 
 def simulate(model: Model, record: Record, initial_position: float = 0.0, initial_velocity: float = 0.0) -> Trajectory:
-    """The model's motion under the record's force, from a state at its first sample [m], [m/s]."""
+    """The model's motion under the record's force.
+
+    Args:
+        model: plant and effects.
+        record: gives force and stamps; its positions are not used.
+        initial_position: at the first sample, from the relaxed spring [m].
+        initial_velocity: at the first sample [m/s].
+    """
     return Simulator(model, record).trajectory(model.values, initial_position, initial_velocity)

@@ -26,7 +26,7 @@ class Standing:
         estimates: seen since it began, or since its last alarm.
         kept: in the file.
         statistic: M of the alarm.
-        threshold: mean number of estimates to a false alarm, at least.
+        threshold: smallest mean number of estimates until a false alarm.
         alarm: the last one in words; empty where there was none, or where somebody took note of it.
     """
 
@@ -50,7 +50,7 @@ class History:
     Args:
         path: of the file; it is made where it is not there.
         size: estimates that are kept, the newest.
-        threshold: mean number of estimates to a false alarm, at least.
+        threshold: smallest mean number of estimates until a false alarm.
         moved_by: covariates that move parameters without wear.
 
     Raises:

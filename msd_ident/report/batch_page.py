@@ -1,4 +1,4 @@
-"""The page of many records: a table that sorts and filters in the browser, and small multiples by robot."""
+"""The page of many records: a table with sorting and filters in the browser, and small plots per robot."""
 
 from __future__ import annotations
 

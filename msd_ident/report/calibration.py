@@ -1,4 +1,4 @@
-"""The confusion matrix of an experiment in words: for the page, Markdown and the terminal."""
+"""The confusion matrix of an experiment in words, for page, Markdown and terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a comparison: what differs, every parameter record by record, and the joint fits behind it."""
+"""The page of a comparison: differences, every parameter of each record, and the joint fits."""
 
 from __future__ import annotations
 
@@ -22,6 +22,11 @@ _PILLS = {
 
 def save_comparison(found: Comparison, path: Path, source: str) -> None:
     """Write the page.
+
+    Args:
+        found: the comparison.
+        path: file to write.
+        source: table or paths that it is of.
 
     Raises:
         SetupError: the disk does not take it.
@@ -81,6 +86,7 @@ def _joint(found: Comparison) -> Told:
     )
     lines = (
         "Each row is one fit of all groups together by simulation error. A parameter that differs has a value for each "
-        "group, the others have one for all. Where sharing one more parameter raises chi² by much, it differs.",
+        "group, the others have one for all. If sharing one more parameter increases chi² by much, that parameter "
+        "differs.",
     )
     return Told("joint", "Joint fits", lines=lines, head=("free in each group", "chi²", "converged"), rows=rows)

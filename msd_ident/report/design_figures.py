@@ -1,4 +1,6 @@
-"""Pictures of a designed experiment: the force, what each rival predicts, and what a refit cannot hide."""
+"""Figures of a designed experiment: the force, the prediction of each rival, and the difference that remains after a
+refit.
+"""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def nothing(diagnosis: Diagnosis) -> str:
     """Why no experiment is proposed."""
     causes = ", ".join(cause.name for cause in diagnosis.causes) or "mass, damping and stiffness alone"
     return (
-        f"There is no tie to decide: the verdict is {diagnosis.verdict} ({causes}). "
+        f"No causes are tied: the verdict is {diagnosis.verdict} ({causes}). "
         "Use --check for an experiment that shows what this data could not, or --for to sharpen parameters."
     )
 
@@ -38,11 +38,11 @@ def nothing(diagnosis: Diagnosis) -> str:
 def _print_proposal(found: Proposal, console: Console) -> None:
     console.print(found.sentence)
     console.print()
-    table = new_table("If it is true", "explanation", "found out with probability")
+    table = new_table("If it is true", "explanation", "detected with probability")
     for name, decided in zip(found.names, found.decided, strict=True):
         table.add_row(name, f"{decided:.2f}")
     console.print(table)
-    table = new_table("Experiments looked at (screened)", "profile", "s", "probability")
+    table = new_table("Experiments considered (screening)", "profile", "s", "probability")
     for name, duration, probability in found.considered[:_SHOWN]:
         table.add_row(name, f"{duration:.1f}", f"{probability:.2f}")
     console.print(table)

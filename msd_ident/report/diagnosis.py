@@ -1,4 +1,4 @@
-"""Terminal tables of a diagnosis: the verdict in words first, then causes, models, gain and what is still open."""
+"""Terminal tables of a diagnosis: the verdict first, then causes, models, gain and open questions."""
 
 from __future__ import annotations
 

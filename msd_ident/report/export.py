@@ -1,4 +1,4 @@
-"""What an export shows on the terminal: what each effect became, and the proof."""
+"""Terminal output of an export: how each effect is written, and the proof."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def proof_table(found: Export) -> Table:
     assert found.proof is not None
     unit = found.plan.saved.position_unit
     table = new_table("Replay", "", f"SEE in {unit}", "motion explained in %")
-    lines = [("this model, simulated here", "ours")]
+    lines = [("this model, simulated by msd_ident", "ours")]
     if found.nearest is not None:
-        lines.append(("nearest in the format, predicted here", "expected"))
+        lines.append(("nearest model in this format, predicted", "expected"))
     lines += [(f"exported, run in {found.target.name}", "target"), ("m, b, k alone, run there", "base")]
     for label, name in lines:
         table.add_row(label, numbers.number(found.proof.see(name)), percent_text(found.proof.explained(name)))

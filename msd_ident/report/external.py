@@ -1,4 +1,4 @@
-"""What a simulation gets wrong about a record, on the terminal."""
+"""Terminal output of the comparison of a user's own simulation with a record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures for papers and notebooks, as PNG and SVG: the page's plots, and the paper's Figures 7 and 8."""
+"""Figures for papers and notebooks, as PNG and SVG: the page's plots, and the paper's Figures 7 and 8."""
 
 from __future__ import annotations
 
@@ -43,6 +43,10 @@ def paths(found: Diagnosis | Identification | Validation | Export, directory: Pa
 
 def save(found: Diagnosis | Identification | Validation | Export, directory: Path) -> list[Path]:
     """Write all plots as PNG and SVG; returns the paths.
+
+    Args:
+        found: a result.
+        directory: folder for the files; made if it does not exist.
 
     Raises:
         SetupError: the disk does not take them.

@@ -1,4 +1,4 @@
-"""Pages of a comparison and of a watch: a headline, plots, a table, in the looks of the other pages."""
+"""Pages of comparisons and monitoring: a headline, plots and a table, in the style of the other pages."""
 
 from __future__ import annotations
 
@@ -39,6 +39,12 @@ class Told:
 
 def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
     """Write the page.
+
+    Args:
+        command: subcommand that the page is of.
+        name: title of the page.
+        sections: in their order.
+        path: file to write.
 
     Raises:
         SetupError: the disk does not take it.

@@ -1,4 +1,4 @@
-"""The story of an investigation as a page: each experiment, why it was run, what it showed (HTML)."""
+"""The page of an investigation: each experiment, its purpose and its result (HTML)."""
 
 from __future__ import annotations
 

@@ -27,7 +27,12 @@ _SPECIAL = str.maketrans({sign: f"\\{sign}" for sign in "\\`*_[]<>|#"})
 def save(
     results: Sequence[Diagnosis | Identification], path: Path, provenance: Sequence[Provenance | None] = ()
 ) -> None:
-    """Write one file about all results.
+    """Write one Markdown file about all results.
+
+    Args:
+        results: one chapter each.
+        path: file to write.
+        provenance: of each result: files, versions and command.
 
     Raises:
         SetupError: the disk does not take it.

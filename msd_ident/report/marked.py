@@ -1,4 +1,4 @@
-"""Numbers that know where they stand in the JSON: the page carries both, and a test compares them."""
+"""Numbers with their path in the JSON: the page contains both, and a test compares them."""
 
 from __future__ import annotations
 

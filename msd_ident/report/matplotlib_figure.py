@@ -66,7 +66,7 @@ def write(figure: Figure, targets: list[Path]) -> list[Path]:
             target.parent.mkdir(parents=True, exist_ok=True)
             figure.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
         except OSError as error:
-            raise SetupError(f"cannot write {target}: {error.strerror}; expected a place that takes files") from None
+            raise SetupError(f"cannot write {target}: {error.strerror}; expected a writable place") from None
     return targets
 
 

@@ -1,4 +1,4 @@
-"""How numbers are written: as many digits as the interval carries, and the unit people use."""
+"""Format of numbers: digits according to the interval, and usual units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page that people look at: all sections of all results in one file that needs no network."""
+"""The HTML page: all sections of all results in one file that needs no network."""
 
 from __future__ import annotations
 
@@ -199,7 +199,12 @@ def save(
     path: Path,
     provenance: Sequence[Provenance | None] = (),
 ) -> None:
-    """Write one page about all results.
+    """Write one self-contained page about all results.
+
+    Args:
+        results: one article each.
+        path: file to write.
+        provenance: of each result: files, versions and command.
 
     Raises:
         SetupError: the disk does not take it.
@@ -248,4 +253,5 @@ def environment() -> Environment:
 
 @cache
 def shipped(folder: str, name: str) -> str:
+    """Text of a file in a folder of this package, e.g. of ``templates``."""
     return resources.files("msd_ident.report").joinpath(folder).joinpath(name).read_text(encoding="utf-8")

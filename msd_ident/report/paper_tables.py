@@ -1,4 +1,4 @@
-"""What ``msd paper`` prints: Tables 2 and 3 beside the printed ones, and what the paper's model cannot reproduce."""
+"""Output of ``msd paper``: Tables 2 and 3 next to the printed ones, and what the paper's model cannot reproduce."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def inconsistency_table(paper: Paper) -> Table:
 
 def causes_table(causes: Sequence[Closest]) -> Table:
     """Which single causes reproduce peaks, rest value and times, and how far off the others stay."""
-    table = new_table("One cause beside m, b and k", "", "parameters", "cm off", "ms off", "reproduces")
+    table = new_table("One cause in addition to m, b and k", "", "parameters", "cm off", "ms off", "reproduces")
     for cause in causes:
         count = str(len(cause.model.names) - 3)
         off = (_off(100.0 * cause.distance, 3), _off(1e3 * cause.lateness, 1))

@@ -1,4 +1,4 @@
-"""A plot as plain data, drawn by plotly on the page and by matplotlib in files: both show the same by construction."""
+"""A plot as plain data, drawn by plotly on the page and by matplotlib in files, so both show the same."""
 
 from __future__ import annotations
 

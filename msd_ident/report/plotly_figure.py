@@ -1,4 +1,4 @@
-"""Plots for the page: plotly figures as JSON. Colours are names of CSS variables, which the page's script looks up."""
+"""Plots of the page: plotly figures as JSON. Colours are names of CSS variables, which the page's script resolves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which plots a result gives: measured and modelled motion, residuals, missing force, ring-down, frequency response."""
+"""The plots of a result: measured and simulated motion, residuals, missing force, ring-down, frequency response."""
 
 from __future__ import annotations
 
@@ -92,7 +92,15 @@ def fit_plot(
     noise_floor: float,
     detail: Detail = Detail(),  # noqa: B008
 ) -> Plot:
-    """Force, motion and residuals over the whole record; the band is twice the noise floor either way."""
+    """Force, motion and residuals over the whole record, with a band of twice the noise floor.
+
+    Args:
+        record: measured force and motion.
+        curves: simulated motions, each with a name and a role.
+        index: number of the record on the page.
+        noise_floor: half the width of the band [m].
+        detail: points per curve.
+    """
     points, most = record.time, detail.curve
     span = length_scale(float(np.ptp(record.position)), record.position_unit)
     left = length_scale(max(float(np.std(curve.residuals[index])) for curve in curves), record.position_unit)
@@ -115,7 +123,14 @@ def fit_plot(
 
 
 def line(name: str, role: Role, x: FloatArray, y: FloatArray, points: int = MAXIMUM_POINTS) -> Series:
-    """A thinned curve."""
+    """A thinned curve.
+
+    Args:
+        name: in the legend.
+        role: what it shows; decides colour and width.
+        x, y: values (n,).
+        points: most points that are drawn.
+    """
     return Series(name, role, *thinned(x, y, points))
 
 
@@ -144,7 +159,14 @@ def _force(record: Record, points: int) -> Series:
 
 
 def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail = Detail()) -> Plot:  # noqa: B008
-    """The force beyond the linear plant against time, with its band and what the extended model says of it."""
+    """The missing force of the base model against time, with its band and the force of the extended model.
+
+    Args:
+        beyond: estimate of the missing force, and what the extended model gives for it.
+        record: of the estimate.
+        index: number of the record on the page.
+        detail: points per curve.
+    """
     part, unit = beyond.measured[index], record.force_unit
     time, force = thinned(part.time, part.force, detail.curve)
     spread = 2.0 * np.interp(time, part.time, part.std)
@@ -170,7 +192,14 @@ def missing_clouds(
     index: int,
     detail: Detail = Detail(),  # noqa: B008
 ) -> tuple[Plot, Plot]:
-    """The same force against velocity and against position, the law drawn through it."""
+    """The missing force against velocity and against position, with the law of the causes.
+
+    Args:
+        beyond: estimate of the missing force, and what the extended model gives for it.
+        record: of the estimate.
+        index: number of the record on the page.
+        detail: points per curve.
+    """
     part, length, force = beyond.measured[index], record.position_unit, record.force_unit
     scale = length_scale(float(np.ptp(part.position)), length)
     velocity = _cloud("velocity", f"velocity [{length}/s]", 1.0, beyond, index, force, detail)

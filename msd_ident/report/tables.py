@@ -165,5 +165,12 @@ def print_identification(identification: Identification, console: Console) -> No
 
 
 def say(console: Console, lead: str, colour: str, sentence: str) -> None:
-    """A sentence behind a coloured word; brackets in it (``effort[elbow]``) are text, not markup."""
+    """Print a sentence after a coloured word; brackets in it (``effort[elbow]``) are text, not markup.
+
+    Args:
+        console: to print on.
+        lead: the coloured word.
+        colour: of that word, as rich names it.
+        sentence: text after it.
+    """
     console.print(f"[{colour}]{lead}:[/{colour}] {escape(sentence)}")

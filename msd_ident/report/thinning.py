@@ -1,4 +1,4 @@
-"""Fewer points for the eye: no peak is lost."""
+"""Fewer points for a plot, without losing peaks."""
 
 from __future__ import annotations
 

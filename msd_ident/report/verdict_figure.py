@@ -1,4 +1,6 @@
-"""The verdict as one picture: its sentence, the motion with what each model leaves, and the law through the cloud."""
+"""The verdict as one figure: its sentence, the motion with the residual of each model, and the law through the missing
+force.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of a watch: each robot's parameters against time with their change points, and the alarm's statistic."""
+"""The page of a watch: each robot's parameters over time with their change points, and the statistic of the alarm."""
 
 from __future__ import annotations
 
@@ -20,6 +20,11 @@ _DAY = 86400.0
 def save_watches(found: Sequence[Watch], path: Path, source: str) -> None:
     """Write the page.
 
+    Args:
+        found: one entry per robot.
+        path: file to write.
+        source: table or paths that they are of.
+
     Raises:
         SetupError: the disk does not take it.
     """
@@ -38,7 +43,7 @@ def sections(found: Sequence[Watch]) -> tuple[Told, ...]:
 
 
 def _robot(one: Watch, place: int) -> Told:
-    moved = f"Taken out before anything is judged: {', '.join(one.moved_by)}. " if one.moved_by else ""
+    moved = f"Removed beforehand: {', '.join(one.moved_by)}. " if one.moved_by else ""
     line = (
         f"{moved}The alarm is given where M passes {one.threshold:.4g}. Without any change the mean number of records "
         f"to an alarm is at least that: at most {one.rate:g} a year."

@@ -1,4 +1,4 @@
-"""A diagnosis in the words of the workshop; nothing here adds a fact."""
+"""Short sentences for the page and the terminal; they add no facts."""
 
 from __future__ import annotations
 
@@ -64,20 +64,20 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "adequate":
         if diagnosis.left.extended.seen:
             rest = f"less than the tolerance of {diagnosis.left.tolerance_percent:g} % of the motion"
-            return f"The simulation is right enough: a mass, a damper and a spring leave {rest}."
-        return "The simulation is right: a mass, a damper and a spring explain all that the encoder saw."
+            return f"The simulation is adequate: with a mass, a damper and a spring the error is {rest}."
+        return "The simulation is adequate: a mass, a damper and a spring explain the readings to within the noise."
     if diagnosis.verdict == "unexplained":
-        return "The simulation misses something that no cause we know repairs."
+        return "The simulation lacks something that no cause of the library explains."
     if diagnosis.verdict == "ambiguous":
         choices = [listed([effect(c.name), *map(effect, c.tied_with)], "or") for c in diagnosis.causes]
         open_ends = "which" if any(cause.tied_with for cause in diagnosis.causes) else "for certain"
-        return f"The simulation misses {listed(choices)}: this data cannot tell {open_ends}."
+        return f"The simulation lacks {listed(choices)}: this data cannot tell {open_ends}."
     if diagnosis.verdict == "mostly_explained":
         rest = f"{percent(diagnosis.left.extended.motion_percent)} of the motion stays unexplained"
-        return f"The simulation misses {listed([effect(name) for name in names])}, and something more: {rest}."
+        return f"The simulation lacks {listed([effect(name) for name in names])}, and something more: {rest}."
     if len(names) == 1:
-        return f"The simulation misses {effect(names[0])}: {meaning(names[0])}."
-    return f"The simulation misses {listed([effect(name) for name in names])}."
+        return f"The simulation lacks {effect(names[0])}: {meaning(names[0])}."
+    return f"The simulation lacks {listed([effect(name) for name in names])}."
 
 
 def percent(value: float) -> str:
@@ -90,7 +90,7 @@ def remainder(diagnosis: Diagnosis) -> tuple[str, str]:
     left = diagnosis.left
     found = left.extended
     share = f", {percent(found.force_percent)} of the {left.yardstick}" if math.isfinite(found.force_percent) else ""
-    motion = percent(found.motion_percent) if found.seen else "nothing that this data can see"
+    motion = percent(found.motion_percent) if found.seen else "not distinguishable from noise"
     return motion, f"{said.force(found, left.force_unit)}{share}"
 
 

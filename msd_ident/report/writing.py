@@ -1,4 +1,4 @@
-"""Text into a file; what the disk says against it in one line."""
+"""Write text to a file; errors of the disk become one line."""
 
 from __future__ import annotations
 

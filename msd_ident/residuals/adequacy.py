@@ -1,4 +1,4 @@
-"""Is anything wrong with a model? Its residual against the noise, against itself and against the motion.
+"""Tests of a residual: size, whiteness, and independence of force and motion.
 
 Three questions, each with a probability that a right model would look so bad: is the residual larger than the noise; is
 it correlated with itself (Ljung and Box 1978, and sums over blocks for what is slow); does it depend on force and
@@ -54,7 +54,12 @@ class Adequacy:
 
 
 def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adequacy:
-    """Judge the residuals (model − data); their size over all records and in each, as a long one drowns a short one."""
+    """Test the residuals for size, whiteness and independence; the size over all records and in each of them.
+
+    Args:
+        residuals: model − data of each record, (n,) each.
+        readings: of the same records, with noise and weights.
+    """
     pieces = np.array([part.evidence for part in readings])
     chi = np.array([part.chi(residual) for residual, part in zip(residuals, readings, strict=True)])
     size = _size(float(chi.sum()), float(pieces.sum()))

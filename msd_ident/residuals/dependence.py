@@ -54,9 +54,9 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
 
 
 def sentence(missing: Sequence[DisturbanceEstimate]) -> str:
-    """In words: what the missing force goes with."""
+    """Which signals the missing force depends on, in a sentence."""
     known = [item for item in dependences(missing) if item.share >= _WORTH]
     if not known:
-        return "This force goes with neither position, velocity, time nor applied force."
-    listed = ", ".join(f"{100.0 * item.share:.0f} % goes with the {item.signal}" for item in known)
-    return f"Of its variance {listed}, each taken alone."
+        return "This force depends on neither position, velocity, time nor applied force."
+    listed = ", ".join(f"{100.0 * item.share:.0f} % depends on the {item.signal}" for item in known)
+    return f"Of its variance, {listed}, each signal taken alone."

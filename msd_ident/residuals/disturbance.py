@@ -1,4 +1,4 @@
-"""The force that the model lacks at each instant, with a band.
+"""Estimate of the missing force at each instant, with its band.
 
 The unknown force d joins the state (x, v, d) of
 

@@ -1,4 +1,4 @@
-"""A push that no force signal tells of: somebody bumps the table, or the cart meets something once.
+"""Pushes that are in no force signal: a bump against the table, or a collision of the cart.
 
 It shows as a short, strong missing force in a record that is otherwise explained. A cause that belongs to the rig acts
 again and again, with every swing; a push comes once or twice.
@@ -86,8 +86,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
             where = f" of {record.name}" if len(records) > 1 else ""
             said.append(
                 f"Something pushed the cart at {push.time:.3f} s{where} with about {push.impulse:.3g} "
-                f"{record.force_unit}·s that are in no signal: a bump, or it met something; the numbers suffer, so "
-                "leave that part out with --start or --end, or repeat the record."
+                f"{record.force_unit}·s that are in no signal: a bump or a collision. It falsifies the "
+                "parameters: exclude this part with --start or --end, or repeat the record."
             )
     return tuple(said)
 

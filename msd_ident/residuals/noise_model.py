@@ -1,4 +1,4 @@
-"""What a reading is worth: its noise, and how much independent evidence it holds.
+"""Noise of the readings, and how much independent evidence they contain.
 
 An encoder that repeats the same number for a hundred samples has said one thing, not a hundred: its rounding error is
 the same in all of them, and a model that moves within the same count is contradicted by none. So a run of equal
@@ -138,7 +138,13 @@ def _impulse(record: Record) -> FloatArray:
 
 
 def of_record(record: Record, noise: float, step: float = 0.0) -> Readings:
-    """Weights for readings with the given noise and encoder step [m]."""
+    """Weights for readings with the given noise and encoder step [m].
+
+    Args:
+        record: with the positions.
+        noise: standard deviation ahead of the encoder [m].
+        step: of the encoder [m]; 0 if none is visible.
+    """
     change = np.flatnonzero(np.diff(record.position) != 0.0)
     edges = np.concatenate(([0], change + 1, [record.samples]))
     lengths = np.diff(edges)

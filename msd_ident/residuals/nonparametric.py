@@ -1,4 +1,4 @@
-"""Characteristic curves: the spring's force over position and the damping force over velocity, as measured.
+"""Characteristic curves: spring force over position and damping force over velocity, measured without assuming a law.
 
     m x'' + D(x') + S(x) = F
 

@@ -1,4 +1,4 @@
-"""What a cause would do to a cart at rest: where the record shows the cart at rest before it is moved, nothing may.
+"""The motion that a cause would give a cart at rest, compared with the rest that the record shows before it moves.
 
 A disturbance that rings a free decay rings the cart before the decay too. That stretch cannot be a part of a fit, since
 a hand moves the cart between the two; but what it says of the causes that act by themselves counts.

@@ -1,4 +1,4 @@
-"""Damping and frequency against amplitude, ζ(A) and ωn(A), of everything that rings down in the records.
+"""Damping and frequency as functions of the amplitude, ζ(A) and ωn(A), of every ring-down in the records.
 
 For weak losses ζ(A) ≈ ζ + 2·Fc/(π·k·A) + 4·c·A/(3·π·m): a damping ratio that rises as the amplitude A falls means dry
 friction, one that falls means drag; ωn(A) bends with the spring alone.
@@ -59,12 +59,13 @@ class Observation:
             tied: causes that could stand in the place of those.
         """
         if any(np.sign(value) in self.causes.get(name, ()) for name, value in named.items()):
-            return f"{self.seen}, as {self.law} makes it."
+            return f"{self.seen}, as expected from {self.law}."
         if any(name in self.causes for name in tied):
             return (
-                f"{self.seen}; {self.law} would do this, which is one of the causes that this data cannot tell apart."
+                f"{self.seen}; {self.law} would cause this, which is one of the causes that this data cannot tell "
+                "apart."
             )
-        return f"{self.seen}; {self.law} would do this, but the diagnosis does not call for it."
+        return f"{self.seen}; {self.law} would cause this, but the diagnosis does not name it."
 
 
 @dataclass(frozen=True)

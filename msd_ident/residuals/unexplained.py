@@ -1,4 +1,4 @@
-"""What a model leaves unexplained: a missing force, and the part of the motion that it makes.
+"""What a model leaves unexplained: the missing force, and the motion that it makes.
 
 The force is what the smoother of ``missing`` finds in the residual. Its mean square is that of the smoothed force plus
 the smoother's variance: what is too fast or too faint for the readings is a part of the missing force too. The interval

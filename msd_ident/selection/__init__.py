@@ -1,4 +1,4 @@
-"""Which causes act: sets of effects, fitted, ranked by evidence, calibrated on the record itself.
+"""Which causes act: sets of effects are fitted, ranked by evidence and calibrated on the record itself.
 
 In: an ``Experiment`` and its base model. Out: ranked ``Hypothesis`` objects with probabilities and ties.
 Begin with ``hypothesis``, then ``structure_search`` and ``evidence``.

@@ -1,4 +1,4 @@
-"""Where a diagnosis begins: the base model and the one with Coulomb friction, from the fits that ``identify`` makes."""
+"""The first fits of a diagnosis: the base model, and the one with Coulomb friction, from the fits of ``identify``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The explanations that are still standing, as fitted models: what the design of a next experiment starts from."""
+"""The explanations that remain, as fitted models: the input for the design of the next experiment."""
 
 from __future__ import annotations
 

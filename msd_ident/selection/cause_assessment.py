@@ -1,4 +1,6 @@
-"""Every cause of the library: how likely it is, what it leaves, and why it is not in the extended model."""
+"""Assessment of every cause of the library: probability, residual, and the reason why the extended model includes it or
+not.
+"""
 
 from __future__ import annotations
 
@@ -81,8 +83,11 @@ def _impossible(name: str) -> str:
     if effect.angular:
         return "cannot act here: it is a law of a joint, and the position is no angle."
     if effect.needs_spring or effect.acts_on == "input":
-        return "cannot act here, or not be seen: it needs a spring, or a force of several levels, and there is none."
-    return "cannot be seen here: this record never changes what it depends on."
+        return (
+            "cannot act here, or not be seen: it needs a spring, or a force with several levels, and the record has "
+            "none."
+        )
+    return "cannot be seen here: the quantity that it depends on does not change in this record."
 
 
 def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, tied: bool) -> str:
@@ -90,25 +95,29 @@ def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, 
     with_it = [floors for causes, floors in left.items() if name in causes]
     if name in named:
         without = left.get(named - {name}, math.nan)
-        return f"without it {without:.3g} noise floors remain." if math.isfinite(without) else "the data asks for it."
+        return f"without it {without:.3g} noise floors remain." if math.isfinite(without) else "the data requires it."
     if tied:
-        return "could stand in the place of a named one: this data does not tell."
+        return "could replace a named cause: this data cannot tell them apart."
     if not possible:
         return _impossible(name)
     if not with_it:
         if len(left) == 1:
-            return "not tried: nothing is left to explain."
+            return "not fitted: the base model leaves only noise."
         if by_name(name).form_of:
-            return f"another law of {spoken(by_name(name).form_of)}, which is tried where that explains something."
+            return (
+                f"another law of {spoken(by_name(name).form_of)}, which is fitted only if that one explains something."
+            )
         best = min(left.values())
-        return f"given up at a first look: nowhere near the {best:.3g} noise floors of the best explanation."
+        return (
+            f"not fitted completely: its first fits are far from the {best:.3g} noise floors of the best explanation."
+        )
     if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:
-        said = f"alone it repairs nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
+        said = f"alone it explains nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
     else:
         said = f"alone it leaves {alone:.3g} noise floors." if math.isfinite(alone) else "not fitted alone."
     beside = left.get(named | {name}, math.nan)
     if named and math.isfinite(beside):
-        said = f"{said[:-1]}; beside the named ones {beside:.3g}, which is no gain worth a parameter."
+        said = f"{said[:-1]}; with the named causes {beside:.3g}, too little to justify its parameters."
     elif named and math.isfinite(left.get(named, math.nan)):
-        said = f"{said[:-1]}; the named ones leave {left[named]:.3g}."
+        said = f"{said[:-1]}; the named causes leave {left[named]:.3g}."
     return said

@@ -1,5 +1,5 @@
-"""The search goes ahead on part of the data: every few samples of a long record or a stretch of it, and where the noise
-is far out of reach one force between any two of them; what leads there is refined and judged on all of it.
+"""Search on a part of the data first (thinned samples, a section, averaged forces); refine and judge the leaders on all
+data.
 """
 
 from __future__ import annotations

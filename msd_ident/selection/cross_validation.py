@@ -1,4 +1,4 @@
-"""Does the extension predict? Both models on segments of the data that their fits did not see.
+"""Prediction of left-out data by base and extended model.
 
 The records are cut where the force steps, or else into equal parts, and dealt into folds. For each fold both models are
 refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them;
@@ -77,7 +77,13 @@ def segments(record: Record) -> FloatArray:
 
 
 def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:
-    """Compare two fitted sets on left-out segments."""
+    """Compare the predictions of two fitted sets on left-out segments.
+
+    Args:
+        experiment: readings with their weights.
+        base: the fit without the causes.
+        extended: the fit with them.
+    """
     cuts = [segments(record) for record in experiment.records]
     errors = left_out(experiment, base, cuts)
     if extended is base:

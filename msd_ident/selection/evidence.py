@@ -1,4 +1,4 @@
-"""How strongly the data speaks for a set of causes, and what cannot be told from what.
+"""Evidence of sets of causes, their probabilities, and ties.
 
 No model of a real rig is exact, and what a model misses is no noise: the error of a law is the same in every swing. So
 a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. What a set
@@ -290,6 +290,10 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
 
     A set that turned out to be a simpler one under another name is left out.
+
+    Args:
+        sets: every fitted set by its causes.
+        scale: noise and number of unknown shapes of the error.
     """
     own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}

@@ -1,4 +1,4 @@
-"""Whether the force of an experiment asks the rig more than one question.
+"""Whether the force of an experiment excites more than one kind of motion.
 
 A single step, a slow ramp and a release move the cart in one way, in which many causes look alike. What sets a cart
 swinging is a change of the force within a part of a swing: steps in both directions and sweeps have many of them.

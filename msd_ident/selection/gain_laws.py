@@ -1,4 +1,4 @@
-"""Other laws of the force's gain that a record does not tell from the one that leads.
+"""Other laws of the force gain that a record cannot distinguish from the leading one.
 
 Of two sizes of force a record shows the ratio alone. A slope, a limit, a dead zone and a gain that depends on the sign
 then fit alike, each with a mass, damping and stiffness of its own.

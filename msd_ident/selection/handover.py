@@ -1,4 +1,4 @@
-"""The model that a diagnosis hands over: its causes, refitted so that the simulation errs least.
+"""The final model of a diagnosis: its causes, refitted to the least simulation error.
 
 Causes are found with each run of equal readings counted once, and each record in units of its own noise. A model is
 used to simulate, and is compared by its plain error (SEE, eq. 14), as an identification's is; so it is refitted by

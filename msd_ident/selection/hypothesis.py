@@ -151,9 +151,15 @@ class Experiment:
 def formulated(
     experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
 ) -> tuple[Problem, Weighting, FloatArray]:
-    """A model's problem, in units of the noise, and the vector of its values and initial states inside the bounds.
+    """A model's problem in units of the noise, and the vector of its values and initial states inside the bounds.
 
     Parameters ``held`` stay as the model has them.
+
+    Args:
+        experiment: readings with their weights.
+        model: values to start from.
+        initial: initial state of each record.
+        held: parameters that are not fitted.
     """
     problem = experiment.problem(model, held)
     values = dict(zip(model.names, model.values.tolist(), strict=True))
@@ -362,7 +368,14 @@ def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
 
 
 def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Hypothesis:
-    """A set refined from given values to the last digit."""
+    """A set fitted from given values to full precision.
+
+    Args:
+        experiment: readings with their weights.
+        causes: names of the set.
+        model: its values are the starting point.
+        initial: initial state of each record to start from.
+    """
     problem, weighting, point = formulated(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
     state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)

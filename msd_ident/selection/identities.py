@@ -1,4 +1,4 @@
-"""What no data of this kind can tell apart, said in words wherever a named cause is concerned."""
+"""Sentences on causes that no data of this kind can tell apart."""
 
 from __future__ import annotations
 

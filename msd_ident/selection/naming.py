@@ -1,4 +1,4 @@
-"""Which of the explanations that the data cannot tell apart is the one that is named.
+"""Choice of the set to name among sets that the data cannot tell apart.
 
 The set leads that ``evidence.rank`` puts first, unless it names a cause with less probability than one that it
 leaves out: then the next that does not.

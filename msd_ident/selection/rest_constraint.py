@@ -1,4 +1,4 @@
-"""Rest before the first push, for models that a search left where the samples alone say nothing.
+"""Rest before the first push as a constraint, for models that the samples alone do not determine.
 
 After one step from an unknown zero, all forces and the zero may grow together without a sample objecting: the cart
 swings about where the step leaves it, and what that is to the relaxed spring nobody sees. That it stood at rest before

@@ -1,4 +1,4 @@
-"""How far the numbers move between explanations that the data cannot tell apart."""
+"""Range of the parameters over explanations that the data cannot tell apart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a set of causes starts: next to the smaller sets that are fitted already, or from a regression."""
+"""Starting points of a set of causes: from smaller fitted sets, or from a regression."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Starting values for a cause beside a model that is fitted already: from the library, and from what that model
-leaves.
-"""
+"""Starting values of a cause in addition to a fitted model: from the library, and from the residual of that model."""
 
 from __future__ import annotations
 

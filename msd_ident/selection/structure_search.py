@@ -1,4 +1,4 @@
-"""The search for the set of causes: add one, swap one, drop one, until no neighbour is better.
+"""Search for the set of causes: add, replace or remove one, until no neighbour is better.
 
 Every cause of the library is fitted at every step. A greedy ladder is caught by its first mistake (friction looks like
 hysteresis until the spring is right); here the leading set is left only when all sets that differ from it by one cause

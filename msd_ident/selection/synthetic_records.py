@@ -1,4 +1,4 @@
-"""Copies of an experiment, simulated under an explanation: what the encoder might have read, had it been so.
+"""Copies of an experiment, simulated under an explanation.
 
 A copy has the force, the stamps and the encoder step of the record. The motion is that of a fitted model whose
 parameters are drawn from what the data leaves open. White noise of the record's own level is added where its leading

@@ -1,4 +1,4 @@
-"""All joints of a bag, each diagnosed on its own where its effort can be the force that moves it."""
+"""All joints of a bag, each diagnosed separately if its effort can be the force that moves it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def each_joint(
 
     def work(joint: _Joint) -> JointResult:
         if not joint.has_effort:
-            return JointResult(joint.name, False, "its messages carry no effort: there is no force to go by")
+            return JointResult(joint.name, False, "its messages contain no effort, so there is no force")
         try:
             record = read(joint)
             judged = judge(record)

@@ -1,4 +1,4 @@
-"""How a measured force goes on between its samples: held, linear or band-limited, asked of the data.
+"""The force between its samples: held, linear or band-limited, decided by the data.
 
 A table with a force on the position's stamps does not say whether a converter held that force (a command) or a sensor
 read one that is smooth in between. A wrong answer acts like a delay of half a sample. The same model is fitted with
@@ -62,16 +62,16 @@ class HoldChoice:
     def sentence(self) -> str:
         """The answer with its reason."""
         own = self.log_likelihood[self.hold]
-        chosen = f"Between its samples the force is taken as {_WORDS[self.hold]}"
+        chosen = f"Between its samples the force is assumed to be {_WORDS[self.hold]}"
         if self.tied:
-            chosen += f" (this data does not tell that from {' or '.join(_WORDS[hold] for hold in self.tied)})"
+            chosen += f" (this data does not distinguish that from {' or '.join(_WORDS[hold] for hold in self.tied)})"
         against = " and ".join(
             f"{own - value:.0f} against {_WORDS[hold]}"
             for hold, value in self.log_likelihood.items()
             if hold != self.hold and hold not in self.tied
         )
         reason = f": the log-likelihood ratio of the model's residual is {against}" if against else ""
-        return f"{chosen}{reason}; where it is known, say --hold zero, linear or band_limited."
+        return f"{chosen}{reason}; if you know it, use --hold zero, linear or band_limited."
 
 
 def is_open(record: Record) -> bool:

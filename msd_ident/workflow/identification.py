@@ -1,4 +1,4 @@
-"""What an identification found: the paper's models and the joint refit, frozen, with the JSON contract."""
+"""Result of an identification: the paper's models and the joint refit, frozen, with the JSON contract."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The loop of a lab: run an experiment, diagnose, design the next, run it, diagnose all together, until one explanation
-stands or the budget is spent.
+"""Loop of experiments: run one, diagnose all together, design the next, until one explanation remains or the budget is
+spent.
 """
 
 from __future__ import annotations
@@ -202,7 +202,7 @@ class Loop:
     def _against(self, proposal: Proposal, purpose: str, spent: float) -> str:
         """Why an experiment is not run; empty when it is."""
         if proposal.probability < HOPELESS:
-            return "no profile within the limits decides what is still tied"
+            return "no profile within the limits decides between the tied causes"
         if spent + proposal.profile.duration > self.budget.seconds:
             return "the next experiment would take longer than the budget allows"
         return "" if self.ask(purpose, proposal.profile) else "the next experiment was declined"

@@ -1,4 +1,4 @@
-"""Parameters that are known before any fit: a weighed mass, a spring measured with weights.
+"""Parameters that are known and not fitted: a weighed mass, a spring measured with weights.
 
 One known force scale turns the ratios of a free decay into kilograms and newtons.
 """
@@ -70,7 +70,7 @@ def parse(text: str) -> Known:
     found = _FORM.match(text)
     if found is None:
         raise UsageError(
-            f"--known {text!r} is no known parameter; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1"
+            f"--known {text!r} is not valid; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1"
         )
     name, value, std, unit = found.groups()
     return Known(name, float(value), float(std or 0.0), _PRODUCT.sub("·", (unit or "").strip()))
@@ -86,7 +86,7 @@ def parse_all(texts: Sequence[str], mass: str = "") -> tuple[Known, ...]:
     names = [one.name for one in known]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise UsageError(f"{twice} is known twice; expected one value: leave one of them away")
+        raise UsageError(f"{twice} is given twice; expected one value: remove one of them")
     return known
 
 
@@ -104,8 +104,8 @@ def check(known: Sequence[Known], model: Model, record: Record) -> None:
     for one in known:
         if one.name not in model.names:
             raise UsageError(
-                f"{one.name} is known, but the fitted model has none; expected one of {', '.join(model.names)}: leave "
-                f"--known {one.name} away"
+                f"{one.name} is known, but the fitted model has none; expected one of {', '.join(model.names)}: remove "
+                f"--known {one.name}"
             )
         unit = _parameter(one.name).unit
         here = unit_in(unit, record)

@@ -1,7 +1,7 @@
-"""From records to a result: the one path that command line, nodes and tests share.
+"""From records to a result: the functions that command line, nodes and Python share.
 
-``identify`` goes the paper's way (features, standard form, physical parameters, friction raised from 0 to the
-least error) and, beside it, refits all parameters jointly by simulation error.
+``identify`` follows the paper (features, standard form, physical parameters, friction raised from 0 to the least
+error) and also refits all parameters together by simulation error. ``diagnose`` finds the causes that the model lacks.
 """
 
 from __future__ import annotations
@@ -103,6 +103,12 @@ def identify(
 ) -> Identification:
     """Standard form, physical parameters and friction of one experiment, which may have several records.
 
+    Args:
+        records: records of one rig in one pair of units.
+        options: model, loss and known parameters.
+        progress: called with the current stage and the fraction done (0 to 1); an exception from it ends the
+            work.
+
     Raises:
         DataError: the data cannot carry any estimate (a constant signal, a cart moved by hand).
         UsageError: no records, or records in different units.
@@ -162,7 +168,9 @@ def diagnose(
         DataError, UsageError: as ``identify``.
     """
     if options.known:
-        raise UsageError("known parameters in a diagnosis; expected none, as it frees all: use them in msd identify")
+        raise UsageError(
+            "known parameters in a diagnosis; expected none, because it fits all parameters: use them in msd identify"
+        )
     progress("looking at the data", 0.01, "")
     data = prepared(records)
     sprung, decided = _sprung(data.used, options, data.form)
@@ -207,9 +215,9 @@ def _scale_sentence(records: tuple[Record, ...], options: Options) -> tuple[str,
     if not _forceless(records) or any(one.sets_scale for one in options.known):
         return ()
     return (
-        "No force sets the cart in motion in this data, so m, b, k and Fc are known only as ratios: the numbers are "
-        "those of 1 kg of moving mass; push with a known force, or weigh the moving mass and give --mass, to know "
-        "them all.",
+        "No force moves the cart in this data, so m, b, k and Fc are known only as ratios; the numbers are for a "
+        "moving "
+        "mass of 1 kg. To determine all of them, push with a known force, or weigh the moving mass and give --mass.",
     )
 
 
@@ -296,7 +304,7 @@ def _raised(records: tuple[Record, ...], original: ModelFit) -> ModelFit:
     if record.position_unit == "m":
         parameters["friction_coefficient"] = Quantity(found.friction_coefficient, math.nan, "1")
     predicted = (found.residual_refined + record.position,)
-    method = "m, b and k kept, friction raised from 0 to the least SEE, eqs. 2 and 14"
+    method = "m, b and k kept, friction raised from 0 to the smallest SEE, eqs. 2 and 14"
     return ModelFit(found.refined, parameters, found.see_refined, original.initial, predicted, method)
 
 
@@ -327,25 +335,26 @@ def _stated(result: FitResult, record: Record) -> dict[str, Quantity]:
 
 
 def _doubts(joint: FitResult, records: tuple[Record, ...], floor: float) -> tuple[str, ...]:
-    """What a reader must know about the joint refit."""
-    said = [] if joint.converged else [f"The joint refit did not settle: {joint.message}"]
+    """Warnings about the joint refit."""
+    said = [] if joint.converged else [f"The joint refit did not converge: {joint.message}"]
     mass = joint.quantities["mass"]
     in_si = all((record.force_unit, record.position_unit) == ("N", "m") for record in records)
     if in_si and mass.known and mass.value > HEAVIEST:
         said.append(
-            f"The mass is {mass.value:.4g} kg: a unit wrong by a factor of 1000? If the force is in mN, use "
+            f"The mass is {mass.value:.4g} kg: is a unit wrong by a factor of 1000? If the force is in mN, use "
             "--force-scale 0.001; if the time is in milliseconds, --time-scale 0.001."
         )
     if math.isfinite(floor) and floor > 0.0 and joint.see > SUSPICIOUS * floor:
         said.append(
-            f"The refined model leaves {joint.see / floor:.3g} times the noise floor: something is missing in it; "
-            "run msd diagnose to name it."
+            f"The error of the refined model is {joint.see / floor:.3g} times the noise floor: the model lacks "
+            "something; run msd diagnose to name it."
         )
         said += impulses.sentences(records, joint, floor)
     elif (missed := _missed(joint, records)) > STRUCTURE:
         said.append(
-            f"The refined model misses the readings by {100.0 * missed:.2g} % of the motion, for longer than noise "
-            "does: something is missing in it; run msd diagnose to name it."
+            f"The refined model deviates from the readings by {100.0 * missed:.2g} % of the motion, for longer than "
+            "noise "
+            "does: the model lacks something; run msd diagnose to name it."
         )
     return tuple(said)
 

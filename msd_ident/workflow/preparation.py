@@ -1,4 +1,4 @@
-"""From records as they came to records that models are fitted to: findings, features, and how the force is read."""
+"""Prepare records for a fit: findings, features, start at the release, hold and sign of the force."""
 
 from __future__ import annotations
 
@@ -114,13 +114,14 @@ def _understood(record: Record) -> _Understood:
     acts = f"The force of {record.force[0]:.4g} {record.force_unit} in the first line"
     before = quality.since_before(record)
     if quality.rests_under_force(record):
-        said = f"{acts} is taken to have acted before the record began: the cart rests under it."
+        said = f"{acts} is assumed to have acted before the record began, because the cart is at rest under it."
         return _Understood(before, extract(before), said)
     found = extract(record)
     if _is_turned(found.standard_form) and not np.ptp(before.force):
         said = (
-            f"{acts} never changes and the cart moves against it: taken as a release while that force acted, a free "
-            "decay; if the force stepped there and the encoder counts downwards, use a negative --position-scale."
+            f"{acts} never changes and the cart moves against it. The record is treated as a release under this "
+            "force, a "
+            "free decay; if the force stepped there and the encoder is inverted, use a negative --position-scale."
         )
         return _Understood(before, extract(before), said)
     return _Understood(record, found)
@@ -149,7 +150,7 @@ def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str,
     if all(idle) or not any(idle):
         return records, ()
     said = (
-        f"{record.name} is left out: its force never changes and its cart never moves: it tells nothing."
+        f"{record.name} is left out: its force never changes and its cart never moves."
         for record, still in zip(records, idle, strict=True)
         if still
     )
@@ -194,6 +195,6 @@ def _warnings(
     said += [remark for found in features for remark in found.remarks]
     if turned:
         said.append(
-            "A positive force moves the encoder downwards: K is negative, and m, b and k are those of the turned force."
+            "A positive force moves the encoder downwards: K is negative, and m, b and k are for the inverted force."
         )
     return tuple(dict.fromkeys(said))

@@ -1,4 +1,4 @@
-"""Results read back from their JSON: the model that an identification or a diagnosis ended with."""
+"""Read results back from their JSON: the model of an identification or a diagnosis."""
 
 from __future__ import annotations
 
@@ -96,7 +96,11 @@ def load_all(path: str | os.PathLike[str]) -> tuple[SavedModel, ...]:
 
 
 def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> SavedModel:
-    """The model of a result that is an object of the JSON contract already; ``name`` is for error messages.
+    """The model of a result that is already parsed.
+
+    Args:
+        result: an object of ``msd identify`` or ``msd diagnose``, as parsed from JSON.
+        name: what an error message calls it.
 
     Raises:
         DataError: it is no result of an identification or a diagnosis, or lacks what a simulation needs.

@@ -1,4 +1,6 @@
-"""Whether a spring acts, where no response shows it: two fits, one without, and what the data says of the stiffness."""
+"""Decide whether a spring acts if no response shows it: a fit with and one without, and the stiffness with its
+interval.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,12 @@ SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 
 
 def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, str]:
-    """Whether the plant has a spring, and a sentence with the odds and the option that decides otherwise."""
+    """Whether the plant has a spring, and a sentence with the odds and the option that overrides the decision.
+
+    Args:
+        records: prepared records of one rig.
+        loss: as for the fit.
+    """
     base = typical_plant(records[0]) + DryFriction(0.0) + Offset(0.0)
     free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=loss)
     held = fit(free.model, records, zero="known", loss=loss)
@@ -52,7 +59,7 @@ def _share(held: FitResult, records: tuple[Record, ...]) -> float:
 
 
 def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Record, ...]) -> str:
-    """How the question was decided, with its odds and the option that decides otherwise."""
+    """The decision with its odds, and the option that overrides it."""
     stiffness, share = held.quantities["stiffness"], 100.0 * _share(held, records)
     found = f"fitted, its stiffness is {stiffness.value:.3g} {stiffness.unit}, which the data leaves open"
     if stiffness.known:
@@ -64,6 +71,6 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
         )
     if sprung:
         change = f"without it the error is {free.see / held.see:.3g} times as large"
-        said = f"No response shows whether a spring acts; one is taken to: {found}, and {change}; if none does, say"
-        return f"{said} --model no_spring."
-    return f"No response shows a spring, and none is taken to act: {found}; if there is one, say --model spring."
+        said = f"No response shows whether a spring acts; a spring is assumed: {found}, and {change}. If there is none,"
+        return f"{said} use --model no_spring."
+    return f"No response shows a spring, and none is assumed: {found}. If there is one, use --model spring."

@@ -1,4 +1,4 @@
-"""A saved model tried on another record: simulated as it is, nothing refitted but how the record began."""
+"""Validate a saved model on another record: only the initial state of the record is fitted."""
 
 from __future__ import annotations
 
@@ -135,11 +135,11 @@ class Validation:
         """The outcome in words."""
         unit = self.records[0].position_unit
         said = (
-            f"The model explains {self.explained_text} % of the motion and leaves {self.see:.3g} {unit} "
+            f"The model explains {self.explained_text} % of the motion; its error is {self.see:.3g} {unit} "
             f"({self.adequacy.ratio:.3g} noise floors)"
         )
         if self.options.require is not None:
-            said += f"; {self.options.require:g} % were required, which is {'met' if self.met else 'missed'}"
+            said += f"; {self.options.require:g} % are required, which is {'met' if self.met else 'not met'}"
         return f"{said}."
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -196,7 +196,7 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     if not refit:
         warnings += _zero_moved(saved, used, residuals)
     elif not options.refit_zero:
-        warnings += ("The saved result does not tell the encoder's zero, so it was fitted too.",)
+        warnings += ("The saved result does not contain the encoder's zero, so it was fitted too.",)
     evidence = noise_model.prepare(used)
     tested = judge(residuals, evidence)
     pairs = () if tested.consistent else tuple(zip(evidence, residuals, strict=True))
@@ -222,7 +222,11 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
 
 
 def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
-    """Records as the model is simulated on them: cleaned, held and turned like its own; with what was found.
+    """Records as the saved model is simulated on them: cleaned, with its hold and its sign of the force; and warnings.
+
+    Args:
+        saved: the model.
+        records: records as they were read.
 
     Raises:
         UsageError: no records, or records in other units than the model.
@@ -238,7 +242,7 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record
 
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
     if not records:
-        raise UsageError("no records to try the model on; expected at least one")
+        raise UsageError("no records to validate the model on; expected at least one")
     for record in records:
         here = (record.force_unit, record.position_unit)
         # Where no force acts, the record has no force unit of its own.
@@ -256,7 +260,8 @@ def _turned_as_saved(data: Prepared, saved: SavedModel) -> tuple[tuple[Record, .
     if own == saved.force_sign:
         return data.used, data.warnings
     said = (
-        "A positive force moves the encoder the other way than on the model's own record: if the wiring was changed, "
+        "A positive force moves the encoder in the other direction than on the model's own record: if the wiring was "
+        "changed, "
         "use a negative --force-scale."
     )
     return tuple(replace(record, force=-record.force) for record in data.used), (*data.warnings, said)
@@ -265,7 +270,13 @@ def _turned_as_saved(data: Prepared, saved: SavedModel) -> tuple[tuple[Record, .
 def simulated(
     saved: SavedModel, records: tuple[Record, ...], refit_zero: bool
 ) -> tuple[tuple[Initial, ...], tuple[FloatArray, ...]]:
-    """Start of each record by least squares, and what the model leaves from there."""
+    """Initial state of each record by least squares, and the residuals of the model from there.
+
+    Args:
+        saved: the model; its parameters are kept.
+        records: prepared as ``as_saved`` does.
+        refit_zero: whether the zero of the encoder is fitted too.
+    """
     zero = float(np.mean(saved.zeros)) if saved.zeros else 0.0
     initial: list[Initial] = []
     residuals = []

@@ -134,7 +134,7 @@ class Commands:
         if self._alive:
             return ""
         if self._dropped and silent > GRACE:
-            return "who commanded it does not assert its liveliness any more"
+            return "its publisher no longer asserts its liveliness"
         return f"no command for {silent:.1f} s" if 0.0 < timeout < silent else ""
 
     def _let_go(self, why: str) -> None:
@@ -143,7 +143,7 @@ class Commands:
         self._announce(message)
         self._latest = message
         self._node.get_logger().warning(
-            f"force 0: {why}; expected who goes on commanding (ros2 topic pub -r 10), or hold_last_command",
+            f"force 0: {why}; expected a publisher that keeps sending (ros2 topic pub -r 10), or hold_last_command",
             throttle_duration_sec=QUIET,
         )
 

@@ -16,27 +16,27 @@ from msd_sim.parameter import RigParameter
 #: Defaults of the paper's rig, where those of a simulation without ROS are "none".
 _DEFAULTS = {"friction_coefficient": 0.0133, "encoder.counts_per_metre": 226600.0}
 _TIMING = (
-    RigParameter("latency", "s", 0.005, 0.0, 1.0, "how far the rig stays behind the clock, so that no force is late"),
+    RigParameter("latency", "s", 0.005, 0.0, 1.0, "delay of the rig behind the clock, so that no force arrives late"),
     RigParameter(
         "command_timeout",
         "s",
         1.0,
         0.0,
         1e6,
-        "silence after which a force goes to 0 that nobody stands behind; 0: never",
+        "time without a command after which a force without liveliness is set to 0; 0: never",
     ),
     RigParameter("real_time_factor", "", 10.0, 1e-3, 1e3, "speed of the clock in the time mode fast"),
 )
 _WHOLE = {
     "seed": (0, 0, 2**62, "seed of the encoder's noise"),
-    "batch_size": (100, 1, 100_000, f"samples in a batch, where more than {names.MOST_SINGLE:g} go out in a second"),
+    "batch_size": (100, 1, 100_000, f"samples in a batch, if more than {names.MOST_SINGLE:g} are sent per second"),
 }
 _WORDS: dict[str, tuple[Any, str]] = {
     "effects": (
         [],
         f"effects that the rig has, any of {', '.join(effects.ALL)}; each has its parameters under its name",
     ),
-    "hold_last_command": (False, "a force stays when who commanded it is gone or silent: no dead man's switch"),
+    "hold_last_command": (False, "keep the force when its publisher is gone or silent (no dead man's switch)"),
     "time_mode": ("real_time", "real_time, or fast: the rig makes the time and publishes /clock"),
     "frame_id": (names.NODE, "frame of the encoder's messages"),
     "joint_name": (names.JOINT, "name of the joint in encoder messages"),

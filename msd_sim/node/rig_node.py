@@ -3,7 +3,7 @@
 A force acts from the stamp of its header on, exactly: the rig computes its samples ``latency`` behind the clock, so
 that a force is there before the instant at which it acts. Samples fall on exact ticks, start + i * period, however late
 the timer wakes up. In the time mode ``fast`` the rig makes the time: it publishes ``/clock``, ``real_time_factor``
-times as fast as the wall, and everybody else runs with ``use_sim_time``.
+times as fast as real time, and everybody else runs with ``use_sim_time``.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class RigNode(Node):
         wake = WAKE_BATCH if self._batched else WAKE_SINGLE
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(wake, self._wake, clock=self._steady)
-        mode = f"{self._factor:g} times as fast as the wall" if self._fast else "real time"
+        mode = f"{self._factor:g} times as fast as real time" if self._fast else "real time"
         found = ", ".join(self._config.truth.effects) or "none"
         self.get_logger().info(f"rig at {NANO / self._period_ns:g} Hz, {mode}; effects: {found}")
 

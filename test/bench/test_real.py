@@ -148,6 +148,6 @@ def test_rows_are_read_back_and_the_page_says_what_is_wrong(tmp_path: Path) -> N
     said = (tmp_path / "real-rigs.md").read_text(encoding="utf-8")
     assert "| spring_cart_1 | cart between springs: Coulomb friction |" in said
     assert "images/real_spring_cart_1.png" in said
-    wrong = said.partition("## What it gets wrong")[2].partition("##")[0]
+    wrong = said.partition("## Errors")[2].partition("##")[0]
     assert "`hanging_spring_disc`: false cause (end_stop, p 0.950)" in wrong and "spring_cart_1" not in wrong
     assert "times the expert's" in wrong

@@ -72,7 +72,7 @@ def test_a_temperature_that_explains_the_difference_is_named_instead() -> None:
         made.append(measured(seed, group, temperature=temperature, stiffness=warm))
     found = compare(made, "robot")
     assert kinds(found)["stiffness"] == "explained"
-    assert "stiffness goes with temperature, not with the robot" in found.sentence
+    assert "stiffness varies with temperature, not with the robot" in found.sentence
 
 
 def test_a_temperature_that_goes_with_the_robot_is_a_tie() -> None:
@@ -96,7 +96,7 @@ def test_another_amplitude_on_a_hardening_spring_is_no_other_robot() -> None:
 
 def test_one_record_each_is_said() -> None:
     found = compare([measured(1, "A"), measured(2, "B")], "robot")
-    assert any("One record of each robot: how well a record repeats is not known" in line for line in found.warnings)
+    assert any("One record of each robot: the repeatability is not known" in line for line in found.warnings)
 
 
 def test_one_group_is_refused() -> None:

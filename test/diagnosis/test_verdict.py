@@ -122,7 +122,7 @@ def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:
           "of the motion is still unexplained, less than the tolerance of 1 %: a missing force of 0.012 N rms (0.01 to "
           "0.015), 0.8 % of the applied force.", "The noise is 0.05 % of the motion.",
           "Without it, 7 % of the motion is unexplained; left-out data is predicted 90 % better (80 to 95 %)."]),
-        ("explained", [cause(0.98)], left(0.4, seen=False), ["With it, nothing is left that this data can see: "
+        ("explained", [cause(0.98)], left(0.4, seen=False), ["With it, the residual is consistent with noise: "
           "any slow missing force is below 0.015 N rms, 0.8 % of the applied force."]),
         ("mostly_explained", [cause(0.98), cause(0.95, (), "cogging")], left(4.0), ["Coulomb friction (probability "
           "0.98) and cogging (probability 0.95).", "With them, 4 % of the motion is still unexplained, more than the "
@@ -130,8 +130,8 @@ def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:
         ("ambiguous", [cause(0.6, ("hysteresis",))], left(0.4), ["but this data cannot tell Coulomb friction from "
           "hysteresis."]),
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
-        ("unexplained", [], left(4.0), ["Something is missing that no cause of the library repairs.", "DEPENDS"]),
-        ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "nothing is left"]),
+        ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
+        ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "consistent with noise"]),
     ],
 )  # fmt: skip
 def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words: list[str]) -> None:

@@ -8,6 +8,7 @@ import re
 from functools import cache
 from pathlib import Path
 
+import architecture
 import command_page
 import docs_values
 import effect_pages
@@ -70,6 +71,14 @@ def test_each_command_and_option_is_on_its_page() -> None:
     for name in main.COMMANDS:
         assert f"\n## msd {name}\n" in page
     assert "--position-scale NUMBER" in page and "--json FILE" in page and "| `PATH…` |" in page
+
+
+def test_the_map_shows_every_room_above_all_that_it_imports() -> None:
+    drawn = re.findall(r'href="#(\w+)"><rect x="\S+" y="(\S+)"', architecture.picture())
+    height = {room: float(y) for room, y in drawn}
+    assert set(height) == set(architecture.imports())
+    assert all(height[room] < height[one] for room, found in architecture.imports().items() for one in found)
+    assert all(f"### {room}\n" in architecture.rooms() for room in height)
 
 
 def test_effects_say_what_they_are() -> None:

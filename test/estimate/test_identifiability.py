@@ -37,7 +37,7 @@ def test_offset_and_zero_are_one(friction: float) -> None:
     result = fit(wrong(truth) + ForceOffset(0.5), record)
     assert _open(result) == {"offset_force"}
     (sentence,) = result.open_directions
-    assert sentence.startswith("offset_force and the position's zero shift the rest position alike")
+    assert sentence.startswith("offset_force and the position's zero shift the rest position in the same way")
     assert "read the encoder with the spring relaxed" in sentence
     assert abs(result.quantities["stiffness"].value / 600.0 - 1.0) < 0.001
 
@@ -52,7 +52,9 @@ def test_free_decay_knows_ratios_only() -> None:
     result = fit(wrong(DEMO), record)
     assert _open(result) == set(DEMO.names)
     (sentence,) = result.open_directions
-    assert sentence.startswith("mass, damping, stiffness, coulomb_force are known only up to a common factor, as no ")
+    assert sentence.startswith(
+        "mass, damping, stiffness, coulomb_force are known only up to a common factor, because no "
+    )
     assert "push with a known force, or weigh the moving mass" in sentence
     squared = result.derived(lambda p: p["stiffness"] / p["mass"], "1/s²")
     assert squared.low < DEMO["stiffness"] / DEMO["mass"] < squared.high

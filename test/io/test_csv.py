@@ -159,7 +159,7 @@ def test_duplicate_and_late_lines_are_repaired_with_a_note(tmp_path: Path) -> No
     record = read_text(tmp_path, table(rows=rows))
     assert record.samples == 40
     assert record.position[20] == 99.0
-    assert "position: 1 of 41 samples came late and were put in their place by their stamps." in record.notes
+    assert "position: 1 of 41 samples came late and were sorted by their stamps." in record.notes
     assert "position: 1 samples with duplicate stamps were dropped, 1 of them with another value." in record.notes
 
 

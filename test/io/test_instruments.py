@@ -284,7 +284,7 @@ def test_a_broken_mat_file_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"rate": 0.0}, "rate is 0; expected samples a second above 0, e.g. --rate 100"),
+        ({"rate": 0.0}, "rate is 0; expected a sampling rate above 0, e.g. --rate 100"),
         ({"rate": 9.0, "time": "t"}, "a rate of 9 and the time column t; expected one of them"),
         ({"run": "first"}, "run is 'first'; expected its number, or all, e.g. --run 2"),
     ],

@@ -25,6 +25,6 @@ def test_bag_gives_what_the_rig_was(name: str) -> None:
     found = identify([read(BAGS / name, SourceOptions())])
     for parameter, (truth, relative) in EXPECTED[name]["parameters"].items():
         assert found.refined.parameters[parameter].value == pytest.approx(truth, rel=relative), parameter
-    said = any("something is missing" in sentence for sentence in found.warnings)
+    said = any("the model lacks something" in sentence for sentence in found.warnings)
     assert said == EXPECTED[name]["something_missing"]
     assert any("known only as ratios" in sentence for sentence in found.open) == EXPECTED[name]["ratios_only"]

@@ -190,7 +190,7 @@ def test_late_and_repeated_samples_are_repaired_with_a_note(tmp_path: Path) -> N
     record = read(make_bag(tmp_path / "bag", [*force_messages(), *messages]))
     np.testing.assert_array_equal(record.position, ringing(stamps()))
     assert record.notes == (
-        "position: 1 of 501 samples came late and were put in their place by their stamps.",
+        "position: 1 of 501 samples came late and were sorted by their stamps.",
         "position: 1 samples with duplicate stamps were dropped.",
     )
 

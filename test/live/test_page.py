@@ -119,7 +119,7 @@ def told(nasty: str) -> Diagnosis:
 def test_buttons_do_what_they_say(browser: Browser, bench: Bench) -> None:
     visit = Visit(browser, bench.url, viewport={"width": 1400, "height": 1100})
     page = visit.page
-    page.get_by_text("samples a second").wait_for()
+    page.get_by_text("samples per second").wait_for()
     visit.press("Record")
     page.get_by_role("button", name="Stop", exact=True).wait_for()
     page.get_by_label("Force of the step").fill("8")

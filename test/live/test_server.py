@@ -135,5 +135,5 @@ def test_a_port_that_is_taken_is_said() -> None:
 
 def test_without_the_library_one_line_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(SetupError, match=r"bokeh is not here.*make setup.*msd_ident\[live\]"):
+    with pytest.raises(SetupError, match=r"bokeh is not installed.*make setup.*msd_ident\[live\]"):
         require_page()

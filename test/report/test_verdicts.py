@@ -33,8 +33,8 @@ def test_headlines_of_what_is_left_and_of_what_is_not_certain() -> None:
     found = diagnosed()
     left = replace(found.left, extended=replace(found.left.extended, motion_percent=4.2, seen=True))
     told = words.headline(replace(found, verdict="mostly_explained", left=left))
-    assert told == "The simulation misses Coulomb friction, and something more: 4.2 % of the motion stays unexplained."
+    assert told == "The simulation lacks Coulomb friction, and something more: 4.2 % of the motion stays unexplained."
     assert words.headline(replace(found, verdict="ambiguous")).endswith("this data cannot tell for certain.")
     enough = replace(left, extended=replace(left.extended, motion_percent=0.4))
     told = words.headline(replace(found, verdict="adequate", causes=(), left=enough))
-    assert told.endswith("leave less than the tolerance of 1 % of the motion.")
+    assert told.endswith("the error is less than the tolerance of 1 % of the motion.")

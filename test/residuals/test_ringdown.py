@@ -60,8 +60,8 @@ def test_a_hardening_spring_is_told_by_its_frequency_alone() -> None:
 
 
 CALLED, NOT = (
-    "as a hardening spring makes it.",
-    "a hardening spring would do this, but the diagnosis does not call for it.",
+    "as expected from a hardening spring.",
+    "a hardening spring would cause this, but the diagnosis does not name it.",
 )
 
 
@@ -91,8 +91,8 @@ def test_a_diagnosis_reads_it_with_its_own_causes() -> None:
     result = pipeline.diagnose([released({"coulomb_friction": {"coulomb_force": 0.15}})])
     assert [one.name for one in result.causes] == ["coulomb_friction"] and result.ring_down is not None
     said = result.ring_down.sentences
-    assert said[0].endswith("as dry friction makes it.")
-    assert all("but the diagnosis does not call for it" in sentence for sentence in said if "spring" in sentence)
+    assert said[0].endswith("as expected from dry friction.")
+    assert all("but the diagnosis does not name it" in sentence for sentence in said if "spring" in sentence)
 
 
 def test_a_linear_plant_says_nothing() -> None:

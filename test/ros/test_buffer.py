@@ -70,7 +70,7 @@ def test_late_samples_and_duplicates_are_counted_and_mended() -> None:
     record = buffer.record()
     assert record.samples == 100
     assert any("duplicate stamps" in note for note in record.notes)
-    assert "position: 1 samples that came again, or whose stamp stood still, were left out." in record.notes
+    assert "position: 1 repeated samples, or samples with a repeated stamp, were left out." in record.notes
 
 
 def test_a_clock_set_back_begins_a_new_recording_with_the_force_that_holds() -> None:
@@ -126,7 +126,7 @@ def test_a_clock_set_forward_begins_a_new_recording() -> None:
         buffer.add_position(at, 0.25)
     record = buffer.record()
     assert record.samples == 1000 and record.start_ns == later[0] and record.force.tolist() == [3.0]
-    assert watch.recent == ("the clock jumped forward by 3599 s: a new recording began",)
+    assert watch.recent == ("the clock jumped forward by 3599 s: a new recording starts",)
 
 
 def test_a_clock_set_back_by_less_than_a_second_begins_a_new_recording() -> None:
@@ -173,7 +173,7 @@ def test_a_force_of_another_clock_waits_for_a_position_there() -> None:
     ahead = ns[0] + 3600 * 10**9
     buffer.add_force(ahead + 5, 7.0)
     assert buffer.record().force.tolist() == [3.0]
-    assert watch.recent[0].startswith("a force is stamped 3599 s ahead of the position: two clocks?")
+    assert watch.recent[0].startswith("a force is stamped 3599 s ahead of the position: are there two clocks?")
     for at in ns:
         buffer.add_position(at + 3600 * 10**9, 0.5)
     assert buffer.record().force.tolist() == [3.0, 7.0]

@@ -158,5 +158,5 @@ def test_the_live_buffer_can_be_cleared(ros: Graph) -> None:
         encoder.publish(message)
     until(lambda: node.buffer.position.size == 10, "the samples")
     answer = ros.call(Trigger, names.CLEAR, Trigger.Request())
-    assert answer.success and answer.message == "10 position samples forgotten; the live buffer is empty"
+    assert answer.success and answer.message == "10 position samples deleted; the live buffer is empty"
     assert node.buffer.position.size == node.buffer.force.size == 0

@@ -71,9 +71,9 @@ def test_nonsense_is_refused_when_the_signal_is_made() -> None:
         Signal("force", "std_msgs/msg/String")
     with pytest.raises(UsageError, match="cannot be read; expected something like wrench.force.x"):
         Signal("force", "std_msgs/msg/Float64", "a b")
-    with pytest.raises(SetupError, match="message type nobody_msgs/msg/Thing is not here"):
+    with pytest.raises(SetupError, match="message type nobody_msgs/msg/Thing is not installed"):
         message_class("nobody_msgs/msg/Thing")
-    with pytest.raises(SetupError, match="message type nonsense is not here"):
+    with pytest.raises(SetupError, match="message type nonsense is not installed"):
         message_class("nonsense")
 
 

@@ -107,7 +107,7 @@ def test_a_bag_whose_types_are_not_here_is_refused_in_words(ros: Graph, tmp_path
     with BagWriter(tmp_path / "bag") as writer:
         writer.add_topic("/x", "nobody_msgs/msg/Thing", definition="float64 x")
         writer.write("/x", b"\x00\x01\x00\x00", 1)
-    with pytest.raises(SetupError, match="message type nobody_msgs/msg/Thing is not here"):
+    with pytest.raises(SetupError, match="message type nobody_msgs/msg/Thing is not installed"):
         player(ros, tmp_path / "bag")
 
 

@@ -50,7 +50,9 @@ def test_the_true_hold_is_found(hold: str, model: Model) -> None:
     choice = choose_hold([measured(hold, model)], RIG)
     assert choice.hold == hold and not choice.tied, choice
     word = hold.replace("zero", "held").replace("_", "-")
-    assert choice.sentence.startswith(f"Between its samples the force is taken as {word}: the log-likelihood ratio")
+    assert choice.sentence.startswith(
+        f"Between its samples the force is assumed to be {word}: the log-likelihood ratio"
+    )
 
 
 def test_a_wrong_hold_spoils_the_fit_and_the_right_one_reaches_the_noise() -> None:
@@ -63,7 +65,7 @@ def test_what_the_data_does_not_tell_is_said_and_the_simplest_is_taken() -> None
     choice = choose_hold([measured("linear", noise=2e-2)], RIG)
     assert choice.hold == "zero"
     assert choice.tied == ("linear", "band_limited")
-    assert "(this data does not tell that from linear or band-limited); where it is known, say" in choice.sentence
+    assert "(this data does not distinguish that from linear or band-limited); if you know it, use" in choice.sentence
 
 
 def test_only_a_dense_force_of_unknown_hold_is_asked() -> None:
@@ -82,7 +84,7 @@ def test_a_table_is_asked_and_the_answer_stands_in_the_result(tmp_path: Path) ->
     told = found.to_json_dict()
     assert found.refined.parameters["mass"].value == pytest.approx(1.0, rel=2e-3)
     assert [finding["severity"] for finding in told["findings"] if finding["code"] == "force_hold"] == ["warning"]
-    assert any("taken as band-limited" in sentence for sentence in told["warnings"])
+    assert any("assumed to be band-limited" in sentence for sentence in told["warnings"])
     assert told["data"][0]["force_hold"] == "band_limited"
     assert told["data"][0]["force_samples"] == 1200
 
@@ -105,7 +107,7 @@ def test_a_held_force_is_only_noted(tmp_path: Path) -> None:
     write_csv(measured("zero"), path)
     data = prepared([read(path)])
     assert [finding.severity for finding in data.findings if finding.code == "force_hold"] == ["info"]
-    assert not any("taken as held" in sentence for sentence in data.warnings)
+    assert not any("assumed to be held" in sentence for sentence in data.warnings)
 
 
 def test_an_interpolated_force_has_the_impulse_of_the_smooth_one() -> None:

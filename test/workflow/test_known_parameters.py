@@ -92,7 +92,7 @@ def test_ways_to_write_it(text: str, known: Known) -> None:
     [
         (
             "heavy",
-            "--known 'heavy' is no known parameter; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1",
+            "--known 'heavy' is not valid; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1",
         ),
         ("weight=3", "no parameter is called 'weight'; expected one of mass, damping, stiffness, "),
         ("mass=0", "mass is 0 kg; expected a finite value above 0: correct --known"),
@@ -107,7 +107,7 @@ def test_what_cannot_be_known(text: str, words: str) -> None:
 
 
 def test_one_value_for_each() -> None:
-    with pytest.raises(UsageError, match="mass is known twice; expected one value: leave one of them away"):
+    with pytest.raises(UsageError, match="mass is given twice; expected one value: remove one of them"):
         parse_all(["mass=1"], "2")
 
 
@@ -141,7 +141,9 @@ def test_a_unit_of_the_rig_is_taken() -> None:
 
 
 def test_a_diagnosis_does_not_silently_ignore_them() -> None:
-    with pytest.raises(UsageError, match="known parameters in a diagnosis; expected none, as it frees all"):
+    with pytest.raises(
+        UsageError, match="known parameters in a diagnosis; expected none, because it fits all parameters"
+    ):
         pipeline.diagnose([decay()], pipeline.Options(known=parse_all(["mass=1"])))
 
 

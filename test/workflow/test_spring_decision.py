@@ -83,8 +83,10 @@ def test_the_spring_of_a_controlled_cart_is_kept() -> None:
     found = pipeline.identify([controlled()])
     assert found.refined.parameters["stiffness"].value == pytest.approx(30.0, rel=0.05)
     if found.standard_form is None:
-        assert "No response shows whether a spring acts; one is taken to: fitted, its stiffness is" in sentences(found)
-        assert "if none does, say --model no_spring." in sentences(found)
+        assert "No response shows whether a spring acts; a spring is assumed: fitted, its stiffness is" in sentences(
+            found
+        )
+        assert "If there is none, use --model no_spring." in sentences(found)
 
 
 def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None:
@@ -94,8 +96,8 @@ def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None
     found = pipeline.identify([record])
     assert found.refined.model["stiffness"] == 0.0
     said = next(one for one in found.warnings if "spring" in one)
-    assert said.startswith("No response shows a spring, and none is taken to act: fitted, its stiffness is ")
-    assert "times as likely as none" in said and said.endswith("% of the force; if there is one, say --model spring.")
+    assert said.startswith("No response shows a spring, and none is assumed: fitted, its stiffness is ")
+    assert "times as likely as none" in said and said.endswith("% of the force. If there is one, use --model spring.")
     told = pipeline.identify([record], pipeline.Options(model="no_spring"))
     assert not any("spring" in one for one in told.warnings), "who decides needs no odds"
 

@@ -102,7 +102,9 @@ def test_the_sign_of_the_force_is_the_results() -> None:
     other = record(height=9.0, seed=2)
     assert validation.validate(model, [replace(other, force=-other.force)]).see == pytest.approx(NOISE, rel=0.1)
     wired = validation.validate(model, [other])
-    assert any("moves the encoder the other way than on the model's own record" in said for said in wired.warnings)
+    assert any(
+        "moves the encoder in the other direction than on the model's own record" in said for said in wired.warnings
+    )
     assert wired.explained_percent < 0.0
     del told["force_sign"]
     assert saved_model.from_json_dict(told).force_sign == -1, "older results tell it in a warning"
@@ -138,7 +140,7 @@ def test_older_results_are_read_by_their_parameters(told: dict[str, Any]) -> Non
     assert model.model.effect_names == ("coulomb_friction",) and model.zeros == ()
     found = validation.validate(model, [record(zero=0.01, seed=2)])
     assert found.see == pytest.approx(NOISE, rel=0.1)
-    assert "The saved result does not tell the encoder's zero, so it was fitted too." in found.warnings
+    assert "The saved result does not contain the encoder's zero, so it was fitted too." in found.warnings
 
 
 def test_a_file_is_loaded(told: dict[str, Any], tmp_path: Path) -> None:
@@ -183,7 +185,7 @@ def test_other_units_and_demands_that_make_no_sense_are_refused(told: dict[str, 
         UsageError, match="record 1 is in V and m; expected N and m, the units of the model: give --forc"
     ):
         validation.validate(model, [replace(record(), force_unit="V")])
-    with pytest.raises(UsageError, match="no records to try the model on; expected at least one"):
+    with pytest.raises(UsageError, match="no records to validate the model on; expected at least one"):
         validation.validate(model, [])
     with pytest.raises(UsageError, match="the required part is 120 %; expected 0 to 100, e.g. --require 99"):
         validation.Options(require=120.0)
@@ -196,7 +198,7 @@ def test_the_command(told: dict[str, Any], tmp_path: Path) -> None:
     write_csv(record(RIG + QuadraticDrag(100.0), height=9.0, seed=2), other)
     found = run("validate", model, other, "--require", "99.99", "--report", report, "--json", tmp_path / "out.json")
     assert found.code == 1
-    assert "99.99 % were required, which is missed." in " ".join(found.out.split())
+    assert "99.99 % are required, which is not met." in " ".join(found.out.split())
     told_here = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert told_here["schema"] == "msd.validation/1" and not told_here["met"]
     assert "saved model" in report.read_text(encoding="utf-8")

@@ -24,7 +24,7 @@ def table(found: Found, seed: int) -> str:
         "## Nodes under faults",
         "",
         f"`make soak`, seed {seed}: {sum(found.done.values())} faults in {found.seconds / 60.0:.0f} minutes, done to",
-        f"one identifier and one recorder that never got new ones; {wrong}. After each of them the data is well again",
+        f"one identifier and one recorder that never got new ones; {wrong}. After each of them the data is OK again",
         "on `/diagnostics`, and mass and stiffness, identified from the live buffer, are within 1 % of the rig's;",
         "an estimate that says of itself that it leaves more than two noise floors is asked for again, twice at most.",
         f"Memory of the process: {early:.0f} MB after every fault was done once, {late:.0f} MB at the end.",

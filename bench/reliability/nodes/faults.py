@@ -203,7 +203,7 @@ def force_silent(world: World, rng: random.Random) -> None:
     requests.stream_force(world, 80)
     world.forget()
     world.feed(20)
-    world.until(lambda: any("nothing for" in said for said in _fed(world)), "the silence of the force")
+    world.until(lambda: any("no message for" in said for said in _fed(world)), "the silence of the force")
 
 
 def _fed(world: World) -> list[str]:
@@ -247,7 +247,7 @@ def burst(world: World, rng: random.Random) -> None:
 
 
 FAULTS: tuple[Fault, ...] = (
-    Fault("publisher restarted", publisher_restarted, "its publisher began anew, and a new recording with it"),
+    Fault("publisher restarted", publisher_restarted, "its publisher restarted; a new recording starts"),
     Fault("time jumps back", time_back, "the clock jumped back by"),
     Fault("time jumps back by less than a second", time_back_a_little, "the clock jumped back by 0."),
     Fault("time jumps forward", time_forward, "the clock jumped forward by"),
@@ -264,7 +264,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("wrong units suspected", wrong_units, "wrong by a factor of 1000?"),
     Fault("a fifth of the samples missing", samples_dropped, "are missing"),
     Fault("encoder silent", encoder_silent, "no position sample for", share=0.3),
-    Fault("force topic silent", force_silent, "nothing for", share=0.3),
+    Fault("force topic silent", force_silent, "no message for", share=0.3),
     Fault("force of another clock", two_clocks, "two clocks?"),
     Fault("two publishers of the encoder", two_publishers, "2 publishers; expected one"),
     Fault("topic of another type", another_type, "expected to be told which field to use"),

@@ -1,7 +1,7 @@
-"""What is wrong with a record before any model is fitted: findings with a severity and a sentence.
+"""Problems of a record that are visible before any model is fitted: findings with a severity and a sentence.
 
-Findings are told in numbers. They are cautious: a clean record has none, since a warning that comes
-with every record is read by nobody.
+Each sentence gives numbers. The thresholds are cautious: a clean record has no finding, because nobody reads a warning
+that comes with every record.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ class DirectionDependentDamping(Effect):
         """A constant force, at one speed."""
         del model
         return (
-            "At speeds of one size, damping that differs between directions is the same thing as a force offset or as "
+            "At speeds of one size, damping that differs between directions is equivalent to a force offset or to "
             "asymmetric friction: move at several speeds to tell them apart."
         )
 

@@ -30,7 +30,7 @@ class ForceOffset(Effect):
         Parameter(
             "offset_force", "F0", "N", -math.inf, math.inf, "constant force against +x",
             advice="read the encoder with the spring relaxed, or turn the rig round and repeat",
-            open_with_zero="shift the rest position alike, so only their sum is known (F0/k + zero)",
+            open_with_zero="shift the rest position in the same way, so only their sum is known (F0/k + zero)",
             gained=True, regressor=_constant,
         ),
     )  # fmt: skip
@@ -54,7 +54,7 @@ class ForceOffset(Effect):
         if not dry:
             return ""
         return (
-            f"force_offset beside {dry[0]} is the same thing as asymmetric friction (more one way than the other): "
+            f"force_offset beside {dry[0]} is equivalent to asymmetric friction (more one way than the other): "
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
 

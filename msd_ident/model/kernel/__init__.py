@@ -1,1 +1,1 @@
-"""The compiled solver. Importing its modules imports numba: only ``model.simulator`` does, when first needed."""
+"""The compiled solver. Importing its modules imports numba, so ``model.simulator`` does it at the first simulation."""

@@ -42,7 +42,7 @@ class Data(Section):
         offset = (
             f"{with_band(self._offset)} {self._offset.unit}"
             if self._offset is not None
-            else "none that the data asks for"
+            else "none that the data requires"
         )
         return {
             "names": [sheet.name for sheet in sheets],

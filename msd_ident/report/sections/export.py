@@ -48,13 +48,18 @@ class Exported(Section):
         there, ours, base = (marked.length(f"replay.see_{key}_m", proof.see(name), scale) for key, name in (
             ("target", "target"), ("ours", "ours"), ("uncorrected", "base")))  # fmt: skip
         cards = [
-            Card(f"error in {found.target.name}", there, f"SEE: {number(proof.ratio, 3)} times ours", "extended"),
+            Card(
+                f"error in {found.target.name}",
+                there,
+                f"SEE: {number(proof.ratio, 3)} times that of msd_ident",
+                "extended",
+            ),
             Card("error simulated here", ours, "SEE of the same model", "measured"),
             Card("m, b, k alone", base, f"SEE in {found.target.name}: without the correction", "base"),
         ]
         if found.nearest is not None:
             predicted = marked.length("replay.see_predicted_m", proof.see("expected"), scale)
-            cards.append(Card("predicted", predicted, "of the nearest that the format says", "law"))
+            cards.append(Card("predicted", predicted, "of the nearest model in this format", "law"))
         return cards
 
 

@@ -34,7 +34,7 @@ class Trial(Section):
         own = marked.length("model.see_m", found.saved.see, scale)
         floor = marked.length("noise_floor_m", found.noise_floor, scale)
         cards = [
-            Card("motion explained", percent, "of its variance, nothing refitted but the start", "extended"),
+            Card("motion explained", percent, "of its variance; only the initial state is refitted", "extended"),
             Card("error here", marked.length("see_m", found.see, scale), f"SEE: {floors}", "extended"),
             Card("error on its own record", own, found.saved.path, "base"),
             Card("noise floor", floor, "what no model can beat", "noise"),

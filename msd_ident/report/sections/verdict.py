@@ -62,7 +62,7 @@ class DiagnosisVerdict(Section):
             yield Card("error of the extended model", after, less, "extended")
         yield self._left()
         floor = marked.length("noise_floor_m", found.noise_floor, scale)
-        share = f"what no model can beat: {words.percent(found.left.noise_percent)} of the motion"
+        share = f"smallest error of any model: {words.percent(found.left.noise_percent)} of the motion"
         yield Card("noise floor", floor, share, "noise")
         held = found.heldout
         if found.causes and math.isfinite(held.reduction_percent):
@@ -115,7 +115,7 @@ class IdentificationVerdict(Section):
         near = found.refined.see <= 2.0 * found.noise_floor
         return {
             "verdict": "explained" if near else "ambiguous",
-            "pill": "identified" if near else "identified, with something missing",
+            "pill": "identified" if near else "identified, but incomplete",
             "headline": self._headline(near),
             "summary": found.route,
             "cards": cards,
@@ -125,5 +125,5 @@ class IdentificationVerdict(Section):
 
     def _headline(self, near: bool) -> str:
         if near:
-            return "Mass, damping, stiffness and dry friction explain the motion down to the noise."
-        return "The model follows the motion, but leaves more than noise: msd diagnose names what it lacks."
+            return "Mass, damping, stiffness and dry friction explain the motion to within the noise."
+        return "The model follows the motion, but its error exceeds the noise: run msd diagnose to find what it lacks."

@@ -30,8 +30,7 @@ def message_class(type_name: str) -> Any:
         return getattr(module, rest.rpartition("/")[2])
     except (ImportError, AttributeError, ValueError):
         raise SetupError(
-            f"message type {type_name} is not here; expected its package to be installed: "
-            "source the workspace that has it"
+            f"message type {type_name} is not installed; expected its package: source the workspace that has it"
         ) from None
 
 

@@ -95,9 +95,9 @@ def _silences(force: Sequence[Input]) -> Iterator[str]:
     """A force that came in a stream and does no more. One that is sent when it changes may be silent for long."""
     for entry in force:
         if entry.count.silence:
-            yield f"{silence(entry.topic, entry.count)}: the last one is taken to act on"
+            yield f"{silence(entry.topic, entry.count)}: the last force is assumed to persist"
 
 
 def silence(topic: str, count: TopicCount) -> str:
     """A stream that has ended, in words."""
-    return f"{topic}: nothing for {count.silence:.0f} s, where {count.rate:.3g} messages came in a second"
+    return f"{topic}: no message for {count.silence:.0f} s, where {count.rate:.3g} messages came in a second"

@@ -147,7 +147,7 @@ class Input:
         found = self.signal.sample(message, received_ns)
         if self.signal.switches != switches:
             self._sink.begin_anew(self.wanted.what)
-            sentence = f"joint {joint} is gone and {self.signal.entry} is in its place: a new recording began"
+            sentence = f"joint {joint} is gone and {self.signal.entry} is in its place: a new recording starts"
             self._note("joint renamed", sentence)
         if self.signal.oversized:
             self._note("oversized", f"a message of {self.signal.oversized} entries")
@@ -179,10 +179,10 @@ class Input:
         lost = self.signal.missing - before
         self._holes.add(int(ns[0]), lost)
         if lost:
-            self._note("missing", f"{lost} samples are missing by the sequence numbers of the batches", lost)
+            self._note("missing", f"{lost} samples are missing according to the sequence numbers of the batches", lost)
         good = np.abs(values) <= LARGEST
         if not good.all():
-            self._note("not finite", f"{np.count_nonzero(~good)} samples of a batch are not finite, left out")
+            self._note("not finite", f"{np.count_nonzero(~good)} samples of a batch are not finite and are left out")
         self._sink.positions(ns[good], values[good])
 
     def _counted(self, number: int | None, ns: int | None) -> None:
@@ -194,12 +194,12 @@ class Input:
         self._last_ns = ns or last
         if lost and not self.signal.is_batch:
             self._holes.add(self._last_ns, lost)
-            self._note("missing", f"{lost} messages are missing by their numbers", lost)
+            self._note("missing", f"{lost} messages are missing according to their sequence numbers", lost)
         if self.count.restarts == restarts:
             return
         if ns and last and ns - last > _RESTART_NS and self.wanted.what == "position":
             self._sink.begin_anew("position")
-            self._note("publisher restarted", "its publisher began anew, and a new recording with it")
+            self._note("publisher restarted", "its publisher restarted; a new recording starts")
         elif alone:
             self._note("publisher restarted", "its publisher began anew")
 

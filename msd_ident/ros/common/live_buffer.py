@@ -44,7 +44,7 @@ class Counts:
         forces: force samples that came.
         late: samples older than one before them.
         duplicates: samples that came twice.
-        restarts: times that a new recording began.
+        restarts: times that a new recording starts.
         wild: samples left out because their stamps belong nowhere.
     """
 
@@ -167,7 +167,7 @@ class LiveBuffer:
         if self._free and ns_x.size:
             ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
         if dropped:
-            notes = (f"position: {dropped} samples that came again, or whose stamp stood still, were left out.",)
+            notes = (f"position: {dropped} repeated samples, or samples with a repeated stamp, were left out.",)
         force_unit, position_unit = self._units
         return from_stamps(
             ns_x,
@@ -219,7 +219,7 @@ class LiveBuffer:
         self._other_forces.clear()
         self.position.extend(ns, values)
         way = "back" if apart < 0 else "forward"
-        self._watch.note(f"clock set {way}", f"the clock jumped {way} by {abs(apart):.6g} s: a new recording began")
+        self._watch.note(f"clock set {way}", f"the clock jumped {way} by {abs(apart):.6g} s: a new recording starts")
 
     def _stand(self, ns: StampArray, values: FloatArray) -> None:
         """The stamp is the one before again."""
@@ -243,7 +243,7 @@ class LiveBuffer:
         if messages >= _BEHIND_MESSAGES and last - first >= _BEHIND_NS:
             back = (self.position.newest_ns - int(ns[-1])) / 1e9
             self.begin_anew()
-            self._watch.note("clock set back", f"the clock jumped back by {back:.3g} s: a new recording began")
+            self._watch.note("clock set back", f"the clock jumped back by {back:.3g} s: a new recording starts")
             self.position.extend(ns, values)
             return
         fresh = ~again
@@ -266,5 +266,8 @@ class LiveBuffer:
 
     def _other_force(self, ns: int, value: float, where: str, apart_ns: int) -> None:
         self._other_forces.append((ns, value))
-        sentence = f"a force is stamped {apart_ns / 1e9:.6g} s {where}: two clocks? it waits for a position there"
+        sentence = (
+            f"a force is stamped {apart_ns / 1e9:.6g} s {where}: are there two clocks? It waits for a position at "
+            "that time"
+        )
         self._watch.note("forces of another clock", sentence)

@@ -92,7 +92,7 @@ class Worker:
             if same is not None:
                 return same.future
             if len(self._jobs) >= MOST_WAITING:
-                raise UsageError(f"{len(self._jobs)} requests wait already; expected fewer: ask again later")
+                raise UsageError(f"{len(self._jobs)} requests are waiting; expected fewer: try again later")
             self._jobs.append(made)
             self._changed.notify()
         return future

@@ -128,7 +128,7 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     from msd_ident.ros.common.result_messages import differences, to_estimate
     from msd_ident.workflow import pipeline
 
-    say("waiting until all hear each other", 0.02)
+    say("waiting until all nodes are connected", 0.02)
     player.wait_for_all()
     say("recording", 0.15)
     bag = player.record("paper")

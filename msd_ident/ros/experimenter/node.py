@@ -31,8 +31,8 @@ from msd_interfaces.msg import ResultCode
 
 SETTINGS = (
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
-    Setting("silence", 0.5, "longest time without a reading before an experiment is stopped [s]", 0.02, 60.0),
-    Setting("lead", LEAD, "how long before its instant a force is sent; 0 for a rig that acts at once [s]", 0.0, 10.0),
+    Setting("silence", 0.5, "longest time without an encoder sample before an experiment is stopped [s]", 0.02, 60.0),
+    Setting("lead", LEAD, "time by which a force is sent in advance; 0 for a rig that acts at once [s]", 0.0, 10.0),
 )
 
 

@@ -73,16 +73,18 @@ class Player:
         self._until(lambda: self._now_ns, "the rig's encoder")
         self._until(self._force.get_subscription_count, "the rig to listen")
         self._push(self._now_ns, 0.0)
-        self._until(lambda: self._count("identifier", "data", "position samples"), "the identifier to hear the encoder")
-        self._until(lambda: self._count("identifier", "data", "force samples"), "the identifier to hear the force")
+        self._until(
+            lambda: self._count("identifier", "data", "position samples"), "the identifier to receive the encoder"
+        )
+        self._until(lambda: self._count("identifier", "data", "force samples"), "the identifier to receive the force")
 
     def record(self, folder: str) -> str:
         """Start a recording that hears force and encoder; its path."""
         topics = [names.FORCE, names.ENCODER, names.ENCODER_BATCH, names.ESTIMATE]
         answer = self._call(StartRecording, names.RECORDER_START, StartRecording.Request(folder=folder, topics=topics))
-        self._until(lambda: self._recorded(names.FORCE), "the recorder to hear the force")
+        self._until(lambda: self._recorded(names.FORCE), "the recorder to receive the force")
         encoders = (names.ENCODER, names.ENCODER_BATCH)
-        self._until(lambda: any(map(self._recorded, encoders)), "the recorder to hear the encoder")
+        self._until(lambda: any(map(self._recorded, encoders)), "the recorder to receive the encoder")
         return str(answer.path)
 
     def play(self, plan: Plan, advance: Advance) -> None:

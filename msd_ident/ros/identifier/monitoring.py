@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from msd_ident.workflow.identification import Identification
 
 SETTINGS = (
-    Setting("history_file", "", "file in bag_folder that keeps the last estimates, watched for changes; empty: none"),
-    Setting("history_size", 1000, "estimates that it keeps, oldest out", 10, 1_000_000),
-    Setting("false_alarm_estimates", 1000.0, "mean number of estimates to a false alarm, at least", 10.0, 1e12),
-    Setting("temperature", "", "topic of a sensor_msgs/Temperature that moves parameters without wear; empty: none"),
+    Setting(
+        "history_file", "", "file in bag_folder for the last estimates, which are monitored for changes; empty: none"
+    ),
+    Setting("history_size", 1000, "number of estimates in it; the oldest are dropped", 10, 1_000_000),
+    Setting("false_alarm_estimates", 1000.0, "smallest mean number of estimates until a false alarm", 10.0, 1e12),
+    Setting("temperature", "", "topic of a sensor_msgs/Temperature, whose influence is removed; empty: none"),
 )
 
 
@@ -88,7 +90,7 @@ class Monitoring:
             return None
         stands = self._history.standing
         values: dict[str, object] = {
-            "estimates since the watch began": stands.estimates,
+            "estimates since monitoring started": stands.estimates,
             "estimates kept": stands.kept,
             "alarm statistic M": f"{stands.statistic:.6g}",
             "alarm threshold": f"{stands.threshold:g}",

@@ -40,30 +40,32 @@ SETTINGS = (
         "TOPIC:FIELD of the position, e.g. /joint_states:position[elbow]; empty: encoder or encoder_batch",
     ),
     Setting("force_scale", 1.0, "force unit per unit of the message", -1e9, 1e9),
-    Setting("position_scale", 1.0, "position unit per unit of the message; negative turns the sign", -1e9, 1e9),
-    Setting("force_unit", "N", "N or N·m; any other (e.g. V) says that the gain is unknown"),
+    Setting("position_scale", 1.0, "position unit per unit of the message; negative inverts the sign", -1e9, 1e9),
+    Setting("force_unit", "N", "N or N·m; any other (e.g. V) means that the gain is unknown"),
     Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
-    Setting("hold", "zero", "force between its stamps: zero (held) or linear", choices=("zero", "linear")),
-    Setting("buffer_samples", 200_000, "position samples kept, oldest out", 100, 10_000_000),
+    Setting("hold", "zero", "force between its samples: zero (held) or linear", choices=("zero", "linear")),
+    Setting("buffer_samples", 200_000, "position samples in the buffer; the oldest are dropped", 100, 10_000_000),
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports"),
-    Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
+    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
     Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
     Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
     Setting("settle_time", 0.5, "rest after which a response counts as settled [s]", 0.05, 60.0, fixed=False),
-    Setting("settle_band", 0.02, "part of its range that a settled position may vary", 0.001, 0.5, fixed=False),
+    Setting(
+        "settle_band", 0.02, "allowed variation of a settled position, as a part of its range", 0.001, 0.5, fixed=False
+    ),
     Setting(
         "model",
         "auto",
-        "plant of the fits that are not asked for",
+        "plant of automatic fits",
         choices=("auto", "spring", "no_spring"),
         fixed=False,
     ),
-    Setting("all_joints", False, "a diagnosis of bags takes every joint of their JointState topics", fixed=False),
-    Setting("tolerance", 1.0, "part of the motion that a diagnosis may leave unexplained [%]", 0.0, 99.0, fixed=False),
-    Setting("calibrate", False, "a diagnosis always diagnoses simulated copies of the record too", fixed=False),
-    Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
+    Setting("all_joints", False, "a diagnosis of bags covers every joint of their JointState topics", fixed=False),
+    Setting("tolerance", 1.0, "unexplained part of the motion that is acceptable [%]", 0.0, 99.0, fixed=False),
+    Setting("calibrate", False, "calibrate every diagnosis on simulated copies of the record", fixed=False),
+    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
+    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
     *monitoring.SETTINGS,
 )
 
@@ -213,7 +215,7 @@ class Identifier:
         self.watcher.forget()
         self._monitoring.note()
         response.success = True
-        response.message = f"{forgotten} position samples forgotten; the live buffer is empty"
+        response.message = f"{forgotten} position samples deleted; the live buffer is empty"
         return response
 
     async def _answer(self, asked: Request) -> Reply:

@@ -107,7 +107,7 @@ class Sources:
         heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
         origins = tuple(entry.origin(record.start_ns) for entry in heard)
         lost = tuple(
-            f"{origin.topic}: {origin.lost} samples are missing by the numbers of their publisher."
+            f"{origin.topic}: {origin.lost} samples are missing according to the sequence numbers of their publisher."
             for origin in origins
             if origin.lost
         )

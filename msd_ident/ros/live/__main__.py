@@ -6,8 +6,8 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from msd_ident import parallel
 from msd_ident.errors import MsdError
-from msd_ident.live.needs import require_page
 from msd_ident.ros.common.signals import fail, noted_signals
 
 if TYPE_CHECKING:
@@ -16,8 +16,11 @@ if TYPE_CHECKING:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the live view until a signal; the exit code."""
+    parallel.one_blas_thread()
     with noted_signals() as signals:
         try:
+            from msd_ident.live.needs import require_page
+
             require_page()
             from msd_ident.ros.common.node_runner import run
 

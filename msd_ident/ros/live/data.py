@@ -146,7 +146,7 @@ class LiveData:
             return False, f"waiting for samples on {topics}"
         if now - self._heard > SILENCE:
             return False, f"no sample for {now - self._heard:.0f} s on {topics}"
-        return True, f"{(self._count - before) / max(now - then, 1e-3):.0f} samples a second"
+        return True, f"{(self._count - before) / max(now - then, 1e-3):.0f} samples per second"
 
     def _add_positions(self, ns: Stamps, values: FloatArray) -> None:
         if ns.size:

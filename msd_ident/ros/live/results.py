@@ -9,7 +9,7 @@ from msd_ident.live import Beside, Cause, Diagnosed, Estimated, Row, model_of
 from msd_ident.quantity import Quantity
 from msd_interfaces.msg import Diagnosis, Estimate, Parameter
 
-ALONE = "gets the force alone and never looks at the encoder"
+ALONE = "uses only the force, not the encoder"
 
 
 def to_estimated(message: Estimate) -> Estimated:

@@ -32,20 +32,20 @@ COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
 
 SETTINGS = (
     Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
-    Setting("all_topics", False, "record every topic there is and those that come"),
+    Setting("all_topics", False, "record all topics, including those that start later"),
     Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
     Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
     Setting("autostart", False, "start recording at once"),
-    Setting("resume", False, "after a kill while it recorded: go on in a new bag (respawn:=true of the launch file)"),
+    Setting("resume", False, "continue in a new bag after the recorder was killed (respawn:=true of the launch file)"),
     Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
-    Setting("queue_depth", 10_000, "messages that a subscription holds back", names.LEAST_DEPTH, 1_000_000),
-    Setting("queue_megabytes", 512, "messages that may wait for the disk [MiB]", 1, 65_536),
-    Setting("sync_period", 1.0, "longest time for which a message is not on the disk [s]", 0.05, 3600.0),
+    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
+    Setting("queue_megabytes", 512, "memory for messages that wait for the disk [MiB]", 1, 65_536),
+    Setting("sync_period", 1.0, "longest time until a message is on the disk [s]", 0.05, 3600.0),
     Setting("split_megabytes", SPLIT_BYTES // 2**20, "size at which a file of the bag ends [MiB]", 1, 1_048_576),
     Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
-    Setting("remember", 10.0, "time for which a fault that is over is still told [s]", 0.05, 3600.0),
+    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
     Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "of the rig, on /diagnostics; empty: the namespace"),
+    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
 )
 
 #: How often the graph is looked at for new topics [s].
@@ -84,7 +84,7 @@ class Recorder:
         left = self._notebook.left() if self.settings["resume"] else None
         if left is not None:
             self._log.warning(
-                "the recorder died while it recorded; it goes on in a new bag (msd repair mends the other)"
+                "the recorder died during a recording; it continues in a new bag (msd repair completes the other)"
             )
             self.start("", left.topics, left.every, left.compression)
         elif self.settings["autostart"]:

@@ -29,7 +29,7 @@ class Following:
         node: to listen with.
         recording: that takes the messages.
         wanted: topics; ``None`` for all that are not hidden.
-        depth: messages that a subscription holds back.
+        depth: queue size of the subscriptions.
         watch: is told what goes wrong.
         poller: of the node.
     """
@@ -118,7 +118,7 @@ class Following:
     def _add(self, topic: str, kind: str, offered: Sequence[OfferedQos]) -> None:
         message_class(kind)
         if not self._recording.add_topic(topic, kind, offered):
-            words = f"the definition of {kind} is not here; only who knows the type can read {topic}"
+            words = f"the definition of {kind} is not installed; only tools that know the type can read {topic}"
             self._node.get_logger().warning(words)
         self._types[topic] = kind
 
@@ -138,10 +138,10 @@ class Following:
             stamp = raw_stamp(raw) if stamped else None
             recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"), stamp)
             if count.lost != lost:
-                words = f"{topic}: {count.lost - lost} messages are missing by their numbers"
+                words = f"{topic}: {count.lost - lost} messages are missing according to their sequence numbers"
                 self._watch.note("missing", words, count.lost - lost)
             if count.restarts != restarts:
-                self._watch.note("publisher restarted", f"{topic}: its publisher began anew, or there are two")
+                self._watch.note("publisher restarted", f"{topic}: its publisher restarted, or there are two")
 
         return take
 

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from msd_ident import parallel
 from msd_ident.errors import MsdError
 from msd_ident.ros.common.signals import fail, noted_signals
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Play the bag of the parameter ``bag`` to its end or until a signal; the exit code."""
+    parallel.one_blas_thread()
     with noted_signals() as signals:
         try:
             from msd_ident.ros.common.node_runner import run

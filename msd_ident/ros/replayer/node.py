@@ -23,7 +23,7 @@ from msd_ident.ros.replayer.schedule import CLOCK_PERIOD_NS, ReplayRate, Tick, w
 
 SETTINGS = (
     Setting("bag", "", "rosbag2 folder, .mcap or .db3 file to play"),
-    Setting("rate", 1.0, "seconds of the bag in a second", 0.01, 100.0),
+    Setting("rate", 1.0, "playback speed", 0.01, 100.0),
     Setting("loop", False, "begin anew at the end"),
     Setting("clock", False, "publish /clock with the bag's time, for nodes with use_sim_time"),
     Setting("topics", [""], "topics to play; empty: all"),

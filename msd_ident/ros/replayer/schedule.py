@@ -36,7 +36,7 @@ class ReplayRate:
     """Waits for the instants of a bag at a rate, counted from one start, so that no error adds up.
 
     Args:
-        rate: seconds of the bag in a second.
+        rate: playback speed.
         stop: ends every wait.
     """
 
