@@ -201,6 +201,7 @@ def _conclude(
     alike = gain_laws.alike(experiment, best, scale)
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
+    said += naming.other_forms(ranking) if best.causes == ranking.best.causes else ()
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     return Diagnosis(
         records=task.records,

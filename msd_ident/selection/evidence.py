@@ -160,14 +160,15 @@ class Ranking:
     """Sets by falling evidence, with their posterior probability (each in the order of ``sets``).
 
     ``left`` is what every set that was fitted leaves, in noise floors, those too that were searched on a part of the
-    data alone. ``own`` says of the causes of a set that may be another form of its other laws how likely they are not.
+    data alone. ``further`` has the causes of a set that may be another form of its other laws, each with the part of
+    what those explain that it explains.
     """
 
     sets: tuple[Hypothesis, ...]
     evidence: tuple[float, ...]
     probability: tuple[float, ...]
     left: Mapping[Causes, float] = field(default_factory=dict)
-    own: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
+    further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def best(self) -> Hypothesis:
@@ -188,7 +189,7 @@ class Ranking:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""
         kind = by_name(name).cause()
         return sum(
-            p * self.own.get(fitted.causes, {}).get(law, 1.0)
+            p * (_of_its_own(law) if law in self.further.get(fitted.causes, ()) else 1.0)
             for fitted, p in zip(self.sets, self.probability, strict=True)
             for law in fitted.causes
             if by_name(law).cause() == kind
@@ -263,14 +264,15 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
     return False
 
 
-def _of_their_own(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
-    """Causes that may be another form of the other laws, and the probability that they are causes of their own."""
-    odds = {
-        name: _FORM_ODDS * by_name(name).prior_odds
-        for name, part in further_parts(causes, sets).items()
-        if part <= FORM_PART
-    }
-    return {name: value / (1.0 + value) for name, value in odds.items()}
+def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
+    """Causes of a set that may be another form of its other laws, with their ``further_parts``."""
+    return {name: part for name, part in further_parts(causes, sets).items() if part <= FORM_PART}
+
+
+def _of_its_own(name: str) -> float:
+    """Probability that a cause which may be another form of the other laws is one of its own."""
+    odds = _FORM_ODDS * by_name(name).prior_odds
+    return odds / (1.0 + odds)
 
 
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
@@ -309,7 +311,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
-        own={causes: _of_their_own(causes, sets) for causes in order},
+        further={causes: _other_forms(causes, sets) for causes in order},
     )
 
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from msd_ident.model.effects import by_name
+from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection import evidence
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import Ranking
@@ -98,6 +98,19 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
         found += _unnamed(near, named)
     found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + _ROUNDING]
     return tuple(dict.fromkeys(found))
+
+
+def other_forms(ranking: Ranking) -> tuple[str, ...]:
+    """A sentence for each named cause that may be another form of the law of the others."""
+    named = ranking.best.causes
+    said = []
+    for name, part in sorted(ranking.further.get(named, {}).items()):
+        others = " and ".join(spoken(other) for other in sorted(named - {name}))
+        said.append(
+            f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {others} explains: another form of that "
+            "law could do the same, so it is not certain that it is a cause of its own."
+        )
+    return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
 
 
 def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -139,3 +139,13 @@ def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words:
     for part in words:
         assert part in said
     assert ("DEPENDS" in said) == ("DEPENDS" in words)
+
+
+def test_what_may_be_another_form_is_told_with_its_part() -> None:
+    one = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9})
+    told = naming.other_forms(replace(one, further={frozenset({"backlash", "cogging"}): {"cogging": 0.084}}))
+    assert told == (
+        "Cogging explains 8 % of what backlash explains: another form of that law could do the same, so it is not "
+        "certain that it is a cause of its own.",
+    )
+    assert naming.other_forms(one) == ()
