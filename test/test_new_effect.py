@@ -142,7 +142,7 @@ def diagnosis(workshop: Path, repository: Path) -> Any:
 @pytest.mark.xdist_group("new effect")
 def test_identification_finds_something_missing(workshop: Path, repository: Path) -> None:
     plain = json.loads(msd(workshop, repository, "identify", "rig.csv", "--json", "-"))
-    assert any("something is missing" in sentence for sentence in plain["warnings"])
+    assert any("the model lacks something" in sentence for sentence in plain["warnings"])
 
 
 @pytest.mark.xdist_group("new effect")

@@ -36,10 +36,11 @@ from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR
 SHAPES = 8.0
 #: Part of its prior width that a parameter of a law is never known better than.
 LEAST_SPREAD = 0.03
-#: Noise floors below which the form of what a set leaves is not seen.
-FAINT = 3.0
+#: Noise floors below which the form of what a set leaves is not seen, and below which it is seen roughly.
+FAINT, ROUGH = 3.0, 10.0
 #: Part of what the other causes explain (rms of the position) below which a further cause may be another form of their
-#: laws. On rigs of foreign laws (`make blind ARGS="--variants"`, 152 cases) 10 of 13 false further causes lie below.
+#: laws. On 152 rigs of foreign laws (`python -m bench.blind --variants`, seeds 81000 and 91000) 10 of 12 false further
+#: causes lie below it, and below ``ROUGH`` or ``LEAST_SPREAD``.
 FORM_PART = 0.2
 #: Odds, in units of a cause's own prior odds, that a cause below ``FORM_PART`` is one of its own: 3 to 1 for most.
 _FORM_ODDS = 60.0
@@ -264,9 +265,10 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
     return False
 
 
-def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
+def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
     """Causes of a set that may be another form of its other laws, with their ``further_parts``."""
-    return {name: part for name, part in further_parts(causes, sets).items() if part <= FORM_PART}
+    parts = further_parts(causes, sets).items()
+    return {n: part for n, part in parts if part <= FORM_PART and sets[causes - {n}].chi < ROUGH**2 * noise}
 
 
 def _of_its_own(name: str) -> float:
@@ -311,7 +313,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
-        further={causes: _other_forms(causes, sets) for causes in order},
+        further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
     )
 
 

@@ -168,7 +168,7 @@ def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
 
 def test_a_rig_of_the_second_author_is_run_and_told() -> None:
     """One that two causes move, of which the record shows both; its intervals stand beside the truth."""
-    found = run(Case(509, "dead_zone", True, "sweep", 500.0, author="mujoco"))
+    found = run(Case(511, "dead_zone", True, "sweep", 500.0, author="mujoco"))
     assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
     assert found.exact and found.without_floors > 2.0
     assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found
@@ -176,7 +176,7 @@ def test_a_rig_of_the_second_author_is_run_and_told() -> None:
         assert value == pytest.approx(truth, rel=0.05), name
         assert 0.0 < std < 0.05 * truth
     text = "\n".join(told.second_author([found, replace(found, case=replace(found.case, hidden=None), truth=())]))
-    assert "| dead_zone and frictionloss | 1 | 0 | 0 | 0 | 1 |" in text
+    assert "| dead_zone and frictionloss | 1 | 1 | 1 | 0 | 1 |" in text
     assert "| interval of mass holds the truth |" in text and "surely false" in text
 
 

@@ -78,7 +78,7 @@ def test_what_stands_does_so_without_a_further_look() -> None:
     """After a look that was likely to show what hides, another would be a gain; who declines it has an explanation."""
     plant = {"mass": 0.98697, "damping": 1.00719, "stiffness": 235.586, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 1839120.0, "noise": 6.3745e-7}
-    effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.0072378}}
+    effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.015}}
     rig = Rig(encoder, plant, **effects)
     rig.runs = 663344472
     force = 1.46568

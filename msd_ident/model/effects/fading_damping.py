@@ -32,10 +32,13 @@ class FadingDamping(Effect):
 
     name = "fading_damping"
     parameters = (
-        Parameter("fading_damping", "b1", "N·s/m", 0.0, math.inf, "damping at low speed that fades with the speed"),
+        Parameter(
+            "fading_damping", "b1", "N·s/m", 0.0, math.inf, "damping at low speed that fades with the speed",
+            advice="let it ring down from a three times larger amplitude", gained=True,
+        ),
         Parameter("fading_speed", "v0", "m/s", 1e-9, math.inf, "speed at which half of it is left"),
         Parameter("fading_exponent", "n", "1", 0.7, 3.0, "how steeply it fades"),
-    )
+    )  # fmt: skip
     acts_on = "force"
     law = "b1·v/(1 + (abs(v)/v0)^n)"
     source = "Cross 1965 (J. Colloid Sci. 20); n = 2: eddy-current brake, Wiederick et al. 1987 (Am. J. Phys. 55)"
@@ -44,6 +47,7 @@ class FadingDamping(Effect):
     form_of = "quadratic_drag"
     stands_alone = True
     prior_odds = 1.0 / 40.0
+    measured_by = "take the magnet or the film away, and record again"
     turns = True
 
     @staticmethod
@@ -63,4 +67,4 @@ class FadingDamping(Effect):
         """A tenth of critical damping that halves at a third and at two thirds of the top speed."""
         speed = typical.speed(record)
         size = max(plant.damping, 2.0 * _SHARE * math.sqrt(max(plant.stiffness, 0.0) * plant.mass))
-        return tuple(cls(size, share * speed, 2.0) for share in (0.33, 0.67))
+        return tuple(cls.within_bounds(size, share * speed, 2.0) for share in (0.33, 0.67))
