@@ -11,8 +11,8 @@ from msd_ident.cli import exports, options, pages, run, sources, trials
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
-    from msd_ident.workflow import pipeline
     from msd_ident.workflow.identification import Identification
+    from msd_ident.workflow.identify import Progress
 
 
 LossOption = Annotated[
@@ -58,18 +58,19 @@ def identify(
 ) -> int:
     """Estimate ωn, ζ and K, then mass, damping, stiffness and dry friction, each with its 95 % interval."""
     from msd_ident.report import tables
-    from msd_ident.workflow import pipeline
+    from msd_ident.workflow import identify as identification
     from msd_ident.workflow.known_parameters import parse_all
+    from msd_ident.workflow.options import Options
 
-    settings = pipeline.Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
+    settings = Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
     output = run.Output(json, quiet, overwrite)
     targets = pages.Pages(report, markdown, figures, source, output)
     targets.check()
     tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
     exported.check(1 if together else len(paths))
 
-    def solve(records: Sequence[Record], progress: pipeline.Progress) -> Identification:
-        return pipeline.identify(records, settings, progress)
+    def solve(records: Sequence[Record], progress: Progress) -> Identification:
+        return identification.identify(records, settings, progress)
 
     further = trials.both(tried, exported)
     code = run.work(paths, source, together, output, solve, tables.print_identification, exported.keep, further)

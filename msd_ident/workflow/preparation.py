@@ -87,6 +87,19 @@ def typical_plant(record: Record) -> Model:
     return Plant(mass=mass, damping=damping, stiffness=stiffness)
 
 
+def starting_plant(records: tuple[Record, ...], form: StandardForm | None) -> Model:
+    """The plant that fits start from."""
+    return typical_plant(records[0]) if form is None else plant_of(form)
+
+
+def plant_of(form: StandardForm) -> Model:
+    """The plant that the features show, of 1 kg where there is no static gain."""
+    if form.physical is not None:
+        return Plant(**{name: quantity.value for name, quantity in form.physical.quantities.items()})
+    frequency, ratio = form.natural_frequency.value, form.damping_ratio.value
+    return Plant(mass=1.0, damping=2.0 * ratio * frequency, stiffness=frequency**2)
+
+
 def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
     """The records with their force as the data says it goes on between its samples, where that was open."""
     asked = tuple(record for record in records if force_hold.is_open(record))

@@ -12,8 +12,11 @@ from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.objective import Loss
+from msd_ident.features import StandardForm
 from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.quantity import Z95
+from msd_ident.workflow import known_parameters
+from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import typical_plant
 
 #: An error so many times smaller than without a spring decides, even where the data leaves the stiffness open.
@@ -23,6 +26,20 @@ _NOTICEABLE = 0.8
 #: Or where it adds so much log-likelihood and carries this part of the
 #: force. Measured: a cart under a position controller 249 and 0.59, the springless axis of EMPS 61 and 0.0004.
 SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
+
+
+def has_spring(
+    records: tuple[Record, ...], options: Options, form: StandardForm | None
+) -> tuple[bool, tuple[str, ...]]:
+    """Whether the plant has a spring: as told, as the response shows, or as two fits decide; then with a sentence."""
+    if options.model != "auto":
+        return options.model == "spring", ()
+    if (told := known_parameters.values(options.known).get("stiffness")) is not None:
+        return told > 0.0, ()
+    if form is not None:
+        return True, ()
+    sprung, said = decide(records, options.loss)
+    return sprung, (said,)
 
 
 def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, str]:
