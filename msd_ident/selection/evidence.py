@@ -30,7 +30,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Hypothesis
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Hypothesis, imitated
 
 #: Independent features of a model's error that a record shows.
 SHAPES = 8.0
@@ -280,13 +280,14 @@ def _of_its_own(name: str) -> float:
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
     """Whether a set is none that turned out to be a simpler one under another name.
 
-    That is one whose effect has no strength, and one whose law is no better than its limit.
+    That is one whose effect has no strength, and one whose law is no better than its limit or than another effect that
+    comes to the same.
     """
     if _same_as(sets[causes]) & set(sets):
         return False
     if scale.shapes <= SHAPES and _within_law_error(causes, sets, scale.noise):
         return False
-    limits = [sets[one] for one in _simpler(causes) if one in sets]
+    limits = [sets[one] for one in (*_simpler(causes), *imitated(sets[causes].model, alike=True)) if one in sets]
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in limits)
 
 

@@ -236,6 +236,24 @@ def causes_that_fit(causes: Causes) -> bool:
     return len(families) == len(set(families)) and len(kinds) == len(set(kinds))
 
 
+def imitated(model: Model, *, alike: bool = False) -> dict[Causes, Model]:
+    """Models with another effect in the place of one that may imitate it, by their causes.
+
+    Args:
+        model: as it was fitted.
+        alike: only those that the model comes to, with the values that it has.
+    """
+    found = {}
+    for effect in model.effects:
+        for other in LIBRARY:
+            if alike and (other.name in model.effect_names or not other.is_all_of(effect, model)):
+                continue
+            start = other.in_place_of(effect, model)
+            if start is not None and causes_that_fit(frozenset(start.effect_names)):
+                found[frozenset(start.effect_names)] = start
+    return found
+
+
 @dataclass(frozen=True)
 class StartingPoint:
     """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.

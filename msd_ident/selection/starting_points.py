@@ -16,6 +16,7 @@ from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.base import SECOND_MASS
 from msd_ident.selection.hypothesis import (
     COULOMB,
     HOLDING_COULOMB,
@@ -25,6 +26,7 @@ from msd_ident.selection.hypothesis import (
     StartingPoint,
     formulated,
 )
+from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import guesses
 
 _KEPT = 3
@@ -63,8 +65,19 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
             found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:
             found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)
-        models = [model + guess for model in models for guess in found]
+        added = [model + guess for model in models for guess in found]
+        if by_name(name).structure == SECOND_MASS:
+            hung = second_masses(plant, seen, residual, experiment.fixed)
+            added += [_hung(model, name, start) for model in models for start in hung]
+        models = added
     return models
+
+
+def _hung(model: Model, name: str, start: SecondMass) -> Model:
+    """The model with a second mass, and what that leaves of the first."""
+    mass, damping, stiffness = start.plant
+    bare = replace(model, mass=mass, damping=damping, stiffness=stiffness)
+    return bare + by_name(name).within_bounds(*start.hung)
 
 
 def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis]) -> list[StartingPoint]:

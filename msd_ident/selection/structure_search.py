@@ -36,6 +36,7 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
     finish,
     formulated,
+    imitated,
     refine,
     without,
 )
@@ -117,7 +118,7 @@ class Search:
         for fitted in sets:
             self.sets[fitted.causes] = fitted
         best = self.ranking().best
-        for causes, model, initial in _reduced(best):
+        for causes, model, initial in self._reduced(best):
             _, weighting, point = formulated(self.experiment, model, initial)
             left = weighting.residual(point)
             if causes in self.sets or left @ left < _REJOIN * best.chi:
@@ -168,7 +169,7 @@ class Search:
         if best.causes in self.pruned:
             return best
         self.pruned.add(best.causes)
-        for causes, model, initial in _reduced(best):
+        for causes, model, initial in self._reduced(best):
             self._look_again(causes, model, initial)
         return self._leader()
 
@@ -180,6 +181,20 @@ class Search:
         """A set's best fit so far."""
         if fitted.causes not in self.sets or fitted.chi < self.sets[fitted.causes].chi:
             self.sets[fitted.causes] = fitted
+
+    def _reduced(self, best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+        """What is simpler than a fitted set, and where it starts: sets with one cause less, with Coulomb friction for a
+        law that holds it as a limit, or with an effect that one of them may imitate.
+        """
+        for name in sorted(best.causes):
+            model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
+            yield best.causes - {name}, *without(best, name)
+            causes = best.causes - {name} | {COULOMB}
+            if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
+                yield causes, model + DryFriction(best.model[HOLDING_COULOMB[name]]), best.initial
+        for causes, model in imitated(best.model).items():
+            if causes - best.causes <= set(self.experiment.library):
+                yield causes, model, best.initial
 
     def scale(self) -> NoiseScale:
         """How likelihoods are to be read, by what the best set leaves."""
@@ -286,16 +301,6 @@ class Search:
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
-
-
-def _reduced(best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
-    """Sets with one cause less, or with Coulomb friction for a law that holds it as a limit, and where they start."""
-    for name in sorted(best.causes):
-        model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
-        yield best.causes - {name}, *without(best, name)
-        causes = best.causes - {name} | {COULOMB}
-        if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
-            yield causes, model + DryFriction(best.model[HOLDING_COULOMB[name]]), best.initial
 
 
 @contextmanager

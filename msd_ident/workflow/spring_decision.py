@@ -49,9 +49,13 @@ def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, st
         records: prepared records of one rig.
         loss: as for the fit.
     """
-    base = typical_plant(records[0]) + DryFriction(0.0) + Offset(0.0)
-    free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness",), zero="known", loss=loss)
-    held = fit(free.model, records, zero="known", loss=loss)
+    plant, scale = typical_plant(records[0]), tuple[str, ...]()
+    if not any(np.any(record.force_at(record.time)) for record in records):
+        # Without a force only ratios are known: left free, the mass would leave every stiffness open.
+        plant, scale = plant.with_values(plant.values / plant.mass), ("mass",)
+    base = plant + DryFriction(0.0) + Offset(0.0)
+    free = fit(base.with_values({"stiffness": 0.0}), records, fixed=("stiffness", *scale), zero="known", loss=loss)
+    held = fit(free.model, records, fixed=scale, zero="known", loss=loss)
     sprung = held.see < _PLAIN * free.see or _holds(held, free, records)
     return sprung, _sentence(sprung, held, free, records)
 
@@ -82,9 +86,11 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
     if stiffness.known:
         odds = 0.5 * (stiffness.value / stiffness.std) ** 2 if stiffness.std > 0.0 else math.inf
         times = f"{math.exp(odds):.2g}" if odds < 20.0 else f"e^{odds:.0f}"
+        forced = math.isfinite(share)
         found = (
-            f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %), "
-            f"{times} times as likely as none, and carries {share:.2g} % of the force"
+            f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
+            f"{'' if forced else ' for one unit of mass'}, {times} times as likely as none"
+            f"{f', and carries {share:.2g} % of the force' if forced else ''}"
         )
     if sprung:
         change = f"without it the error is {free.see / held.see:.3g} times as large"

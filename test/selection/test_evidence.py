@@ -13,7 +13,9 @@ from msd_ident.data.record import Record
 from msd_ident.estimate.broyden import State
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.power_drag import PowerDrag
@@ -256,3 +258,15 @@ def test_the_simple_law_leads_where_a_form_is_hardly_better(experiment: Experime
     found = ranked({"drag": drag, "power": power})
     assert found.best.causes == {"quadratic_drag"}
     assert found.of_cause("quadratic_drag") == found.of_cause("power_drag") == pytest.approx(1.0)
+
+
+def test_stops_beside_no_spring_are_no_rival_of_the_play_that_they_are(experiment: Experiment) -> None:
+    sets = {
+        "base": fitted(experiment, BASE, 1e6),
+        "play": fitted(experiment, BASE + Backlash(1e-3), 850.0),
+        "stops": fitted(experiment, Plant(1.0, 2.0, 0.0) + EndStop(1e-3, 400.0), 849.5),
+    }
+    assert ranked(sets).best.causes == {"backlash"}
+    assert frozenset({"end_stop"}) not in odds(ranked(sets))
+    sets["stops"] = fitted(experiment, Plant(1.0, 2.0, 100.0) + EndStop(1e-3, 400.0), 849.5)
+    assert frozenset({"end_stop"}) in odds(ranked(sets)), "beside a spring they are something else"

@@ -6,7 +6,9 @@ import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.model import Model, Plant
+from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.hypothesis import (
@@ -16,6 +18,7 @@ from msd_ident.selection.hypothesis import (
     Hypothesis,
     StartingPoint,
     formulated,
+    imitated,
     refine,
 )
 from msd_ident.selection.structure_search import Search
@@ -71,3 +74,32 @@ def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
     assert large.worth(5.0)
     assert large.turn < StartingPoint(30.0, fitted, beside=31.0).turn
     assert StartingPoint(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"
+
+
+def test_a_play_that_stops_imitate_is_begun_where_the_stops_stand() -> None:
+    """Far from its valley the play does not find it; stops beside a weaker spring have the same force beyond them."""
+    made = simulate(
+        {
+            "mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "experiment": "steps",
+            "encoder.counts_per_metre": 0.0, "encoder.noise": 1e-5,
+            "effects": {"backlash": {"backlash_half_width": 1e-3}},
+        }
+    )  # fmt: skip
+    record = Record(made.time, made.position, made.force_time, made.force)
+    experiment = Experiment(prepare([record]), TRUTH, frozenset())
+    base = stood(experiment, TRUTH)
+    stops = refine(experiment, frozenset({"end_stop"}), Plant(1.0, 2.0, 0.0) + EndStop(1.2e-3, 380.0), base.initial)
+    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    found = search.compared([base, stops])
+    assert found.best.causes == {"backlash"}
+    assert np.isclose(found.best.model["backlash_half_width"], 1e-3, rtol=0.01)
+
+
+def test_what_stops_and_a_play_come_to() -> None:
+    """The force beyond the stops is that of one spring with a play; beside no spring it is nothing else."""
+    alone, beside = Plant(1.0, 2.0, 0.0) + EndStop(2e-3, 400.0), Plant(1.0, 2.0, 100.0) + EndStop(2e-3, 300.0)
+    play = frozenset({"backlash"})
+    for model, width in ((alone, 2e-3), (beside, 1.5e-3), (beside + Backlash(4e-4), 1.6e-3)):
+        assert imitated(model) == {play: Plant(1.0, 2.0, 400.0) + Backlash(width)}
+    assert set(imitated(alone, alike=True)) == {play}
+    assert imitated(beside, alike=True) == {} == imitated(Plant(1.0, 2.0, 0.0) + EndStop(2e-3, 0.0))

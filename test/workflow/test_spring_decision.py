@@ -12,8 +12,9 @@ from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant, simulate
-from msd_ident.workflow import pipeline
+from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
+from msd_sim import api
 
 STEP = 2e-5
 
@@ -100,6 +101,21 @@ def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None
     assert "times as likely as none" in said and said.endswith("% of the force. If there is one, use --model spring.")
     told = pipeline.identify([record], pipeline.Options(model="no_spring"))
     assert not any("spring" in one for one in told.warnings), "who decides needs no odds"
+
+
+def test_a_release_through_a_wide_play_shows_a_spring() -> None:
+    """Without a force only ratios are known; the cart swings back all the same, though not as on a linear spring."""
+    made = api.simulate(
+        {"mass": 1.0, "damping": 9.25, "stiffness": 654.4, "friction_coefficient": 0.0, "seed": 3, "rate": 1000.0,
+         "effects": {"backlash": {"backlash_half_width": 2.96e-3}}, "experiment": {"name": "release", "duration": 4.0},
+         "initial_position": 18.3e-3, "encoder": {"counts_per_metre": 0.0, "noise": 1e-5}}
+    )  # fmt: skip
+    record = Record(time=made.time, position=made.position, force_time=made.force_time, force=made.force)
+    sprung, said = spring_decision.decide((record,))
+    assert sprung and "for one unit of mass" in said and "of the force" not in said
+    found = pipeline.diagnose([record])
+    assert [cause.name for cause in found.causes] == ["backlash"] and found.verdict == "explained"
+    assert found.extended.model["backlash_half_width"] == pytest.approx(2.96e-3, rel=0.01)
 
 
 def test_measured_records(shared_data: Path) -> None:

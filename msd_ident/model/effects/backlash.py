@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import HARDENS, PLAY, Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import BOTH, HARDENS, PLAY, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -16,6 +16,16 @@ if TYPE_CHECKING:
 
 #: How far away, in parts of the play, its next valleys are looked for.
 _HOPS = (0.93, 0.965, 1.035, 1.07)
+#: Part of a stop's stiffness below which the spring beside it is none: no law of a real rig is exact to less.
+_NO_SPRING = 0.03
+
+
+def _stops(effect: Effect) -> tuple[float, float]:
+    """Distance from zero [m] and stiffness [N/m] of stops on either side; stiffness 0 where the effect is none."""
+    if effect.knee is None or effect.knee[2] != BOTH:
+        return 0.0, 0.0
+    values = dict(zip([parameter.name for parameter in effect.parameters], effect.values, strict=True))
+    return values[effect.knee[0]], values[effect.knee[1]]
 
 
 @dataclass(frozen=True)
@@ -51,6 +61,25 @@ class Backlash(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[Backlash, ...]:
         """Several widths: the surface has a knee wherever the motion ends within the play."""
         return tuple(cls(share * typical.amplitude(record)) for share in (0.02, 0.08, 0.25))
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """Beyond stops at xs of stiffness ks the force is k·(x - g) + ks·(x - xs), with the play g that the model has
+        already: that of a spring of stiffness k + ks with a play of (k·g + ks·xs)/(k + ks).
+        """
+        place, stiffness = _stops(other)
+        if not stiffness > 0.0:
+            return None
+        whole = model.stiffness + stiffness
+        moment = model.stiffness * sum(model.structure(PLAY)) + stiffness * place
+        others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
+        return replace(model, stiffness=whole, effects=(*others, cls(moment / whole)))
+
+    @classmethod
+    def is_all_of(cls, other: Effect, model: Model) -> bool:
+        """Stops beside no spring are a spring, and the way between them its play."""
+        stiffness = _stops(other)[1]
+        return stiffness > 0.0 and model.stiffness <= _NO_SPRING * stiffness
 
     def neighbours(self, records: Sequence[Record]) -> tuple[Backlash, ...]:
         """A little more or less play: there is a valley for every number of swings that ended within it."""

@@ -335,6 +335,24 @@ class Effect:
         del simple
         return cls.guess(record, plant)
 
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """The model to start from with this effect, which has fewer numbers, in the place of another one of its effects
+        that may imitate it; None where it cannot.
+
+        Args:
+            other: an effect of the model.
+            model: as it was fitted.
+        """
+        del other, model
+        return None
+
+    @classmethod
+    def is_all_of(cls, other: Effect, model: Model) -> bool:
+        """Whether another effect of the model, with the values that it has, comes to this one and nothing more."""
+        del other, model
+        return False
+
     def neighbours(self, records: Sequence[Record]) -> tuple[Self, ...]:
         """Where a fit that ended here may find deeper valleys next to its own; none unless the effect is known for it.
 

@@ -1,0 +1,121 @@
+"""Where a second mass may hang on the first: by regressions on what a fitted model leaves, over its frequency.
+
+Of a second mass that is heavy, neither mass, spring nor damper comes near those of the fit without it: that has the sum
+of both masses, and close to it there is no way down. But for a given frequency ω and damping ratio ζ of the second mass
+alone, its force on the first is m2·H·x″ with H = (2ζωs + ω²)/(s² + 2ζωs + ω²), and with G = 1/(m s² + b s + k) of the
+fitted model, what that leaves is linear in what it lacks,
+
+    x_model - x = G·(Δm·x″ + Δb·x′ + Δk·x + m2·H·x″),
+
+so each trial is one linear regression, without a simulation (variable projection, Golub and Pereyra 1973).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.model import Model
+from msd_ident.model.effects import typical
+
+#: Frequencies tried, in parts of the plant's own, evenly spaced in their logarithm; the highest [rad a sample period],
+#: up to which a filter of samples has the frequency that it is made for; and the damping ratios tried at each.
+_LOWEST, _HIGHEST, _TRIED, _FASTEST, _RATIOS = 0.3, 30.0, 40, 0.5, (0.03, 0.15)
+#: Frequencies that a search begins from, those that explain most.
+_PEAKS = 2
+#: Part of the mass that stays on the first, at least.
+_STAYS = 0.1
+
+
+@dataclass(frozen=True)
+class SecondMass:
+    """A start.
+
+    Attributes:
+        plant: mass [kg], damping [N·s/m] and stiffness [N/m] of the first.
+        hung: mass [kg], stiffness [N/m] and damping [N·s/m] of the second.
+    """
+
+    plant: tuple[float, float, float]
+    hung: tuple[float, float, float]
+
+
+def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Collection[str]) -> list[SecondMass]:
+    """The second masses that explain most of a residual, the best first.
+
+    Args:
+        plant: mass, damping and stiffness of the fitted model.
+        record: positions from the relaxed spring.
+        residual: (n,) model − data [m] there.
+        fixed: parameters of the plant that are not fitted.
+    """
+    period = record.duration / (record.samples - 1)
+    time = record.time[0] + period * np.arange(record.samples)
+    position, left = np.interp(time, record.time, record.position), np.interp(time, record.time, residual)
+    moved, common = _common(plant, position, period)
+    free = [name not in fixed for name in ("mass", "damping", "stiffness")]
+    rows = np.column_stack([moved[:, free], common])
+    frame = np.linalg.qr(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))[0]
+    own = typical.natural_frequency(record, plant)
+    frequencies = np.geomspace(_LOWEST * own, max(min(_HIGHEST * own, _FASTEST / period), own), _TRIED)
+    trials = [(float(w), ratio) for w in frequencies for ratio in _RATIOS]
+    hung = np.column_stack([_filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
+                            for w, z in trials])  # fmt: skip
+    beyond = hung - frame @ (frame.T @ hung)
+    along = beyond.T @ (left - frame @ (frame.T @ left))
+    gain = np.where(along > 0.0, along**2 / np.maximum(np.sum(beyond**2, axis=0), 1e-300), 0.0).reshape(_TRIED, -1)
+    found = []
+    for peak in _peaks(gain.max(axis=1)):
+        trial = peak * len(_RATIOS) + int(np.argmax(gain[peak]))
+        columns = np.column_stack([moved[:, free], hung[:, trial], common])
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        solution = np.linalg.lstsq(columns / size, left, rcond=1e-12)[0] / size
+        found += _start(plant, free, solution, *trials[trial])
+    return found
+
+
+def _common(plant: Model, position: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
+    """What the plant makes of x″, x′ and x (n, 3); and of friction, of a constant force and of another beginning."""
+    own = (plant.mass, plant.damping, plant.stiffness)
+    way, kick = position - position[0], np.eye(1, position.size)[0]
+    direction = np.sign(np.gradient(position))
+    moved = [_filtered(part, own, way, period) for part in np.eye(3)]
+    forces = [_filtered((0.0, 0.0, 1.0), own, force, period) for force in (direction, np.ones(way.size), kick)]
+    return np.column_stack(moved), np.column_stack(
+        [*forces, _filtered((0.0, 1.0, 0.0), own, kick, period), np.ones(way.size)]
+    )
+
+
+def _filtered(
+    above: tuple[float, float, float] | FloatArray, below: tuple[float, float, float], signal: FloatArray, period: float
+) -> FloatArray:
+    """A signal (n,) through (a s² + b s + c)/(d s² + e s + f), by the trapezoidal rule."""
+    rate = 2.0 / period
+    upper, lower = (
+        (a * rate**2 + b * rate + c, 2.0 * (c - a * rate**2), a * rate**2 - b * rate + c) for a, b, c in (above, below)
+    )
+    return np.asarray(lfilter(upper, lower, signal), dtype=np.float64)
+
+
+def _peaks(gain: FloatArray) -> list[int]:
+    """Where a gain (n,) has its highest peaks, the highest first."""
+    padded = np.concatenate(([-math.inf], gain, [-math.inf]))
+    peaks = np.flatnonzero((gain > 0.0) & (gain >= padded[:-2]) & (gain >= padded[2:]))
+    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:_PEAKS]]
+
+
+def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: float, ratio: float) -> list[SecondMass]:
+    """The start that a regression says; none where it leaves too little of the first mass."""
+    change = np.zeros(3)
+    change[free] = solution[: sum(free)]
+    second = float(solution[sum(free)])
+    mass, damping, stiffness = (change + (plant.mass, plant.damping, plant.stiffness)).tolist()
+    if not (second > 0.0 and mass > _STAYS * plant.mass):
+        return []
+    hung = (second, second * frequency**2, 2.0 * ratio * second * frequency)
+    return [SecondMass((mass, max(damping, 0.0), max(stiffness, 0.0)), hung)]
