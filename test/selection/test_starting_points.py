@@ -163,7 +163,7 @@ def test_a_heavy_second_mass_is_begun_where_a_regression_puts_it() -> None:
     assert start.plant == pytest.approx((0.96, 1.35, 712.0), rel=0.15)
     assert start.hung[:2] == pytest.approx((0.36, 3017.0), rel=0.2)
     held = second_masses(whole, record, residual, ("mass",))
-    assert all(one.plant[0] == whole.mass for one in held)
+    assert held and all(one.plant[0] == whole.mass for one in held)
 
 
 def test_a_heavy_second_mass_beside_friction_is_found() -> None:
