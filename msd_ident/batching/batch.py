@@ -157,7 +157,7 @@ def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Pla
     found = locations.records(paths)
     store = plan.store()
     earlier = store.earlier() if store is not None and plan.resume else table.made([])
-    this = Run(found, Work(job, draw=plan.draw), plan, earlier)
+    this = Run(found, Work(job, draw=plan.draw, threads=1), plan, earlier)
     try:
         _work_through(this, Runner(link, this.tasks()), store)
         whole = this.whole()
@@ -243,7 +243,7 @@ def futures(
         DataError, SetupError: as ``batch``.
     """
     cluster.check_workers(client)
-    work = partial(_rows, Work(job))
+    work = partial(_rows, Work(job, threads=1))
     return {path: client.submit(work, path, pure=False) for path in locations.records(paths)}
 
 

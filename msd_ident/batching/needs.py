@@ -8,7 +8,7 @@ from typing import Any
 from msd_ident.errors import SetupError
 
 #: Distribution and module names of what runs many records.
-LIBRARIES = {"distributed": "dask[distributed]", "pyarrow": "pyarrow", "fsspec": "fsspec"}
+LIBRARIES = {"dask": "dask[distributed]", "distributed": "dask[distributed]", "pyarrow": "pyarrow", "fsspec": "fsspec"}
 
 
 def library(name: str) -> Any:

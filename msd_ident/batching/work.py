@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from msd_ident import parallel
 from msd_ident.batching import locations
 from msd_ident.batching.code import code_version
 from msd_ident.batching.job import Job
@@ -43,11 +44,13 @@ class Work:
         job: what is asked.
         known: digests of contents that have their rows already.
         draw: makes a record's page where the job asks for pages.
+        threads: that a diagnosis may use; 0 for one a core. One where other workers use the other cores.
     """
 
     job: Job
     known: Collection[str] = ()
     draw: Draw | None = None
+    threads: int = 0
 
     def __call__(self, path: str) -> Done:
         """All rows of one path; whatever is wrong with it is a row too.
@@ -69,7 +72,8 @@ class Work:
                 told |= {"sha256": digest, "bytes": size}
                 if digest in self.known:
                     return Done((), digest)
-                rows = self._rows(path, copy)
+                with parallel.limited_to(self.threads or parallel.threads()):
+                    rows = self._rows(path, copy)
         except Exception as error:
             rows = [{"error": in_words(error)}]
         seconds = (time.perf_counter() - began) / len(rows)

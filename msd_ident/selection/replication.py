@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident import cancellation, seeds
+from msd_ident import parallel, seeds
 from msd_ident.data.record import Record
 from msd_ident.model.effects import by_name
 from msd_ident.residuals import noise_model
@@ -197,19 +196,14 @@ def _all(
         imagined, records = study.copy(rows[task[0]], task)
         return imagined, study.said(records)
 
-    with ThreadPoolExecutor(max_workers=2) as pool:
-        jobs = [pool.submit(cancellation.in_this_context(one), task) for task in tasks]
-        try:
-            for number, (task, job) in enumerate(zip(tasks, jobs, strict=True)):
-                imagined, said = job.result()
-                progress("copies of this record", 0.9 + 0.05 * number / len(tasks), "")
-                answers.append(said)
-                left = _chi(study.experiment, imagined)
-                if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
-                    nearest[imagined.causes] = (left, imagined)
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    def told(done: int, _: tuple[int, int]) -> None:
+        progress("copies of this record", 0.9 + 0.05 * done / len(tasks), "")
+
+    for task, (imagined, said) in zip(tasks, parallel.each(one, tasks, told), strict=True):
+        answers.append(said)
+        left = _chi(study.experiment, imagined)
+        if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
+            nearest[imagined.causes] = (left, imagined)
     return answers, {causes: found for causes, (_, found) in nearest.items()}
 
 

@@ -7,16 +7,12 @@ have been fitted and none has more evidence.
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
-from msd_ident import cancellation
+from msd_ident import parallel
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
@@ -53,8 +49,6 @@ Remembered = tuple[Causes, Model, Sequence[Initial]]
 
 NOTHING: Causes = frozenset()
 LARGEST = 4
-#: Longest time for which a thread keeps the interpreter from the others [s].
-_TURN = 5e-5
 #: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
 #: repair, the library does not repair.
 _ROUNDS, _ROUNDS_FAR = 5, 2
@@ -264,22 +258,14 @@ class Search:
                 least = min(least, fitted.chi)
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
-        """Do all tasks, begun in their order, on all cores; the solver lets go of Python's lock."""
-        if len(tasks) < 2:
-            return [work(task) for task in tasks]
-        with _quick_turns(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, 8)) as pool:
-            jobs = {pool.submit(cancellation.in_this_context(work), task): i for i, task in enumerate(tasks)}
-            results: dict[int, _Done] = {}
-            try:
-                for done, job in enumerate(as_completed(jobs), start=1):
-                    results[jobs[job]] = job.result()
-                    fraction = share[0] + (share[1] - share[0]) * done / len(tasks)
-                    self.told = max(self.told, fraction)  # a bar that runs backwards tells nobody anything
-                    self.progress("search", self.told, _named(tasks[jobs[job]]))
-            except BaseException:
-                pool.shutdown(wait=True, cancel_futures=True)
-                raise
-        return [results[i] for i in range(len(tasks))]
+        """Results of all tasks in their order, with progress between the two shares of the work."""
+
+        def told(done: int, task: _Task) -> None:
+            fraction = share[0] + (share[1] - share[0]) * done / len(tasks)
+            self.told = max(self.told, fraction)  # a bar that runs backwards tells nobody anything
+            self.progress("search", self.told, _named(task))
+
+        return parallel.each(work, tasks, told if len(tasks) > 1 else None)
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self._parents(causes))
@@ -301,17 +287,6 @@ class Search:
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
-
-
-@contextmanager
-def _quick_turns() -> Iterator[None]:
-    """Threads take turns sooner: a simulation takes a fraction of a millisecond, and would then wait for 5 ms."""
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(min(before, _TURN))
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(before)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

@@ -10,6 +10,7 @@ import pytest
 from batchrigs import step_file
 
 import msd_ident
+from msd_ident import parallel
 from msd_ident.batching import batch, table
 from msd_ident.batching.job import Job
 from msd_ident.batching.running import Link
@@ -47,6 +48,20 @@ def test_digits_are_those_of_one_by_one(kept: Path, records: Path) -> None:
     alone = [row for path in sorted(records.rglob("*.csv")) for row in work(str(path)).rows]
     again = table.made(alone).to_pylist()
     assert list(map(of_the_record, rows)) == list(map(of_the_record, again)) and len(rows) == 4
+
+
+def test_a_worker_leaves_the_other_cores_to_the_others(records: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    def diagnosed(*_: object) -> None:
+        seen.append(parallel.threads())
+        raise DataError("seen")
+
+    monkeypatch.setattr("msd_ident.workflow.pipeline.diagnose", diagnosed)
+    path = str(next(records.rglob("*.csv")))
+    Work(Job(), threads=1)(path)
+    Work(Job())(path)
+    assert seen == [1, parallel.threads()]
 
 
 def test_row_says_what_was_found_and_from_what(kept: Path) -> None:

@@ -36,6 +36,16 @@ def test_a_scheduler_that_is_not_there_is_said() -> None:
         cluster.connect("nonsense://x", 0.5)
 
 
+def test_own_workers_are_not_profiled_and_other_clusters_keep_their_settings() -> None:
+    import dask
+
+    before = dask.config.get("distributed.worker.profile.enabled")
+    with cluster.this_machine(1) as client:
+        (found,) = client.run(lambda: __import__("dask").config.get("distributed.worker.profile.enabled")).values()
+    assert found is False and before is True
+    assert dask.config.get("distributed.worker.profile.enabled") is True
+
+
 @contextmanager
 def worker(address: str, folder: Path) -> Iterator[None]:
     """A worker that finds its modules in this folder first."""
