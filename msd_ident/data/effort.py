@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_coeffs
 
 from msd_ident.data.record import FloatArray, Record
 
@@ -73,6 +72,8 @@ def _uniform(record: Record) -> tuple[FloatArray, FloatArray]:
 
 def _regressed(x: FloatArray, f: FloatArray, step: float, revolute: bool) -> tuple[float, float, float]:
     """Explained part of the variance of the effort, inertia and its standard deviation."""
+    from scipy.signal import savgol_coeffs  # imported here: it takes a quarter of a second
+
     window = _window(x)
     smooth, slope, bend = (savgol_coeffs(window, 3, deriv=order, delta=step) for order in (0, 1, 2))
 

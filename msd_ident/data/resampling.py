@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy.signal
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError
@@ -44,8 +43,10 @@ def band_limited(record: Record, factor: int = FACTOR) -> Record:
             f"the force has {record.force.size} samples that are not evenly spaced; expected at least {_FEWEST} even "
             "ones for a band-limited force: use --hold linear"
         )
+    from scipy.signal import resample_poly  # imported here: it takes a quarter of a second
+
     count = (record.force.size - 1) * factor + 1
-    force = scipy.signal.resample_poly(record.force, factor, 1, window=("kaiser", _KAISER_BETA), padtype="line")
+    force = resample_poly(record.force, factor, 1, window=("kaiser", _KAISER_BETA), padtype="line")
     places = np.arange(count) / factor
     force = _raised(force[:count])
     time = np.interp(places, np.arange(record.force.size), record.force_time)

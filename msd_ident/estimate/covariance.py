@@ -14,8 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.signal
 
+from msd_ident.data import compiled
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.windows import breadths
 
@@ -128,8 +128,7 @@ def _coloured(jacobian: FloatArray, size: FloatArray, coefficients: FloatArray, 
     """JᵀΓJ for an autoregressive Γ = σ² L⁻¹L⁻ᵀ (L⁻ᵀJ is J filtered backwards in time); ``size`` scales samples."""
     jacobian *= size
     if coefficients.size > 1:
-        for row in jacobian:
-            row[:] = scipy.signal.lfilter([1.0], coefficients, row[::-1])
+        jacobian = compiled.all_pole(coefficients, jacobian[:, ::-1])
     return np.asarray(variance * (jacobian @ jacobian.T))
 
 

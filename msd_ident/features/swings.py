@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.signal
 
+from msd_ident.data import compiled
 from msd_ident.data.record import FloatArray
 from msd_ident.features.rest import evidence
 
@@ -34,16 +34,10 @@ def extremes(time: FloatArray, position: FloatArray, floor: float) -> tuple[Extr
     prominence = max(_PROMINENCE_FLOORS * floor, _PROMINENCE_SWING * swing)
     if swing <= prominence or position.size < 8:
         return ()
-    found = [(int(i), side) for side in (1, -1) for i in _peaks(side * position, prominence)]
+    found = [(int(i), side) for side in (1, -1) for i in compiled.peaks(side * position, prominence)]
     found.sort()
     alternating = _alternating(found, position)
     return tuple(_refined(time, position, floor, alternating, n) for n in range(len(alternating)))
-
-
-def _peaks(position: FloatArray, prominence: float) -> list[int]:
-    """Indices of maxima, flat tops by their middle."""
-    indices, shape = scipy.signal.find_peaks(position, prominence=prominence, plateau_size=1)
-    return [int(i) for i in (shape["left_edges"] + shape["right_edges"]) // 2] if indices.size else []
 
 
 def _alternating(found: list[tuple[int, int]], position: FloatArray) -> list[tuple[int, int]]:

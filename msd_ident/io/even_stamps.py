@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.signal
 
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray
 
@@ -72,7 +71,9 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
     if float(np.ptp(off)) > _SPAN * tick:
         if not counted or time.size < _RUNNING:
             return None
-        running = scipy.signal.savgol_filter(off, _RUNNING, 1)
+        from scipy.signal import savgol_filter  # imported here: it takes a quarter of a second
+
+        running = savgol_filter(off, _RUNNING, 1)
         drift = np.diff(running) / (period * np.diff(number))
         if float(np.ptp(off - running)) > _BENT_SPAN * tick or float(np.max(np.abs(drift))) > _DRIFT:
             return None

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from msd_ident.data.record import FloatArray
 from msd_ident.residuals.noise_model import Readings
@@ -76,7 +76,7 @@ def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adeq
 def _size(chi: float, pieces: float) -> float:
     """Probability that noise alone leaves so much in so many pieces of evidence."""
     excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
-    return float(stats.norm.sf(excess))
+    return float(special.ndtr(-excess))
 
 
 def _whiteness(values: FloatArray, rounded: bool) -> float:
@@ -93,13 +93,13 @@ def _whiteness(values: FloatArray, rounded: bool) -> float:
         return 1.0
     lags = np.array([float(centred[lag:] @ centred[:-lag]) for lag in range(1, _LAGS + 1)]) / variance
     box = count * (count + 2.0) * float(np.sum(lags**2 / (count - np.arange(1, _LAGS + 1))))
-    found = [1.0 if rounded else float(stats.chi2.sf(box, _LAGS))]
+    found = [1.0 if rounded else float(special.chdtrc(_LAGS, box))]
     for block in _BLOCKS:
         blocks = count // block
         if blocks < 8:
             continue
         sums = centred[: blocks * block].reshape(blocks, block).sum(axis=1)
-        found.append(float(stats.chi2.sf(float(sums @ sums) / (block * variance / count), blocks)))
+        found.append(float(special.chdtrc(blocks, float(sums @ sums) / (block * variance / count))))
     return min(1.0, len(found) * min(found))
 
 
@@ -135,4 +135,4 @@ def _independence(values: FloatArray, part: Readings) -> float:
     frame = np.linalg.qr(basis / np.linalg.norm(basis, axis=0))[0]
     centred = values - values.mean()
     share = float(np.sum((frame.T @ centred) ** 2) / max(float(centred @ centred), 1e-300))
-    return float(stats.chi2.sf(count * share, basis.shape[1]))
+    return float(special.chdtrc(basis.shape[1], count * share))

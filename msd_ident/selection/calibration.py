@@ -32,7 +32,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.stats import fisher_exact
 
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import Ranking, kinds
@@ -138,6 +137,8 @@ def odds(lead: Row, rival: Row, cause: str) -> float:
         return 0.0
     ratio = rival.share(cause) / lead.share(cause)
     table = np.array([[row.named(cause), row.copies - row.named(cause)] for row in (rival, lead)])
+    from scipy.stats import fisher_exact  # imported here: it takes a quarter of a second
+
     return ratio if fisher_exact(table, "greater")[1] < _BY_CHANCE else min(ratio, 1.0)
 
 

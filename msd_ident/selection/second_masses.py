@@ -17,7 +17,6 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.model import Model
@@ -99,6 +98,8 @@ def _filtered(
     upper, lower = (
         (a * rate**2 + b * rate + c, 2.0 * (c - a * rate**2), a * rate**2 - b * rate + c) for a, b, c in (above, below)
     )
+    from scipy.signal import lfilter  # imported here: it takes a quarter of a second
+
     return np.asarray(lfilter(upper, lower, signal), dtype=np.float64)
 
 
