@@ -55,6 +55,20 @@ def test_what_does_not_vary_tells_nothing() -> None:
     assert np.isnan(accounted(moved_by_hand(1, seconds=1.0)))
 
 
+def test_one_step_that_a_noisy_encoder_saw_is_no_unrelated_force() -> None:
+    """All variation of the force is in the few windows around the step, where noise is as large."""
+    lots = np.random.default_rng(1)
+    for _ in range(200):
+        omega, zeta, noise = lots.uniform(5.0, 12.0), 10.0 ** lots.uniform(-2.3, -1.2), lots.choice([1e-3, 3e-3, 1e-2])
+        time = np.arange(lots.integers(800, 1500)) / (omega / (2.0 * np.pi) * lots.uniform(16.0, 90.0))
+        onset, damped = 0.05 * time[-1], omega * np.sqrt(1.0 - zeta**2)
+        t = np.maximum(time - onset, 0.0)
+        response = 1.0 - np.exp(-zeta * omega * t) * (np.cos(damped * t) + zeta * omega / damped * np.sin(damped * t))
+        position = 0.2 * (response + noise * lots.standard_normal(time.size))
+        share = accounted(Record(time, position, np.array([onset]), np.array([0.2 * omega**2])), 0.2 * noise)
+        assert not share < 0.4, (omega, zeta, noise, share)
+
+
 @pytest.mark.parametrize("rig", [rig for rig in RIGS if rig.options.force != "none"], ids=lambda rig: rig.name)
 def test_no_measured_rig_is_refused(rig: Rig) -> None:
     if not (folder() / rig.path).is_file():

@@ -3,7 +3,8 @@
 A joint that a hand moves, or an effort that is no force, still fits some model, with absurd numbers. Before any model
 is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so that no
 reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed: what part of the force's
-variation the motion accounts for, at the length of window at which it accounts for most.
+variation the motion accounts for, at the length of window at which it accounts for most. Noise of the encoder that the
+regression carries into the force is not held against the motion.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ _UNRELATED = 0.2
 _WINDOWS = (600, 200, 60)
 #: Points that are enough for the narrowest of them, and fewest of a record and of a window.
 _POINTS, _SHORTEST, _NARROWEST = 12_000, 240, 8
-#: Fewest windows with motion in them, and the part of its span by which the cart must move to count as in motion.
+#: Fewest windows with motion in them, also counted by their part in the force's variation: of one step alone, a few
+#: windows hold it all. And the part of its span by which the cart must move to count as in motion.
 _FEWEST, _MOVES = 40, 0.02
 #: Most stamps of a force that is commanded now and then, and held after the last one.
 _COMMANDS = 10
@@ -36,7 +38,7 @@ def relation(record: Record, motion: Motion) -> Iterator[Finding]:
     """A force that the motion does not account for."""
     if motion.still or motion.force_span == 0.0:
         return
-    share = accounted(record)
+    share = accounted(record, motion.floor)
     if share < _UNRELATED:
         yield Finding(
             "error",
@@ -47,19 +49,25 @@ def relation(record: Record, motion: Motion) -> Iterator[Finding]:
         )
 
 
-def accounted(record: Record) -> float:
-    """Part of the force's variation that the motion accounts for, at the best length of window; NaN if none tells."""
-    position, force = _even(record)
+def accounted(record: Record, floor: float = 0.0) -> float:
+    """Part of the force's variation that the motion accounts for, at the best length of window; NaN if none tells.
+
+    Args:
+        record: position and force.
+        floor: standard deviation of the encoder's noise [m].
+    """
+    position, force, averaged = _even(record)
     if position.size < _SHORTEST:
         return math.nan
     sizes = [position.size // windows for windows in _WINDOWS]
-    shares = [_share(position, force, size) for size in sizes if size >= _NARROWEST]
+    shares = [_share(position, force, size, floor / math.sqrt(averaged)) for size in sizes if size >= _NARROWEST]
     known = [share for share in shares if not math.isnan(share)]
     return max(known, default=math.nan)
 
 
-def _even(record: Record) -> tuple[FloatArray, FloatArray]:
-    """Position and force, evenly spaced and averaged to so many points that the narrowest window has a few.
+def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
+    """Position and force, evenly spaced, and how many samples each of their points averages: the narrowest window has
+    a few points.
 
     A force of more stamps than commands have is a signal, and only known as long as it was recorded.
     """
@@ -72,11 +80,13 @@ def _even(record: Record) -> tuple[FloatArray, FloatArray]:
     time = begin + period * np.arange(samples // count * count)
     pair = (np.interp(time, record.time, record.position), record.force_at(time))
     position, force = (values.reshape(-1, count).mean(axis=1) for values in pair)
-    return position - np.mean(position), force
+    return position - np.mean(position), force, count
 
 
-def _share(position: FloatArray, force: FloatArray, size: int) -> float:
-    """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted."""
+def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> float:
+    """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted and for
+    the noise of a position [m] that the fitted coefficients turn into force.
+    """
     u = np.linspace(-1.0, 1.0, size + 2)[1:-1]
     bump, slope = (1.0 - u**2) ** 3, -6.0 * u * (1.0 - u**2) ** 2
     bend = -6.0 * (1.0 - u**2) ** 2 + 24.0 * u**2 * (1.0 - u**2)
@@ -87,12 +97,18 @@ def _share(position: FloatArray, force: FloatArray, size: int) -> float:
     moving = np.abs(v) > _MOVES * swing * float(np.sum(np.abs(slope))) / 2.0
     if np.count_nonzero(moving) < _FEWEST or np.std(f[moving]) < _VARIES * np.ptp(force) * np.sum(bump):
         return math.nan
+    deviation = (f[moving] - np.mean(f[moving])) ** 2
+    if float(np.sum(deviation)) ** 2 < _FEWEST * float(np.sum(deviation**2)):
+        return math.nan
     columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x)))[moving]
-    columns = columns / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
-    left = f[moving] - columns @ np.linalg.lstsq(columns, f[moving], rcond=None)[0]
+    scale = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
+    fitted = np.linalg.lstsq(columns / scale, f[moving], rcond=None)[0] / scale
+    left = f[moving] - columns @ fitted
+    kernel = fitted[0] * bend - fitted[1] * slope + fitted[2] * bump
+    carried = noise**2 * float(kernel @ kernel)
     pieces = np.count_nonzero(moving) / 4.0  # neighbours overlap by three quarters
     lost = pieces / max(pieces - columns.shape[1], 1.0)
-    return float(1.0 - lost * np.mean(left**2) / np.var(f[moving]))
+    return float(1.0 - max(lost * np.mean(left**2) - carried, 0.0) / np.var(f[moving]))
 
 
 def _windowed(values: FloatArray, window: FloatArray) -> FloatArray:
