@@ -19,6 +19,7 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
+from msd_ident.residuals.octaves import Octaves, octaves
 
 #: No solver and no clock is better than this part of the motion.
 _EXACT = 2e-6
@@ -66,6 +67,11 @@ class Readings:
     def root(self) -> FloatArray:
         """(n,) root of ``factor``: what turns a residual into units of the noise."""
         return np.asarray(np.sqrt(self.factor))
+
+    @cached_property
+    def octaves(self) -> Octaves:
+        """Bands of the record's frequencies."""
+        return octaves(self.record)
 
     def thinned(self, keep: int) -> Readings:
         """Every so many samples, about ``keep`` of them, the force left as it is; itself when it has no more."""

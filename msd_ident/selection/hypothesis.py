@@ -177,12 +177,16 @@ def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatA
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A set of causes, fitted: the model, its problem, and the state in which the descent ended."""
+    """A set of causes, fitted: the model, its problem, and the state in which the descent ended.
+
+    ``readings`` are those it was fitted to, ``rests`` those of the cart at rest.
+    """
 
     causes: Causes
     model: Model
     problem: Problem
     state: State
+    readings: tuple[Readings, ...]
     rests: tuple[Readings, ...] = ()
 
     @property
@@ -194,6 +198,13 @@ class Hypothesis:
     def stirred(self) -> float:
         """The same of what its causes would do to the cart where it rests."""
         return sum(rest_response.chi(self.model, rest) for rest in self.rests)
+
+    @cached_property
+    def octaves(self) -> FloatArray:
+        """(BANDS,) sums of squares in units of the noise, octave by octave; ``chi`` is their sum."""
+        ends = np.cumsum([part.record.samples for part in self.readings])[:-1]
+        parts = zip(self.readings, np.split(self.state.residual, ends), strict=True)
+        return np.asarray(np.sum([part.octaves.of(residual) for part, residual in parts], axis=0))
 
     @property
     def point(self) -> FloatArray:
@@ -431,4 +442,5 @@ def _lower(experiment: Experiment, fitted: Hypothesis, steps: int) -> Hypothesis
 
 
 def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Hypothesis:
-    return Hypothesis(causes, problem.model.with_values(problem.values(state.point)), problem, state, experiment.rests)
+    model = problem.model.with_values(problem.values(state.point))
+    return Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)

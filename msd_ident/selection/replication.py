@@ -215,4 +215,4 @@ def _stood(experiment: Experiment, found: Imagined) -> Hypothesis:
     """A set as drawn, as if it had been fitted there."""
     model = found.problem.model.with_values(found.problem.values(found.point))
     problem, weighting, point = formulated(experiment, model, found.problem.initials(found.point))
-    return Hypothesis(found.causes, model, problem, weighting.exact(point, weighting.steps(None)))
+    return Hypothesis(found.causes, model, problem, weighting.exact(point, weighting.steps(None)), experiment.readings)

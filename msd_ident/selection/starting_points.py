@@ -110,7 +110,8 @@ def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: M
     problem, weighting, point = formulated(experiment, model, parent.initial)
     state = extended(weighting, parent.problem, parent.state, point)
     promised = step(problem, state, _DAMPED)[1]
-    return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), parent.chi)
+    here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
+    return StartingPoint(state.chi - promised, here, parent.chi)
 
 
 def _weakened(model: Model, names: Causes) -> Model:
@@ -194,4 +195,5 @@ def _exact_start(
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
     promised = step(problem, state, _DAMPED)[1]
-    return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), beside)
+    here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
+    return StartingPoint(state.chi - promised, here, beside)

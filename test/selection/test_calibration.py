@@ -43,7 +43,8 @@ def fitted() -> dict[frozenset[str], Hypothesis]:
     for model in models:
         problem, weighting, point = formulated(experiment, model, experiment.problem(model).initial)
         causes = frozenset(model.effect_names)
-        found[causes] = Hypothesis(causes, model, problem, weighting.exact(point, weighting.steps(None)))
+        state = weighting.exact(point, weighting.steps(None))
+        found[causes] = Hypothesis(causes, model, problem, state, experiment.readings)
     return found
 
 

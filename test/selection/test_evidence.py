@@ -38,11 +38,14 @@ def experiment() -> Experiment:
 
 
 def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3) -> Hypothesis:
-    """A set with a given chi², every parameter known to its natural size over ``known``."""
+    """A set with a given chi², spread evenly over all frequencies, every parameter known to its natural size over
+    ``known``.
+    """
     problem = experiment.problem(model)
-    rows = known * np.diag(1.0 / problem.scale)
-    residual = np.zeros(problem.size)
-    residual[0] = math.sqrt(chi)
+    rows = np.zeros((problem.size, experiment.readings[0].record.samples))
+    rows[:, : problem.size] = known * np.diag(1.0 / problem.scale)
+    whole = np.random.default_rng(1).normal(size=experiment.readings[0].record.samples)
+    residual = whole * math.sqrt(chi / float(whole @ whole))
     return Hypothesis(
         frozenset(model.effect_names),
         model,
@@ -53,6 +56,7 @@ def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3)
             rows,
             True,
         ),
+        experiment.readings,
     )
 
 
@@ -71,11 +75,11 @@ def odds(ranking: evidence.Ranking) -> dict[frozenset[str], tuple[float, float]]
 
 def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:
     friction, drag = CoulombFriction(0.1), QuadraticDrag(1.0)
-    for gain, leads in ((10.0, 0), (160.0, 1)):
+    for without, both, leads in ((1000.0, 990.0, 0), (5000.0, 840.0, 1)):
         found = ranked(
             {
-                "friction": fitted(experiment, BASE + friction, 1000.0),
-                "both": fitted(experiment, BASE + friction + drag, 1000.0 - gain),
+                "friction": fitted(experiment, BASE + friction, without),
+                "both": fitted(experiment, BASE + friction + drag, both),
             }
         )
         assert len(found.best.causes) == 1 + leads
@@ -91,8 +95,24 @@ def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Exper
     )
     assert found.best.causes == {"coulomb_friction"}
     scale = evidence.NoiseScale(840.0)
-    gain = scale.log_likelihood(998.0) - scale.log_likelihood(1000.0)
+    gain = scale.of(found.sets[1]) - scale.of(found.sets[0])
+    assert 0.0 < gain < 0.1
     assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
+
+
+def test_what_repeats_in_one_octave_counts_once_and_in_three_octaves_three_times(experiment: Experiment) -> None:
+    (readings,) = experiment.readings
+    frequencies = np.array([np.flatnonzero(readings.octaves.band == band)[0] for band in (2, 3, 4)])
+    time = np.arange(readings.record.samples) / readings.record.samples
+    scale, whole = evidence.NoiseScale(0.0), fitted(experiment, BASE, 1.0)
+
+    def left(size: float, bands: int) -> float:
+        residual = size * sum(np.sin(2.0 * np.pi * frequency * time) for frequency in frequencies[:bands])
+        return scale.of(replace(whole, state=replace(whole.state, residual=residual)))
+
+    falls = [left(100.0, bands) - left(1.0, bands) for bands in (1, 3)]
+    assert falls[0] == pytest.approx(-0.5 * evidence.OCTAVE_SHAPES * math.log(1e4), rel=1e-2)
+    assert falls[1] == pytest.approx(3.0 * falls[0], rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,8 @@ def rubbing() -> Experiment:
 def stood(experiment: Experiment, model: Model) -> Hypothesis:
     """A set that was left where it stands."""
     problem, weighting, point = formulated(experiment, model, experiment.problem(model).initial)
-    return Hypothesis(frozenset(model.effect_names), model, problem, weighting.exact(point, weighting.steps(None)))
+    state = weighting.exact(point, weighting.steps(None))
+    return Hypothesis(frozenset(model.effect_names), model, problem, state, experiment.readings)
 
 
 def test_what_is_simpler_is_begun_where_the_leader_stands() -> None:

@@ -1,0 +1,61 @@
+"""What a model leaves, octave by octave.
+
+The error of a law has a shape that nobody knows, slow or fast, and it repeats with the motion. So what is left is
+looked at in octaves of frequency, counted from the motion's own: in each there are a few independent features of that
+error, however many swings were recorded. A law that is right takes what is left away in all of them. One that only
+resembles it does so where most of the error is, mostly at the frequency of the motion, and leaves or adds some in the
+others, which the sum over all frequencies does not show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from msd_ident.data.record import FloatArray, Record
+
+#: Ends of the octaves, in units of the motion's own frequency; what is slower or faster is one band each.
+_ENDS = np.array([0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0])
+#: How many bands there are.
+BANDS = _ENDS.size + 1
+
+
+@dataclass(frozen=True)
+class Octaves:
+    """The bands of a record's frequencies.
+
+    Attributes:
+        band: (n // 2 + 1,) number of the band of each frequency of the discrete Fourier transform.
+        share: (BANDS,) of the samples' degrees of freedom, that is of white noise.
+    """
+
+    band: npt.NDArray[np.intp]
+    share: FloatArray
+
+    def of(self, whitened: FloatArray) -> FloatArray:
+        """(BANDS,) sums of squares of the bands of a residual (n,); together they are that of the residual."""
+        power = np.abs(np.fft.rfft(whitened)) ** 2 * (_twice(whitened.size) / whitened.size)
+        return np.asarray(np.bincount(self.band, weights=power, minlength=BANDS), dtype=np.float64)
+
+
+def octaves(record: Record) -> Octaves:
+    """Bands of a record's frequencies in units of its motion's: the median of the spectrum of the velocity."""
+    count = record.samples
+    frequency = np.arange(count // 2 + 1, dtype=np.float64)
+    velocity = np.diff(record.position, prepend=record.position[0])
+    energy = np.cumsum(np.abs(np.fft.rfft(velocity - velocity.mean())) ** 2)
+    own = max(float(np.searchsorted(energy, 0.5 * energy[-1])), 1.0)
+    band = np.searchsorted(_ENDS, frequency / own, side="right")
+    share = np.bincount(band, weights=_twice(count), minlength=BANDS) / count
+    return Octaves(band, share)
+
+
+def _twice(count: int) -> FloatArray:
+    """(n // 2 + 1,) real numbers that each frequency of n samples stands for: two, but for the mean and the last."""
+    found = np.full(count // 2 + 1, 2.0)
+    found[0] = 1.0
+    if count % 2 == 0:
+        found[-1] = 1.0
+    return found
