@@ -14,7 +14,7 @@ from typing import Any
 
 from bench.blind import rigs
 from bench.blind.rigs import Author, Sealed
-from bench.blind.truth import allowed, same
+from bench.blind.truth import STIFFNESS_BEYOND, allowed, same
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.estimate import fit
@@ -216,6 +216,9 @@ def _plant(rig: Sealed, diagnosis: Diagnosis) -> tuple[tuple[str, float, float, 
 def _plant_error(rig: Sealed, diagnosis: Diagnosis) -> float:
     """Larger relative error of mass and stiffness; a free decay knows their ratio only."""
     found = {name: diagnosis.extended.quantities[name].value for name in ("mass", "stiffness")}
+    for law in rig.truth:
+        part = diagnosis.extended.quantities.get(STIFFNESS_BEYOND.get(law, ""))
+        found["stiffness"] += part.value if part else 0.0
     if rig.experiment == "release":
         return abs(found["stiffness"] / found["mass"] * rig.plant["mass"] / rig.plant["stiffness"] - 1.0)
     return max(abs(value / rig.plant[name] - 1.0) for name, value in found.items())

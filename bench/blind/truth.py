@@ -14,6 +14,10 @@ DRY = frozenset(
     {"coulomb_friction", "stribeck_friction", "position_dependent_friction", "hysteresis", "load_dependent_friction"}
 )
 
+#: Foreign laws of a spring whose stiffness is that beyond a gap, and the parameter of the law that says the same (an
+#: identity: ``docs/identities.md``), which adds to the stiffness in the gap.
+STIFFNESS_BEYOND: Mapping[str, str] = {"soft_play": "stop_stiffness"}
+
 #: What may be said of rigs whose law the library does not have: the effects of the same family.
 FAMILIES: Mapping[str, frozenset[str]] = {
     "friction_change": DRY,

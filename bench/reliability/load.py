@@ -39,7 +39,7 @@ FIT_PERIOD, BUFFER, HELD = 5.0, 10.0, 1.5
 BURNERS = 2
 #: Part of the time, but at least so long [s], after which memory is expected to be flat: buffers are full then.
 WARM_UP, WARM_UP_LEAST = 0.2, 20.0
-#: Change of memory that is flat.
+#: Growth of memory that is flat.
 FLAT = 0.05
 NODES = ("rig", "recorder", "identifier")
 
@@ -69,10 +69,14 @@ class Load:
     memory: dict[str, list[tuple[float, float]]] = field(default_factory=lambda: {name: [] for name in NODES})
 
     def change(self, node: str) -> tuple[float, float, float]:
-        """Memory of a node when it was warm, least and most of it at any instant afterwards, in parts of that."""
+        """Memory of a node when it was warm; growth of its level until the end, and the most at any instant afterwards,
+        in parts of that. A fit that is computed at that instant holds its arrays, so that instants tell no level.
+        """
         warm = max(WARM_UP * self.seconds, WARM_UP_LEAST)
         kept = np.array([used for at, used in self.memory[node] if at >= warm])
-        return float(kept[0]), float(kept.min() / kept[0] - 1.0), float(kept.max() / kept[0] - 1.0)
+        part = max(kept.size // 5, 1)
+        level = float(np.median(kept[:part]))
+        return level, float(np.median(kept[-part:])) / level - 1.0, float(kept.max()) / level - 1.0
 
     @property
     def wrong(self) -> list[str]:
@@ -81,9 +85,9 @@ class Load:
         found += [] if ", none lost, in " in self.said else [f"the recorder said: {self.said}"]
         found += [f"{len(self.refused)} fits failed: {self.refused[0]}"] if self.refused else []
         for node in NODES:
-            first, low, high = self.change(node)
-            if max(-low, high) > FLAT:
-                found.append(f"memory of the {node} was {first:.0f} MiB and changed by {low:+.1%} to {high:+.1%}")
+            level, growth, _ = self.change(node)
+            if growth > FLAT:
+                found.append(f"memory of the {node} was {level:.0f} MiB and grew by {growth:.1%}")
         return found
 
     @property
@@ -91,8 +95,8 @@ class Load:
         """For the table."""
         took = [duration for _, duration in self.fits]
         apart = np.diff([at for at, _ in self.fits])
-        used = ", ".join(f"{node} {first:.0f} MiB {low:+.1%} to {high:+.1%}" for node in NODES
-                         for first, low, high in [self.change(node)])  # fmt: skip
+        used = ", ".join(f"{node} {level:.0f} MiB, grew by {growth:.1%}, at most {most:+.1%} for an instant"
+                         for node in NODES for level, growth, most in [self.change(node)])  # fmt: skip
         how = "in batches" if self.messages < self.samples else "single"
         wrong = "; ".join(self.wrong)
         outcome = (
