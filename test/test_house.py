@@ -67,6 +67,9 @@ AT_HOME = {
 }
 
 LONGEST_FUNCTION = 60
+#: Parameters from which on a function has many, and how many of msd_ident may have: commands, one for each option;
+#: laws of effects; the innermost functions of the solver; and a few that are called from outside.
+MANY_PARAMETERS, MOST_WITH_MANY = 6, 30
 
 #: Modules outside the library that name single effects or their parameters, and why; everybody else asks an effect for
 #: what it is (a role in the structure, a sign, a sentence, a bound).
@@ -197,6 +200,19 @@ def test_functions_are_short() -> None:
                 if lines > LONGEST_FUNCTION:
                     too_long.append(f"{name}.{node.name} has {lines} lines")
     assert not too_long, "\n".join(too_long)
+
+
+def test_few_functions_have_many_parameters() -> None:
+    """Values that travel together are an object of the field."""
+    many = []
+    for name, tree in modules().items():
+        for node in ast.walk(tree):
+            if within(name, ("msd_ident",)) and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                given = node.args.posonlyargs + node.args.args + node.args.kwonlyargs
+                count = sum(one.arg not in ("self", "cls") for one in given)
+                if count >= MANY_PARAMETERS:
+                    many.append(f"{name}.{node.name} has {count} parameters")
+    assert len(many) <= MOST_WITH_MANY, "\n".join(many)
 
 
 def test_only_the_library_names_single_effects() -> None:

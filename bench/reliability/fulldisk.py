@@ -11,7 +11,7 @@ from typing import Any
 
 from bench.reliability.kills import TOPIC, TYPE, message
 from msd_ident.io import repair
-from msd_ident.ros.recorder.recording import QueueLimits, Recording
+from msd_ident.ros.recorder.recording import Numbered, QueueLimits, Recording
 
 #: Mounts a disk where it is told to, in a name space of its own, and leaves with it.
 _MOUNT = 'mount -t tmpfs -o size="$1" none "$2" && shift 2 && exec "$@"'
@@ -47,7 +47,7 @@ def _fill(folder: Path, seed: int) -> dict[str, Any]:
     recording.add_topic(TOPIC, TYPE, [])
     sent = 0
     while not recording.summary.error:
-        recording.put(TOPIC, message(sent) + noise.randbytes(noise.randrange(200)), sent + 1, sent + 1, sent)
+        recording.put(TOPIC, message(sent) + noise.randbytes(noise.randrange(200)), sent + 1, sent + 1, Numbered(sent))
         sent += 1
         time.sleep(0.0002)
     summary = recording.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Optional
 
@@ -13,6 +14,7 @@ from msd_ident.cli import options, sources
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from msd_ident.cli.run import Output
     from msd_ident.data.record import Record
     from msd_ident.design import Limits, Proposal
     from msd_ident.design.parameter_design import Sharpened
@@ -85,7 +87,8 @@ def design(
         same_plant.check(diagnosis)
         report("designing", 0.95)
         found = _designed(diagnosis, allowed, targets, check)
-    _write(found, diagnosis, output, out, figure, [str(path) for path in paths], allowed)
+    made = Found(found, diagnosis, allowed, " + ".join(str(path) for path in paths))
+    _write(made, output, out, figure)
     return 0
 
 
@@ -98,20 +101,27 @@ def _designed(diagnosis: Diagnosis, limits: Limits, targets: str, check: bool) -
     return designs.check(diagnosis, limits) if check else designs.design(diagnosis, limits)
 
 
-def _write(
-    found: Proposal | Sharpened | None, diagnosis: Diagnosis, output: object, out: Path | None, figure: Path | None,
-    paths: Sequence[str], limits: Limits,
-) -> None:  # fmt: skip
+@dataclass(frozen=True)
+class Found:
+    """A designed experiment, ``None`` where none is needed, for a diagnosis within limits; ``name`` of the records."""
+
+    experiment: Proposal | Sharpened | None
+    diagnosis: Diagnosis
+    limits: Limits
+    name: str
+
+
+def _write(made: Found, output: Output, out: Path | None, figure: Path | None) -> None:
     from rich.console import Console
 
     from msd_ident.cli import run
     from msd_ident.design import Proposal, write_profile
     from msd_ident.report import design_figures, design_tables
 
-    assert isinstance(output, run.Output)
+    found, diagnosis = made.experiment, made.diagnosis
     line = {
-        "schema": "msd.design/1", "path": " + ".join(paths), "verdict": diagnosis.verdict,
-        "limits": limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
+        "schema": "msd.design/1", "path": made.name, "verdict": diagnosis.verdict,
+        "limits": made.limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
     }  # fmt: skip
     run.write([line], output)
     console: Console = Console(highlight=False)

@@ -54,6 +54,7 @@ def diagnose(
         return pipeline.diagnose(records, settings, tell)
 
     further = trials.both(tried, exported)
-    code = run.work(paths, source, together, output, solve, tables.print_diagnosis, exported.keep, further)
+    after = run.After(tables.print_diagnosis, exported.keep, further)
+    code = run.work(run.Data(paths, source, together), output, solve, after)
     targets.finish()
     return code

@@ -73,6 +73,7 @@ def identify(
         return identification.identify(records, settings, progress)
 
     further = trials.both(tried, exported)
-    code = run.work(paths, source, together, output, solve, tables.print_identification, exported.keep, further)
+    after = run.After(tables.print_identification, exported.keep, further)
+    code = run.work(run.Data(paths, source, together), output, solve, after)
     targets.finish()
     return code

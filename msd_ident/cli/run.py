@@ -112,26 +112,42 @@ def progress(quiet: bool) -> Iterator[Progress]:
         yield lambda stage, fraction: bar.update(task, description=stage, completed=fraction)
 
 
+@dataclass(frozen=True)
+class Data:
+    """The records of a command: their paths, how they are read, and whether all are one experiment."""
+
+    paths: Sequence[Path]
+    source: SourceOptions
+    together: bool
+
+
+@dataclass(frozen=True)
+class After:
+    """What is done with each result.
+
+    Attributes:
+        show: prints it.
+        keep: is given each result with its paths.
+        tried: is given its JSON, and gives further keys for it.
+    """
+
+    show: Callable[[Any, Console], None]
+    keep: Callable[[tuple[Path, ...], Any], None] = lambda group, result: None
+    tried: Callable[[Mapping[str, Any], Console | None], dict[str, Any]] = lambda result, console: {}
+
+
 def work(
-    paths: Sequence[Path],
-    source: SourceOptions,
-    together: bool,
-    output: Output,
-    solve: Callable[[Sequence[Record], Progress], Result],
-    show: Callable[[Any, Console], None],
-    keep: Callable[[tuple[Path, ...], Any], None] = lambda group, result: None,
-    tried: Callable[[Mapping[str, Any], Console | None], dict[str, Any]] = lambda result, console: {},
+    data: Data, output: Output, solve: Callable[[Sequence[Record], Progress], Result], after: After
 ) -> int:
     """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
 
-    A path that fails gets its one line on stderr and an object with ``error``; the others go on. ``keep`` is given each
-    result with its paths; ``tried`` its JSON, and gives further keys for it.
+    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
     """
     from rich.console import Console
 
     output.check()
-    groups = [tuple(paths)] if together else [(path,) for path in paths]
-    parts = [part for group in groups for part in _parts(group, source, together)]
+    groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]
+    parts = [part for group in groups for part in _parts(group, data.source, data.together)]
     console = Console(highlight=False)
     lines: list[dict[str, Any]] = []
     failed = False
@@ -145,12 +161,12 @@ def work(
             lines.append({"path": name, "error": str(error)})
             continue
         found = result.to_json_dict()
-        keep(group, result)
+        after.keep(group, result)
         if output.tables:
-            show(result, console)
+            after.show(result, console)
         line = {"schema": found.pop("schema"), "path": name, **found}
         try:
-            line |= tried(line, console if output.tables else None)
+            line |= after.tried(line, console if output.tables else None)
         except MsdError as error:
             failed = True
             print(f"msd: {error}", file=sys.stderr)

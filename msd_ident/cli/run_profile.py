@@ -48,11 +48,14 @@ def run_profile(
     bag = out or Path(f"{profile.stem}_bag")
     run.check_target(bag, False)
     require_ros("msd run")
+    from msd_ident.ros.experimenter.profile_player import Experiment
     from msd_ident.ros.experimenter.session import conductor
 
     with conductor(namespace, silence, lead) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
         done = played_by.play(
-            wanted, allowed, bag, stop, lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part), reset
+            Experiment(wanted, allowed, bag, reset),
+            stop,
+            lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part),
         )
     line = {
         "schema": "msd.run/1", "path": str(done.bag), "stopped": done.stopped, "commands": done.commands,

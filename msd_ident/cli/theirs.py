@@ -78,4 +78,4 @@ def compare(paths: Sequence[Path], source: SourceOptions, together: bool, output
     def solve(records: Sequence[Record], progress: run.Progress) -> Comparison:
         return external.compare(simulation, records, progress)
 
-    return run.work(paths, source, together, output, solve, print_comparison)
+    return run.work(run.Data(paths, source, together), output, solve, run.After(print_comparison))

@@ -124,7 +124,8 @@ def _tried(saved: SavedModel, settings: Options, paths: Sequence[Path], together
         return found
 
     source, output = targets.source, targets.output
-    code = run.work(paths, source, together, output, solve, tables.print_validation, targets.keep)
+    after = run.After(tables.print_validation, targets.keep)
+    code = run.work(run.Data(paths, source, together), output, solve, after)
     targets.finish()
     return code or (0 if all(met) else 1)
 

@@ -120,13 +120,15 @@ def discriminate(
     predictions: Sequence[Prediction],
     on: Grid,
     seen: Sensing,
-    truths: FloatArray,
     shares: FloatArray | None = None,
 ) -> Discrimination:
-    """How well readings on a grid part rivals.
+    """How well readings on a grid part rivals, as long as nobody says how probable each is (``asked``).
 
     Args:
-        truths: (r,) probability of each rival.
+        predictors: the r rivals.
+        predictions: of each, on the grid.
+        on: the instants of the readings.
+        seen: what the encoder sees.
         shares: (r, r) part of chi² that a real refit leaves of what the linear one does; 1 where not given.
     """
     count = len(predictors)
@@ -149,7 +151,7 @@ def discriminate(
         ahead = np.array([evidence[a] - evidence[b] + 0.5 * (lefts[b] - lefts[a]) for b in others])
         margins = (ahead - DECISIVE) / np.sqrt(lefts[others] + 1.0)
         decided[a] = float(np.mean(special.ndtr(margins.min(axis=0))))
-    return Discrimination(chi, decided, math.nan).asked(truths)
+    return Discrimination(chi, decided, math.nan)
 
 
 def differences(true: Prediction, rival: Prediction) -> FloatArray:

@@ -128,7 +128,8 @@ def judge(question: Question, profile: Profile) -> Option:
     """What the rivals predict for a profile, and how well it parts them."""
     on = grid(profile, question.period, question.sensing)
     predictions = tuple(one.predict(on.record) for one in question.predictors)
-    parting = discrimination.discriminate(question.predictors, predictions, on, question.sensing, question.truths)
+    parting = discrimination.discriminate(question.predictors, predictions, on, question.sensing)
+    parting = parting.asked(question.truths)
     low, high, speed = safety.extremes(question.predictors, predictions)
     return Option(profile, on, predictions, parting, (low, high), speed, np.ones_like(parting.chi))
 
@@ -136,6 +137,6 @@ def judge(question: Question, profile: Profile) -> Option:
 def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
     """The same option when real refits leave only this part (r, r) of what linear ones do."""
     parting = discrimination.discriminate(
-        question.predictors, option.predictions, option.grid, question.sensing, question.truths, kept
-    )
+        question.predictors, option.predictions, option.grid, question.sensing, kept
+    ).asked(question.truths)
     return replace(option, parting=parting, shares=kept)

@@ -15,7 +15,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.discrimination import occam
-from msd_ident.design.nearest_rival import SILENT, Measured, nearest
+from msd_ident.design.nearest_rival import SILENT, Measured, Moving, nearest
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
@@ -154,11 +154,11 @@ def _playing(
             if not any(spread > known[r] + 0.5 * share * least for r, spread in wider.items() if r in known):
                 return None  # the cart begins where it would without the effect
             held = tuple(len(lead.free) + 2 * r for r in range(len(data.records)))
-            found.append(nearest(lead, trial, len(lead.free), data, held, _HOPELESS))
+            found.append(nearest(lead, trial, Moving(len(lead.free), held), data, _HOPELESS))
     if not found:
         return None
     held_start = min(found, key=lambda one: one[1])[0]
-    rival, rise, information = nearest(lead, held_start, len(held_start.free), data, hopeless=_HOPELESS)
+    rival, rise, information = nearest(lead, held_start, Moving(len(held_start.free)), data, _HOPELESS)
     if rise > SILENT or rival.model[shrinking] < _SMALLEST * least:
         return None
     return _told(lead, rival, rise, information)
@@ -184,7 +184,8 @@ def _around(
     lead: CandidateModel, model: Model, effect: Effect, data: Measured, hopeless: float
 ) -> tuple[CandidateModel, float]:
     """The same from one start."""
-    trial, rise, information = nearest(lead, _trial(lead, model, effect, data), len(lead.free), data, hopeless=hopeless)
+    began, moving = _trial(lead, model, effect, data), Moving(len(lead.free))
+    trial, rise, information = nearest(lead, began, moving, data, hopeless)
     return _told(lead, trial, rise, information), rise
 
 

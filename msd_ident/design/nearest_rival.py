@@ -47,12 +47,24 @@ class Measured:
         return {balance.record: balance.spread for balance in formulate(contender.model, self.records, kept).balances}
 
 
+@dataclass(frozen=True)
+class Moving:
+    """Which entries of a trial are fitted.
+
+    Attributes:
+        parameters: how many of its free parameters, the first ones.
+        held: entries that stay; after the parameters come each record's start position and zero.
+    """
+
+    parameters: int
+    held: Sequence[int] = ()
+
+
 def nearest(
     lead: CandidateModel,
     trial: CandidateModel,
-    moving: int,
+    moving: Moving,
     data: Measured,
-    held: Sequence[int] = (),
     hopeless: float = math.inf,
 ) -> tuple[CandidateModel, float, FloatArray]:
     """A trial moved to where it leaves least: the trial there, the rise of chi² over the lead's own, information.
@@ -62,27 +74,27 @@ def nearest(
     Args:
         lead: whose readings stand for the data.
         trial: to begin with.
-        moving: how many of its free parameters are fitted, the first ones.
+        moving: what of it is fitted.
         data: what was measured.
-        held: entries that stay: after the parameters come each record's start position and zero.
         hopeless: rise beyond which the trial is of no use: given up where no step so far promises less.
     """
     resting, own = data.resting(trial), data.resting(lead)
     base = sum((_imbalance(lead, r)[0] / spread) ** 2 for r, spread in own.items())
     best: _System | None = None
-    begun = _values(trial, moving)
+    count = moving.parameters
+    begun = _values(trial, count)
     rise, promised, damping = np.inf, np.inf, 0.0
     for turn in range(_ROUNDS):
         predictor = Predictor(trial, 10.0 * data.seen.noise)
         rows = [_linearised(predictor, record, i, data) for i, record in enumerate(data.records)]
-        system = _system(trial, rows, moving, resting, begun)
+        system = _system(trial, rows, count, resting, begun)
         slow = best is not None and 0.8 * best.total < system.total <= best.total
         if best is None or system.total <= best.total:
             best, damping = system, 0.1 * damping
         else:
             damping = max(10.0 * damping, 1e-3)
-        move, left = best.step(damping, held)
-        trial, rise = _shifted(best.trial, move, moving), left - base
+        move, left = best.step(damping, moving.held)
+        trial, rise = _shifted(best.trial, move, count), left - base
         promised = min(promised, rise)
         vain = turn + 1 >= _ENOUGH and promised > hopeless
         if slow or vain or rise < 0.2 * SILENT or damping > _STUCK:

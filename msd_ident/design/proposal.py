@@ -157,7 +157,8 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
-    sentence = _sentence(option, called, pair, left, question, (unit, length), verb)
+    hardest = _hardest(option, (called[pair[0]], called[pair[1]]), left, question.sensing.noise)
+    sentence = _sentence(option, called, verb, hardest, (unit, length))
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
         profile=option.profile,
@@ -203,14 +204,18 @@ def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]
     return measurements.between(pairs)
 
 
-def _sentence(
-    option: Option, called: Sequence[str], pair: tuple[int, int], left: Refitted, question: Question,
-    units: tuple[str, str], verb: str,
-) -> str:  # fmt: skip
-    """What to do and why, in words."""
-    true, rival = (called[i] for i in pair)
+def _hardest(option: Option, pair: tuple[str, str], left: Refitted, noise: float) -> str:
+    """Which two rivals are hardest to tell apart, and what a refit leaves beside the noise [m], in words."""
     worst = int(np.argmax(np.abs(left.difference)))
-    levels = abs(float(left.difference[worst])) / question.sensing.noise
+    levels = abs(float(left.difference[worst])) / noise
+    return (
+        f"The most difficult pair is {pair[0]} and {pair[1]}: even after a refit they differ by up to {levels:.3g} "
+        f"noise levels, at {option.grid.record.time[worst]:.1f} s."
+    )
+
+
+def _sentence(option: Option, called: Sequence[str], verb: str, hardest: str, units: tuple[str, str]) -> str:
+    """What to do and why, in words; ``units`` of force and position."""
     profile = option.profile
     low, high = profile.extremes
     force = f"with {low:.3g} to {high:.3g} {units[0]}" if low < high else "without force"
@@ -218,9 +223,7 @@ def _sentence(
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
     return (
         f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. It should {what} {aim} with "
-        f"probability {option.probability:.2f}. The most difficult pair is {true} and {rival}: even after a refit "
-        "they differ "
-        f"by up to {levels:.3g} noise levels, at {option.grid.record.time[worst]:.1f} s. The cart will move "
+        f"probability {option.probability:.2f}. {hardest} The cart will move "
         f"{option.travel[0]:.3g} to {option.travel[1]:.3g} {units[1]} from its start, at {option.peak_speed:.3g} "
         f"{units[1]}/s at most, whichever of them is true."
     )

@@ -30,9 +30,7 @@ class Refitted:
         return np.asarray(self.true - self.rival)
 
 
-def refitted(
-    rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing, steps: int = _STEPS
-) -> Refitted:
+def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing) -> Refitted:
     """Levenberg–Marquardt on the rival's parameters, start position and zero; the measured data holds it back."""
     weight = weights(true, on, seen)
     before = prior(rival, seen.noise)
@@ -40,7 +38,7 @@ def refitted(
     lower, upper = _bounds(rival)
     point, readings, jacobian = origin.copy(), own.position, own.jacobian
     cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
-    for _ in range(steps):
+    for _ in range(_STEPS):
         normal = (jacobian * weight) @ jacobian.T + before
         slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))

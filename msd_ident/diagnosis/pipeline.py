@@ -26,7 +26,7 @@ from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
 from msd_ident.residuals.ringdown import RingDown
-from msd_ident.residuals.unexplained import TOLERANCE, remainders
+from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
 from msd_ident.selection import (
     coarse_to_fine,
     evidence,
@@ -136,7 +136,7 @@ def diagnose_records(
         ranking = noted(evidence.rank({NOTHING: base}, evidence.NoiseScale()), experiment)
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    return _conclude(task, experiment, base, ranking, shared, progress)
+    return _conclude(task, experiment, _Search(base, ranking, shared), progress)
 
 
 def prepare(task: Task) -> Experiment:
@@ -176,9 +176,17 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
     ]
 
 
-def _conclude(
-    task: Task, experiment: Experiment, base: Hypothesis, ranking: Ranking, shared: Shared, progress: Progress
-) -> Diagnosis:
+@dataclass(frozen=True)
+class _Search:
+    """What the search found: the base model, the ranking of the sets of causes, and the fits of the plain plant."""
+
+    base: Hypothesis
+    ranking: Ranking
+    shared: Shared
+
+
+def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
+    base, ranking, shared = search.base, search.ranking, search.shared
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
     ranking, matrix = replication.checked(experiment, base, ranking, task.calibrate, progress)
@@ -191,7 +199,8 @@ def _conclude(
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     missing, still = _missing(experiment, base), _still_missing(experiment, shown)
     lacking = (_still_missing(experiment, base) if best.causes else still, still)
-    lacks = remainders(task.records, _floor(experiment), fits, lacking, left, task.tolerance)
+    judged = [JudgedModel(*one) for one in zip(fits, lacking, left, strict=True)]
+    lacks = remainders(task.records, _floor(experiment), judged[0], judged[1], task.tolerance)
     decision = verdict.decide(causes, lacks)
     characteristics = None
     if lacks.exceeds:

@@ -45,8 +45,8 @@ def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     chosen = choose_columns(table, str(path), options)
     places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
     read = dict(zip(places, table.columns(places), strict=True))
-    notes: list[str] = []
-    time, there = _times(table, chosen, read, options, str(path), notes)
+    time, there, said = _times(table, chosen, read, options, str(path))
+    notes = list(said)
     position = read[chosen.position][there]
     x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
     t_x, x = _samples(time, position)
@@ -121,14 +121,13 @@ def _times(
     read: Mapping[int, FloatArray],
     options: SourceOptions,
     name: str,
-    notes: list[str],
-) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Stamps [s] of the lines that are there, and which lines (n,) these are; ``notes`` grows."""
+) -> tuple[FloatArray, npt.NDArray[np.bool_], list[str]]:
+    """Stamps [s] of the lines that are there, which lines (n,) these are, and notes for the record."""
     position = read[chosen.position]
     if chosen.time is None:
         assert options.rate is not None
-        notes.append(f"the stamps are those of {options.rate:g} samples a second, as --rate says.")
-        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool)
+        said = f"the stamps are those of {options.rate:g} samples a second, as --rate says."
+        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool), [said]
     heading, time = table.header[chosen.time], read[chosen.time]
     there = np.isfinite(time)
     if lost := int(np.count_nonzero(~there & np.isfinite(position))):
@@ -136,7 +135,7 @@ def _times(
             f"{name}: {lost} lines have no {heading}; expected a time on every line: repair or remove them, or give "
             "the sampling rate with --rate HZ"
         )
-    time = time[there]
+    time, notes = time[there], list[str]()
     scale = _scale(options.time_scale, units.time_factor(heading), heading, notes)
     even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
     if even is not None:
@@ -148,7 +147,7 @@ def _times(
             f"{1.0 / (even.period * scale):.5g} Hz."
         )
         time = even.time
-    return time * scale, there
+    return time * scale, there, notes
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:

@@ -202,27 +202,37 @@ def missing_clouds(
     """
     part, length, force = beyond.measured[index], record.position_unit, record.force_unit
     scale = length_scale(float(np.ptp(part.position)), length)
-    velocity = _cloud("velocity", f"velocity [{length}/s]", 1.0, beyond, index, force, detail)
-    position = _cloud("position", f"position from rest [{scale.unit}]", scale.factor, beyond, index, force, detail)
-    return velocity, position
+    velocity = _Axis("velocity", f"velocity [{length}/s]", 1.0)
+    position = _Axis("position", f"position from rest [{scale.unit}]", scale.factor)
+    return _cloud(velocity, beyond, index, force, detail), _cloud(position, beyond, index, force, detail)
 
 
-def _cloud(signal: str, label: str, factor: float, beyond: Beyond, index: int, unit: str, detail: Detail) -> Plot:
-    part = beyond.measured[index]
-    series = [_points("smoothed from the data", "measured", part, signal, factor, detail)]
+@dataclass(frozen=True)
+class _Axis:
+    """What a cloud is drawn against: a signal of ``DisturbanceEstimate``, its label, and its factor to be shown."""
+
+    signal: str
+    label: str
+    factor: float
+
+
+def _cloud(axis: _Axis, beyond: Beyond, index: int, unit: str, detail: Detail) -> Plot:
+    part, signal = beyond.measured[index], axis.signal
+    series = [_points("smoothed from the data", "measured", part, axis, detail)]
     law = next((law for law in beyond.laws if law.signal == signal), None)
     if beyond.explained and not (beyond.whole and law is not None):
-        series.append(_points("extended model", "extended", beyond.explained[index], signal, factor, detail))
+        series.append(_points("extended model", "extended", beyond.explained[index], axis, detail))
     if law is not None:
         name = " + ".join(words.effect(cause) for cause in law.causes)
-        series.append(Series(f"law: {name}", "law", factor * law.over, law.force))
+        series.append(Series(f"law: {name}", "law", axis.factor * law.over, law.force))
     panel = Panel(f"missing force [{unit}]", tuple(series))
-    return Plot(f"missing_{signal}", f"Missing force against {signal}", label, (panel,), 340)
+    return Plot(f"missing_{signal}", f"Missing force against {signal}", axis.label, (panel,), 340)
 
 
-def _points(name: str, role: Role, part: DisturbanceEstimate, signal: str, factor: float, detail: Detail) -> Series:
-    keep = spread(getattr(part, signal), detail.cloud)
-    return Series(name, role, factor * getattr(part, signal)[keep], part.force[keep], "points")
+def _points(name: str, role: Role, part: DisturbanceEstimate, axis: _Axis, detail: Detail) -> Series:
+    signal = getattr(part, axis.signal)
+    keep = spread(signal, detail.cloud)
+    return Series(name, role, axis.factor * signal[keep], part.force[keep], "points")
 
 
 def ring_down_plot(ring_down: RingDown, scale: DisplayUnit) -> Plot:

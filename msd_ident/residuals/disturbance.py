@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.optimize
@@ -48,6 +49,24 @@ class DisturbanceEstimate:
         return math.sqrt(float(np.mean(self.force**2)))
 
 
+class _Readings(NamedTuple):
+    """Steps of time (n − 1,) [s], readings (n,) [m], mean force (n − 1,) [N] between them."""
+
+    steps: FloatArray
+    position: FloatArray
+    applied: FloatArray
+
+
+class _Law(NamedTuple):
+    """The equation of the filter: m, b, k of the plant, variance of a reading [m²], strength of the walk [N²/s]."""
+
+    m: float
+    b: float
+    k: float
+    variance: float
+    walk: float
+
+
 def missing_force(
     record: Record, plant: tuple[float, float, float], noise: float, zero: float = 0.0
 ) -> DisturbanceEstimate:
@@ -60,25 +79,26 @@ def missing_force(
         zero: reading at which the spring is relaxed [m].
     """
     position = np.ascontiguousarray(record.position - zero)
-    steps = np.diff(record.time)
-    applied = _mean_force(record)
-    mass, damping, stiffness = plant
-    natural = _natural_walk(record, mass, position)
+    readings = _Readings(np.diff(record.time), position, _mean_force(record))
+    natural = _natural_walk(record, plant[0], position)
     variance = max(noise, 1e-9 * float(np.ptp(position)), 1e-300) ** 2
     work = np.empty((record.samples, 11))
     states = np.empty((record.samples, 3))
 
+    def law(decade: float) -> _Law:
+        mass, damping, stiffness = plant
+        return _Law(mass, damping, stiffness, variance, natural * 10.0**decade)
+
     def unlikely(decade: float) -> float:
-        walk = natural * 10.0**decade
-        return -float(_filter(steps, position, applied, mass, damping, stiffness, variance, walk, states, work))
+        return -float(_filter(readings, law(decade), states, work))
 
     found = scipy.optimize.minimize_scalar(
         unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": _EVALUATIONS, "xatol": 0.1}
     )
-    walk = natural * 10.0 ** float(found.x)
-    unlikely(float(found.x))
+    likeliest = law(float(found.x))
+    _filter(readings, likeliest, states, work)
     spread = np.empty(record.samples)
-    _smooth(steps, mass, damping, stiffness, variance, states, work, spread)
+    _smooth(readings.steps, likeliest, states, work, spread)
     return DisturbanceEstimate(
         time=record.time,
         position=states[:, 0].copy(),
@@ -86,7 +106,7 @@ def missing_force(
         applied=record.force_at(record.time),
         force=states[:, 2].copy(),
         std=np.sqrt(spread),
-        walk=walk,
+        walk=likeliest.walk,
     )
 
 
@@ -110,9 +130,10 @@ def _mean_force(record: Record) -> FloatArray:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _transition(h, m, b, k, a, g):  # type: ignore[no-untyped-def]
+def _transition(h, law, a, g):  # type: ignore[no-untyped-def]
     """Fill a (3, 3) with the transition of (x, v, d) over h and g (2,) with the effect of a held force."""
     # Taylor series of the generator [[0, 1, 0], [-k/m, -b/m, -1/m], [0, 0, 0]] on each column.
+    m, b, k, _, _ = law
     p, r = -k / m, -b / m
     for column in range(3):
         x = 1.0 if column == 0 else 0.0
@@ -130,8 +151,8 @@ def _transition(h, m, b, k, a, g):  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _predicted(a, c, h, m, walk, out):  # type: ignore[no-untyped-def]
-    """out = a c aᵀ + Q with the walk's covariance over h (plant forces within one step left out of Q)."""
+def _carried(a, c, out):  # type: ignore[no-untyped-def]
+    """out = a c aᵀ."""
     for i in range(3):
         for j in range(i + 1):
             total = 0.0
@@ -140,6 +161,11 @@ def _predicted(a, c, h, m, walk, out):  # type: ignore[no-untyped-def]
                     total += a[i, u] * c[u, w] * a[j, w]
             out[i, j] = total
             out[j, i] = total
+
+
+@njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
+def _walked(h, m, walk, out):  # type: ignore[no-untyped-def]
+    """out += Q, the walk's covariance over h (plant forces within one step left out)."""
     out[0, 0] += walk * h**5 / (20.0 * m * m)
     out[1, 1] += walk * h**3 / (3.0 * m * m)
     out[2, 2] += walk * h
@@ -153,10 +179,12 @@ def _predicted(a, c, h, m, walk, out):  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore[no-untyped-def]
+def _filter(readings, law, states, work):  # type: ignore[no-untyped-def]
     """Log likelihood; fills the filtered states (n, 3), and (n, 11) their covariances, and variance and value of what
     each reading surprises by.
     """
+    steps, y, u = readings
+    m, _, k, variance, walk = law
     n = y.size
     a, g = np.empty((3, 3)), np.empty(2)
     c, ahead = np.zeros((3, 3)), np.zeros((3, 3))
@@ -173,10 +201,11 @@ def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore
     for i in range(1, n):
         h = steps[i - 1]
         if h < 0.999999 * last or h > 1.000001 * last:
-            _transition(h, m, b, k, a, g)
+            _transition(h, law, a, g)
             last, settled = h, False
         if not settled:
-            _predicted(a, c, h, m, walk, ahead)
+            _carried(a, c, ahead)
+            _walked(h, m, walk, ahead)
             before = spread
             spread = ahead[0, 0] + variance
             g0, g1, g2 = ahead[0, 0] / spread, ahead[1, 0] / spread, ahead[2, 0] / spread
@@ -198,13 +227,13 @@ def _filter(steps, y, u, m, b, k, variance, walk, states, work):  # type: ignore
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _smooth(steps, m, b, k, variance, states, work, spread):  # type: ignore[no-untyped-def]
+def _smooth(steps, law, states, work, spread):  # type: ignore[no-untyped-def]
     """Modified Bryson–Frazier smoother: states become the smoothed ones, spread (n,) the variance of d.
 
     It inverts no covariance. A force that hardly walks makes them all but singular, and the smoother of Rauch, Tung
     and Striebel, which inverts them, diverges there. (Bierman 1977, Factorization Methods, ch. X.)
     """
-    n = states.shape[0]
+    n, variance = states.shape[0], law.variance
     a, g, gain = np.empty((3, 3)), np.empty(2), np.empty(3)
     # What the later readings say: minus the gradient of their log likelihood in the state, and its information.
     pull, known = np.zeros(3), np.zeros((3, 3))
@@ -231,7 +260,7 @@ def _smooth(steps, m, b, k, variance, states, work, spread):  # type: ignore[no-
         # ... and over the step before it.
         h = steps[i - 1]
         if h < 0.999999 * last or h > 1.000001 * last:
-            _transition(h, m, b, k, a, g)
+            _transition(h, law, a, g)
             last = h
         for p in range(3):
             pull[p] = a[0, p] * moved[0] + a[1, p] * moved[1] + a[2, p] * moved[2]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -66,6 +66,21 @@ class Characteristics:
         }
 
 
+class _Table(NamedTuple):
+    """Values (k,) at rising knots (k,)."""
+
+    knots: FloatArray
+    values: FloatArray
+
+
+class _Plant(NamedTuple):
+    """Mass [kg], force of the spring [N] over the position [m], of the damper [N] over the speed [m/s]."""
+
+    m: float
+    spring: _Table
+    damper: _Table
+
+
 @dataclass(frozen=True)
 class _Curves:
     """The fitting problem: vector = mass, spring forces, damping forces, then position and velocity of each record."""
@@ -83,7 +98,8 @@ class _Curves:
         data = self.readings[record].record
         out = np.empty(data.samples)
         start = point[own + 2 * record : own + 2 * record + 2]
-        _simulate(data.time, self.applied[record], point[0], self.places, spring, self.speeds, damper, start, out)
+        plant = _Plant(point[0], _Table(self.places, spring), _Table(self.speeds, damper))
+        _simulate(data.time, self.applied[record], plant, start, out)
         reach = 100.0 * float(np.ptp(data.position))
         return np.clip(np.nan_to_num(out - data.position, nan=reach, posinf=reach, neginf=-reach), -reach, reach)
 
@@ -176,29 +192,31 @@ def _top_speed(record: Record) -> float:
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _table(knots, values, at):  # type: ignore[no-untyped-def]
+def _value(table, at):  # type: ignore[no-untyped-def]
     """Piecewise linear, going on straight beyond the ends."""
+    knots, values = table
     i = min(max(np.searchsorted(knots, at) - 1, 0), knots.size - 2)
     share = (at - knots[i]) / (knots[i + 1] - knots[i])
     return values[i] + share * (values[i + 1] - values[i])
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _simulate(time, force, m, places, spring, speeds, damper, start, out):  # type: ignore[no-untyped-def]
+def _simulate(time, force, plant, start, out):  # type: ignore[no-untyped-def]
     """Classical Runge–Kutta, two steps a sample; a held force between samples."""
+    m, spring, damper = plant
     x, v = start[0], start[1]
     out[0] = x
     for i in range(1, time.size):
         h = 0.5 * (time[i] - time[i - 1])
         u = force[i - 1]
         for _ in range(2):
-            a1 = (u - _table(places, spring, x) - _table(speeds, damper, v)) / m
+            a1 = (u - _value(spring, x) - _value(damper, v)) / m
             v2 = v + 0.5 * h * a1
-            a2 = (u - _table(places, spring, x + 0.5 * h * v) - _table(speeds, damper, v2)) / m
+            a2 = (u - _value(spring, x + 0.5 * h * v) - _value(damper, v2)) / m
             v3 = v + 0.5 * h * a2
-            a3 = (u - _table(places, spring, x + 0.5 * h * v2) - _table(speeds, damper, v3)) / m
+            a3 = (u - _value(spring, x + 0.5 * h * v2) - _value(damper, v3)) / m
             v4 = v + h * a3
-            a4 = (u - _table(places, spring, x + h * v3) - _table(speeds, damper, v4)) / m
+            a4 = (u - _value(spring, x + h * v3) - _value(damper, v4)) / m
             x += h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
             v += h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
         out[i] = x

@@ -117,14 +117,11 @@ def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | Non
     swings.sort(key=lambda swing: -swing.amplitude)
     amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
     rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
-    said = _said(
-        amplitude, ratio * rate, ratio_std * rate, ("The damping ratio", "", length), _LEAST_RATIO,
-        _RUBS, _DRAGS,
-    ) + _said(
-        amplitude, frequency, frequency_std, ("The natural frequency", " rad/s", length),
-        _LEAST_RELATIVE * float(np.median(frequency)),
-        _SOFTENS, _HARDENS,
-    )  # fmt: skip
+    least = _LEAST_RELATIVE * float(np.median(frequency))
+    damping = _Quantity("The damping ratio", "", length, _LEAST_RATIO, _RUBS, _DRAGS)
+    stiffness = _Quantity("The natural frequency", " rad/s", length, least, _SOFTENS, _HARDENS)
+    said = _said(amplitude, ratio * rate, ratio_std * rate, damping)
+    said += _said(amplitude, frequency, frequency_std, stiffness)
     plain = tuple(f"{one.seen}." for one in said)
     return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said, plain)
 
@@ -139,23 +136,38 @@ def _row(swing: Swing) -> tuple[float, ...]:
     )
 
 
-def _said(
-    amplitude: FloatArray, value: FloatArray, std: FloatArray, named: tuple[str, str, str], least: float,
-    rising: Reading, falling: Reading,
-) -> tuple[Observation, ...]:  # fmt: skip
-    """An observation when the values go with 1/A or with A far better than with nothing.
+@dataclass(frozen=True)
+class _Quantity:
+    """What is read off each swing.
 
-    ``named`` are what the value is, its unit, and that of the amplitude.
+    Attributes:
+        what: its name.
+        unit, length: its unit, and that of the amplitude.
+        least: standard deviation that is never undercut.
+        rising, falling: what it means when it does so as the amplitude falls.
     """
-    what, unit, length = named
-    weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), least) ** 2
+
+    what: str
+    unit: str
+    length: str
+    least: float
+    rising: Reading
+    falling: Reading
+
+
+def _said(
+    amplitude: FloatArray, value: FloatArray, std: FloatArray, quantity: _Quantity
+) -> tuple[Observation, ...]:
+    """An observation when the values (n,) ± std go with 1/A or with A far better than with nothing."""
+    what, unit, length = quantity.what, quantity.unit, quantity.length
+    weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), quantity.least) ** 2
     mean = float(np.average(value, weights=weight))
     nothing = float(np.sum(weight * (value - mean) ** 2))
     best = min((_line(shape, value, weight) for shape in (1.0 / amplitude, amplitude)), key=lambda line: line[0])
     if nothing - best[0] < _DECISIVE * max(best[0] / max(value.size - 2, 1), 1.0):
         return ()
     large, small = best[1][0], best[1][-1]
-    way, means = ("rises", rising) if small > large else ("falls", falling)
+    way, means = ("rises", quantity.rising) if small > large else ("falls", quantity.falling)
     seen = (
         f"{what} {way} from {large:.3g}{unit} at an amplitude of {amplitude[0]:.3g} {length} to {small:.3g}{unit} at "
         f"{amplitude[-1]:.3g} {length}"

@@ -96,40 +96,50 @@ class Remainders:
         }
 
 
+@dataclass(frozen=True)
+class JudgedModel:
+    """A fitted model and what the data says against it.
+
+    Attributes:
+        fit: the model on the records.
+        missing: the force that it lacks, one for each record.
+        adequacy: whether its residual is noise.
+    """
+
+    fit: FitResult
+    missing: Sequence[DisturbanceEstimate]
+    adequacy: Adequacy
+
+
 def remainders(
-    records: Sequence[Record],
-    noise: float,
-    fits: tuple[FitResult, FitResult],
-    missing: tuple[Sequence[DisturbanceEstimate], Sequence[DisturbanceEstimate]],
-    left: tuple[Adequacy, Adequacy],
-    tolerance: float = TOLERANCE,
+    records: Sequence[Record], noise: float, base: JudgedModel, extended: JudgedModel, tolerance: float = TOLERANCE
 ) -> Remainders:
-    """Of base and extended model, in this order everywhere.
+    """What either model leaves.
 
     Args:
         records: of the experiment.
         noise: floor of all readings together [m].
-        fits: the models on the records.
-        missing: the force that each lacks, one for each record.
-        left: whether each one's residual is noise.
+        base, extended: the two models.
         tolerance: part of the motion's rms that the lab does not care about [%].
     """
-    extended = fits[1].model
+    plant = extended.fit.model
     motion = _rms([record.position - np.mean(record.position) for record in records])
-    yardstick, size = _yardstick(records, motion, extended["stiffness"])
+    yardstick, size = _yardstick(records, motion, plant["stiffness"])
 
-    def of_model(index: int) -> Remainder:
-        force, interval = _force(missing[index], extended, left[index].consistent)
+    def left_by(model: JudgedModel) -> Remainder:
+        force, interval = _force(model.missing, plant, model.adequacy.consistent)
         return Remainder(
             force=force,
             force_interval=interval,
             force_percent=100.0 * force / size if size > 0.0 else math.nan,
-            motion_percent=100.0 * math.sqrt(max(fits[index].see ** 2 - noise**2, 0.0)) / motion,
-            seen=not left[index].consistent,
+            motion_percent=100.0 * math.sqrt(max(model.fit.see**2 - noise**2, 0.0)) / motion,
+            seen=not model.adequacy.consistent,
         )
 
     unit = records[0].force_unit
-    return Remainders(of_model(0), of_model(1), yardstick, size, unit, motion, 100.0 * noise / motion, float(tolerance))
+    return Remainders(
+        left_by(base), left_by(extended), yardstick, size, unit, motion, 100.0 * noise / motion, float(tolerance)
+    )
 
 
 def _yardstick(records: Sequence[Record], motion: float, stiffness: float) -> tuple[str, float]:

@@ -74,7 +74,16 @@ def assess(
 
 def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool) -> CauseAssessment:
     alone = ranking.left.get(frozenset({name}), math.nan)
-    reason = _reason(name, possible, alone, ranking.left, named, tied)
+    if name in named:
+        without = ranking.left.get(named - {name}, math.nan)
+        remain = f"without it {without:.3g} noise floors remain."
+        reason = remain if math.isfinite(without) else "the data requires it."
+    elif tied:
+        reason = "could replace a named cause: this data cannot tell them apart."
+    elif not possible:
+        reason = _impossible(name)
+    else:
+        reason = _not_needed(name, alone, ranking.left, named)
     return CauseAssessment(name, name in named, ranking.of_cause(name), alone, reason)
 
 
@@ -90,16 +99,10 @@ def _impossible(name: str) -> str:
     return "cannot be seen here: the quantity that it depends on does not change in this record."
 
 
-def _reason(name: str, possible: bool, alone: float, left: Left, named: Causes, tied: bool) -> str:
+def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
+    """Why a cause that can act is not named: what is left with it [noise floors], alone and beside the named ones."""
     nothing = left[frozenset()]
     with_it = [floors for causes, floors in left.items() if name in causes]
-    if name in named:
-        without = left.get(named - {name}, math.nan)
-        return f"without it {without:.3g} noise floors remain." if math.isfinite(without) else "the data requires it."
-    if tied:
-        return "could replace a named cause: this data cannot tell them apart."
-    if not possible:
-        return _impossible(name)
     if not with_it:
         if len(left) == 1:
             return "not fitted: the base model leaves only noise."

@@ -27,7 +27,7 @@ from msd_ident.selection.hypothesis import (
     formulated,
 )
 from msd_ident.selection.second_masses import SecondMass, second_masses
-from msd_ident.selection.starting_values import guesses
+from msd_ident.selection.starting_values import FittedRecord, guesses
 
 _KEPT = 3
 #: Relative difference of two promises that are one.
@@ -64,7 +64,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         elif rubs > 0.0 and name in HOLDING_COULOMB:
             found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:
-            found = guesses(name, plant, seen, residual, part.noise, largest, first=not parent.causes)
+            found = guesses(name, FittedRecord(plant, seen, residual, part.noise, largest, not parent.causes))
         added = [model + guess for model in models for guess in found]
         if by_name(name).structure == SECOND_MASS:
             hung = second_masses(plant, seen, residual, experiment.fixed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,29 +29,42 @@ _FAINT = 1e-12
 _SATURATED = (0.95, 0.75)
 
 
-def guesses(
-    name: str, plant: Model, record: Record, residual: FloatArray, noise: float, largest: float, *, first: bool = True
-) -> tuple[Effect, ...]:
-    """Starting values of an effect.
+@dataclass(frozen=True)
+class FittedRecord:
+    """The liveliest record and what a fitted model leaves there.
 
-    Args:
-        name: of the effect.
+    Attributes:
         plant: mass, damping and stiffness of the fitted model.
-        record: the liveliest record, positions from the relaxed spring.
-        residual: (n,) model − data [m] of the fitted model there.
+        record: positions from the relaxed spring.
+        residual: (n,) model − data [m].
         noise: standard deviation of a reading [m].
         largest: magnitude of the force in any record [N].
-        first: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
+        bare: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
     """
-    effect = by_name(name)
+
+    plant: Model
+    record: Record
+    residual: FloatArray
+    noise: float
+    largest: float
+    bare: bool
+
+
+def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
+    """Starting values of the effect with this name, beside a fitted model."""
+    effect, plant, record = by_name(name), fitted.plant, fitted.record
     if effect.harmonic is not None and not effect.form_of:
         over_time = effect.harmonic.over == TIME
-        terms = lines(record, plant, residual) if over_time else ripples(record, plant, residual, noise)
+        terms = (
+            lines(record, plant, fitted.residual)
+            if over_time
+            else ripples(record, plant, fitted.residual, fitted.noise)
+        )
         found = tuple(effect.from_values(dict(zip(effect.harmonic.names, term, strict=True))) for term in terms)
-        return found if found and not first else found + effect.guess(record, plant)[:1]
+        return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
     found = effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
-        found += tuple(effect.limited(share * largest) for share in _SATURATED if largest > 0.0)
+        found += tuple(effect.limited(share * fitted.largest) for share in _SATURATED if fitted.largest > 0.0)
     return found
 
 

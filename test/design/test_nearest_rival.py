@@ -47,9 +47,9 @@ def test_what_can_not_hide_is_given_up_early(monkeypatch: pytest.MonkeyPatch) ->
         return real(*args)  # type: ignore[arg-type]
 
     monkeypatch.setattr(nearest_rival, "_linearised", counted)
-    rises = []
+    rises, moving = [], nearest_rival.Moving(len(lead.free))
     for hopeless in (hidden_effects._HOPELESS, math.inf):
         looks.append(0)
-        rises.append(nearest_rival.nearest(lead, trial, len(lead.free), data, hopeless=hopeless)[1])
+        rises.append(nearest_rival.nearest(lead, trial, moving, data, hopeless)[1])
     assert looks[0] == nearest_rival._ENOUGH < looks[1]
     assert min(rises) > hidden_effects._HOPELESS

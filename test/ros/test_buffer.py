@@ -14,7 +14,7 @@ from hypothesis import strategies as st  # noqa: E402
 from msd_ident.data.streams import from_stamps  # noqa: E402
 from msd_ident.errors import DataError, UsageError  # noqa: E402
 from msd_ident.ros.common.fault_log import FaultLog  # noqa: E402
-from msd_ident.ros.common.live_buffer import LiveBuffer, Ring  # noqa: E402
+from msd_ident.ros.common.live_buffer import LiveBuffer, Ring, Units  # noqa: E402, Units
 
 chunks = st.lists(st.lists(st.integers(0, 10**6), max_size=30), max_size=12)
 
@@ -46,7 +46,7 @@ def test_a_buffer_without_room_is_refused() -> None:
 def test_the_record_is_the_one_of_from_stamps() -> None:
     ns = np.array(stamps(300), dtype=np.int64)
     x = ringing(ns.tolist())
-    buffer = LiveBuffer(1000, hold="linear", force_unit="V", position_unit="rad")
+    buffer = LiveBuffer(1000, hold="linear", units=Units("V", "rad"))
     buffer.add_force(int(ns[0]), 0.0)
     buffer.add_force(int(ns[100]), 10.0)
     for at, value in zip(ns[:120].tolist(), x[:120].tolist(), strict=True):

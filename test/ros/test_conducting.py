@@ -23,7 +23,7 @@ from msd_ident.io import SourceOptions, read  # noqa: E402
 from msd_ident.ros.common import names  # noqa: E402
 from msd_ident.ros.experimenter import profile_player  # noqa: E402
 from msd_ident.ros.experimenter.node import Experimenter  # noqa: E402
-from msd_ident.ros.experimenter.profile_player import Played, ProfilePlayer  # noqa: E402
+from msd_ident.ros.experimenter.profile_player import Experiment, Played, ProfilePlayer  # noqa: E402
 from msd_ident.ros.recorder.recording import Recording  # noqa: E402
 from msd_interfaces.action import RunExperiment  # noqa: E402
 
@@ -64,7 +64,7 @@ def play(ros: Graph, profile: Profile, bag: Path, limits: Limits = LIMITS, **mor
     made = ProfilePlayer(ros.node, silence=float(more.pop("silence", 5.0)))  # type: ignore[arg-type]
     stop = more.pop("stop", threading.Event())
     advance = more.pop("advance", lambda part, force, at: None)
-    return made.play(profile, limits, bag, stop, advance)  # type: ignore[arg-type]
+    return made.play(Experiment(profile, limits, bag), stop, advance)  # type: ignore[arg-type]
 
 
 def test_a_profile_is_played_and_recorded(ros: Graph, tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ KEPT = 3
 _ENTRY = '''"""Compiled entries of msd_ident's solver; written by it, safe to delete."""
 from numba import njit
 from msd_ident.model.kernel import run as kernel
+from msd_ident.model.kernel.groups import Path
 
 _plan, _row = kernel.plan, kernel.row
 
@@ -29,7 +30,7 @@ def plan(time, force_time, force, straight):
 @njit(cache=True, nogil=True, error_model="numpy")
 def run(bits, rows, place, plan, out_x, out_v):
     for i in range(rows.shape[0]):
-        _row(bits, rows[i], place, plan, out_x[i], out_v[i])
+        _row(bits, rows[i], place, plan, Path(out_x[i], out_v[i]))
 '''
 
 

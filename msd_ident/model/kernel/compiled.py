@@ -1,7 +1,8 @@
 """The ways in which the kernel's functions are compiled.
 
 ``lean`` and ``inlined`` functions only look at arrays that their callers hold, so they count no references to them:
-counting took seven times as long as the physics. They may not make arrays.
+counting took seven times as long as the physics. They may not make arrays, nor return one, alone or in a named tuple,
+to a function that counts.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.

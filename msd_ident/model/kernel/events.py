@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import lean
-from msd_ident.model.kernel.rk import forces_at, step5, step_to
+from msd_ident.model.kernel.groups import Line, Place, State
+from msd_ident.model.kernel.rk import breakaway, forces_at, held, step5, step_to
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
@@ -21,24 +21,26 @@ _SETTLED = 1e-8
 
 
 @lean
-def turn(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, v1, a1, k):
-    """The step of length in (0, h] that ends with v = 0, given the end (v1, a1) of the step h beyond it.
+def turn(phase, step):
+    """The step that ends with v = 0, where the one given ends beyond that.
 
-    Returns (length, x, v, a, y, u, c), v up to what is left of the search.
+    Returns (length, state), v up to what is left of the search.
     """
+    fifth, t, h, start, end = step
+    s = phase.s
     low, high = 0.0, h
-    tau = _cubic_root(h, s * v, s * a, s * v1, s * a1)
+    tau = _cubic_root(h, s * start.v, s * start.a, s * end.v, s * end.a)
     for _ in range(_SEARCHES):
-        xt, vt, at, yt, ut, ct, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
-        if s * vt > 0.0:
+        there, _, _ = step_to(fifth, phase, t, tau, start)
+        if s * there.v > 0.0:
             low = tau
         else:
             high = tau
-        new = tau - vt / at if s * at < 0.0 else 0.5 * (low + high)
+        new = tau - there.v / there.a if s * there.a < 0.0 else 0.5 * (low + high)
         if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
             break
         tau = new if low < new < high else 0.5 * (low + high)
-    return tau, xt, vt, at, yt, ut, ct
+    return tau, there
 
 
 @lean
@@ -73,39 +75,42 @@ def slowest(h, v0, a0, v1, a1):
 
 
 @lean
-def knee(fifth, world, p, w, place, drive, s, t, h, x, v, a, y, u, c, edge, x1, k):
-    """The step of length in [0, h] that ends with x = edge, which the step h passes; returned as by ``turn``."""
+def knee(phase, step, edge):
+    """The step that ends with x = edge, which the one given passes; returned as by ``turn``."""
+    fifth, t, h, start, end = step
+    s, x, v = phase.s, start.x, start.v
     low, high = 0.0, h
     if s * (x - edge) >= 0.0:
-        return 0.0, x, v, a, y, u, c
+        return 0.0, start
     # First guess: the parabola through both ends with the velocity at the first.
-    bend = (x1 - x - v * h) / (h * h)
+    bend = (end.x - x - v * h) / (h * h)
     tau = 2.0 * (edge - x) / (v + s * math.sqrt(max(v * v + 4.0 * bend * (edge - x), 0.0)))
     if not low < tau < high:
-        tau = h * (edge - x) / (x1 - x)
+        tau = h * (edge - x) / (end.x - x)
     for _ in range(_SEARCHES):
-        xt, vt, at, yt, ut, ct, _, _ = step_to(fifth, world, p, w, place, drive, s, t, tau, x, v, a, y, u, c, k)
-        if s * (xt - edge) < 0.0:
+        there, _, _ = step_to(fifth, phase, t, tau, start)
+        if s * (there.x - edge) < 0.0:
             low = tau
         else:
             high = tau
-        new = tau - (xt - edge) / vt if s * vt > 0.0 else 0.5 * (low + high)
+        new = tau - (there.x - edge) / there.v if s * there.v > 0.0 else 0.5 * (low + high)
         if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
             break
         tau = new if low < new < high else 0.5 * (low + high)
-    return tau, xt, vt, at, yt, ut, ct
+    return tau, there
 
 
 @lean
-def _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k):
+def _breakaway(phase, hold, t, h, start):
     """Length of the step in (0, h] of a held cart at whose end friction no longer holds it, as it does not after h."""
     low, high = 0.0, h
-    yt, ut = y, u
+    x, y, u = start.x, start.y, start.u
     for _ in range(_SEARCHES):
         tau = 0.5 * (low + high)
-        if world[4] > 0.0:
-            _, _, _, yt, ut, _, _, _ = step5(held, p, w, place, drive, 0.0, t, tau, x, 0.0, 0.0, y, u, c, k)
-        if abs(forces_at(world, p, w, place, drive, 0.0, t + tau, x, 0.0, yt, ut)) > hold:
+        if phase.world.cart.m2 > 0.0:
+            there, _, _ = step5(held(phase), t, tau, start)
+            y, u = there.y, there.u
+        if abs(forces_at(phase, t + tau, Place(x, 0.0, y, u))) > hold:
             high = tau
         else:
             low = tau
@@ -115,39 +120,40 @@ def _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k):
 
 
 @lean
-def rest(world, held, p, w, place, drive, restless, t, left, longest, x, y, u, c, tol_x, tol_v, k):
-    """One stretch of rest from t on; returns (its length, whether the cart breaks away then, y, u, c, longest).
+def rest(run, phase, t, longest, start):
+    """One stretch of rest from t on; returns (its length, whether the cart breaks away then, state, longest).
 
     Where nothing but the commanded force changes (not ``restless``) the answer is exact for the whole segment.
+    ``longest``: the longest step [s] that the second mass may take.
     """
-    hold = laws.breakaway(world[0], p, w, x, place[3] + place[2] * x) if world[0] & laws.DRY_BITS else 0.0
-    net = forces_at(world, p, w, place, drive, 0.0, t, x, 0.0, y, u)
+    x, y, u = start.x, start.y, start.u
+    start = State(x, 0.0, 0.0, y, u, start.c)
+    left = phase.length - t
+    hold = breakaway(phase, x)
+    net = forces_at(phase, t, Place(x, 0.0, y, u))
     if abs(net) > hold:
-        return 0.0, True, y, u, c, longest
-    if not restless:
-        _, _, r, e, decay = drive
+        return 0.0, True, start, longest
+    if not run.restless:
+        _, _, r, e, decay = phase.drive
         e_now = e * math.exp(-decay * t) if e != 0.0 else 0.0
-        wait = first_exit(left, net - e_now, r, e_now, decay, hold)
-        return wait, wait < left, y, u, c, longest
-    if world[4] == 0.0:
+        wait = first_exit(left, Line(net - e_now, r, e_now, decay), hold)
+        return wait, wait < left, start, longest
+    if phase.world.cart.m2 == 0.0:
         # Quarters, so that a push that rises above the friction and falls again within a segment is seen.
         for quarter in range(1, 5):
             h = 0.25 * quarter * left
-            if abs(forces_at(world, p, w, place, drive, 0.0, t + h, x, 0.0, y, u)) > hold:
-                h = _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k)
-                return h, True, y, u, c, longest
-        return left, False, y, u, c, longest
+            if abs(forces_at(phase, t + h, Place(x, 0.0, y, u))) > hold:
+                return _breakaway(phase, hold, t, h, start), True, start, longest
+        return left, False, start, longest
     h = left if left <= longest else left / math.ceil(left / longest)
     while True:
-        _, _, _, y1, u1, c1, error_x, error_v = step5(
-            held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c, k
-        )  # fmt: skip
-        if max(error_x / tol_x, error_v / tol_v) <= 1.0 or not h > 1e-10 * left:
+        end, error_x, error_v = step5(held(phase), t, h, start)
+        if max(error_x / run.tolerances.x5, error_v / run.tolerances.v5) <= 1.0 or not h > 1e-10 * left:
             break
         h *= 0.5
         longest = h
-    if abs(forces_at(world, p, w, place, drive, 0.0, t + h, x, 0.0, y1, u1)) > hold:
-        h = _breakaway(world, held, p, w, place, drive, hold, t, h, x, y, u, c, k)
-        _, _, _, y1, u1, c1, _, _ = step5(held, p, w, place, drive, 0.0, t, h, x, 0.0, 0.0, y, u, c, k)
-        return h, True, y1, u1, c1, longest
-    return h, False, y1, u1, c1, longest
+    if abs(forces_at(phase, t + h, Place(x, 0.0, end.y, end.u))) > hold:
+        h = _breakaway(phase, hold, t, h, start)
+        end, _, _ = step5(held(phase), t, h, start)
+        return h, True, end, longest
+    return h, False, end, longest

@@ -14,7 +14,8 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel import linear
-from msd_ident.model.kernel.compiled import give_up, joined, lean, making
+from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
+from msd_ident.model.kernel.groups import Glide, Going, Line, Linear, Motion
 from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
 from msd_ident.model.kernel.spring import piece
 
@@ -25,13 +26,16 @@ STIFF = 300.0
 
 
 @lean
-def glide_held(j, x, v, s, low, high, b, k, load, table, kind, level, out_x, out_v):
-    """Propagate segment after segment while nothing happens; returns (j, x, v) before the first with an event.
+def glide_held(j, motion, stretch, segments, path):
+    """Propagate segment after segment while nothing happens; returns (j, motion) before the first with an event.
 
-    For a force that is constant on each segment. ``s`` is the direction of motion (0: none to keep, no event at v = 0),
-    ``load`` [N] the constant force against +x, ``table`` the propagators of each kind of segment.
+    For a force that is constant on each segment.
     """
-    keep = out_v.size > 0
+    x, v = motion
+    s, low, high, plant, load, table = stretch
+    _, b, k = plant
+    kind, level = segments.kind, segments.level
+    keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
         if n < 0:
@@ -44,30 +48,35 @@ def glide_held(j, x, v, s, low, high, b, k, load, table, kind, level, out_x, out
             v1 = vx * x + (vv * v + vf * f)
             if s != 0:
                 if not (s * v1 > 0.0 and x1 >= low and x1 <= high):
-                    return j, x, v
+                    return j, Motion(x, v)
                 if s * (f - k * x - b * v) < 0.0 and s * (f - k * x1 - b * v1) > 0.0:
                     # Slower, then faster: it may have stopped in between.
-                    return j, x, v
+                    return j, Motion(x, v)
             x, v = x1, v1
             j += 1
-            out_x[j] = x
+            path.x[j] = x
             if keep:
-                out_v[j] = v
+                path.v[j] = v
         if j == begun:
             break
-    return j, x, v
+    return j, Motion(x, v)
 
 
 @lean
-def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, transient, out_x, out_v):
+def glide(j, motion, stretch, segments, path):
     """The same for a force that changes during a segment."""
-    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    x, v = motion
+    s, low, high, plant, load, table = stretch
+    m, b, k = plant
+    kind = segments.kind
+    keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
         if n < 0:
             break
-        f, r, e = level[j] - load, slope[j] if steep else 0.0, transient[j] if lagged else 0.0
-        x1, v1 = linear.propagate(table[n], x, v, f, r, e)
+        line = _line(segments, j, load)
+        f, _, e, _ = line
+        x1, v1 = linear.propagate(table[n], Motion(x, v), line)
         if s != 0:
             if not (s * v1 > 0.0 and x1 >= low and x1 <= high):
                 break
@@ -77,29 +86,40 @@ def glide(j, x, v, s, low, high, m, b, k, load, table, kind, level, slope, trans
                 break
         x, v = x1, v1
         j += 1
-        out_x[j] = x
+        path.x[j] = x
         if keep:
-            out_v[j] = v
-    return j, x, v
+            path.v[j] = v
+    return j, Motion(x, v)
+
+
+@inlined
+def _line(segments, j, load):
+    """Force on segment j less a constant ``load`` [N]."""
+    rise = segments.slope[j] if segments.slope.size > 0 else 0.0
+    fade = segments.transient[j] if segments.transient.size > 0 else 0.0
+    return Line(segments.level[j] - load, rise, fade, segments.decay)
 
 
 @lean
-def rest(j, x, spring, hold, length, level, slope, transient, out_x, out_v):
+def rest(j, going, axis, segments, path):
     """Stay at rest while the force lets it; returns the first segment in which the cart leaves."""
-    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
+    length, level, slope, transient = segments.length, segments.level, segments.slope, segments.transient
+    steep, lagged, keep = slope.size > 0, transient.size > 0, path.v.size > 0
+    x, _, _, i = going
+    balance = axis.constant + axis.spring.lines[1, i] + axis.spring.lines[0, i] * x
     while j < level.size:
-        net = level[j] - spring
+        net = level[j] - balance
         if steep or lagged:
             rise = slope[j] if steep else 0.0
             fade = transient[j] if lagged else 0.0
-            if not abs(net) + abs(rise) * length[j] + abs(fade) <= hold:
+            if not abs(net) + abs(rise) * length[j] + abs(fade) <= axis.hold:
                 break
-        elif not abs(net) <= hold:
+        elif not abs(net) <= axis.hold:
             break
         j += 1
-        out_x[j] = x
+        path.x[j] = x
         if keep:
-            out_v[j] = 0.0
+            path.v[j] = 0.0
     return j
 
 
@@ -115,14 +135,15 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
-def walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c):
-    """One segment of length h [s] from event to event; returns (x, v, s, i, time left).
+def walk(h, going, axis, line, c):
+    """One segment of length h [s] under the force ``line``, from event to event; ``c``: room for a series.
 
-    ``s``: direction of motion, 0 at rest. ``i``: piece of the spring. ``plant``: (m, b, constant, kinetic, hold), see
-    ``exact``. ``c``: room for a series. Time is left over where the plant is so stiff that a series would take too many
-    pieces.
+    Returns (where it is going then, time left), the latter where a series would take too many pieces: a stiff plant.
     """
-    m, b, constant, kinetic, hold = plant
+    x, v, s, i = going
+    m, b, constant, kinetic, hold, spring, _ = axis
+    edges, springs, intercepts = spring.edges, spring.lines[0], spring.lines[1]
+    f, r, e, decay = line
     t = 0.0
     for _ in range(EVENTS):
         left = h - t
@@ -134,28 +155,28 @@ def walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c):
         rate = decay if e_now != 0.0 else 0.0
         if s == 0:
             net = f_now - constant - intercepts[i] - springs[i] * x
-            wait = first_exit(left, net, r, e_now, rate, hold)
+            wait = first_exit(left, Line(net, r, e_now, rate), hold)
             t += wait
             if wait >= left:
                 break
             s = _way_out(wait, net + e_now, r, e_now, rate)
             i = piece(edges, x, s)
             continue
-        k = springs[i]
-        fastest = linear.fastest_rate(m, b, k)
+        plant = Linear(m, b, springs[i])
+        fastest = linear.fastest_rate(plant)
         if fastest * left > STIFF:
-            return x, v, s, i, left
+            return Going(x, v, s, i), left
         fastest = max(fastest, rate)
         d = min(left, linear.LONGEST / fastest)
-        terms = linear.terms_for(fastest * d)
-        linear.series(c, terms, m, b, k, x, v, f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
-        turn = first_turn(c, terms, d, s, v, r != 0.0 or e_now != 0.0)
+        push = f_now - constant - intercepts[i] - s * kinetic
+        series = linear.series(c, linear.terms_for(fastest * d), plant, Motion(x, v), Line(push, r, e_now, rate))
+        turn = first_turn(series, d, s, v, r != 0.0 or e_now != 0.0)
         until = min(turn, d)
         edge = edges[i + 1] if s > 0 else edges[i]
-        x1 = linear.position(c, terms, until)
+        x1 = linear.position(series, until)
         if s * (x1 - edge) > 0.0:
-            until = fall_through(c, terms, until, edge, s)
-            x, v = edge, linear.velocity(c, terms, until)
+            until = fall_through(series, until, edge, s)
+            x, v = edge, linear.velocity(series, until)
             if s * v <= 0.0:
                 v = 0.0
             i += s
@@ -164,7 +185,7 @@ def walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c):
             x, v = x1, 0.0
             t = h if until >= left else t + until
             if turn > d:
-                v = linear.velocity(c, terms, until)
+                v = linear.velocity(series, until)
             else:
                 net = f + r * t - constant - intercepts[i] - springs[i] * x
                 if e != 0.0:
@@ -173,107 +194,106 @@ def walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c):
                 i = piece(edges, x, s)
         if not abs(x) < math.inf:
             break
-    return x, v, s, i, 0.0
+    return Going(x, v, s, i), 0.0
 
 
 @lean
-def drift(h, x, v, m, b, k, f, r, e, decay, c):
-    """One segment without events; returns (x, v, time left), the latter as ``walk`` does."""
+def drift(h, motion, plant, line, c):
+    """One segment without events; returns (motion, time left), the latter as ``walk`` does."""
+    f, r, e, decay = line
     t = 0.0
-    plant = linear.fastest_rate(m, b, k)
+    own = linear.fastest_rate(plant)
     while t < h:
         left = h - t
-        if plant * left > STIFF:
-            return x, v, left
+        if own * left > STIFF:
+            return motion, left
         e_now = e * math.exp(-decay * t)
         if abs(e_now) < 1e-18 * abs(f):
             e_now = 0.0
         rate = decay if e_now != 0.0 else 0.0
-        fastest = max(plant, rate)
+        fastest = max(own, rate)
         d = min(left, linear.LONGEST / fastest)
         terms = linear.terms_for(fastest * d)
-        linear.series(c, terms, m, b, k, x, v, f + r * t, r, e_now, rate)
-        x, v = linear.position(c, terms, d), linear.velocity(c, terms, d)
+        series = linear.series(c, terms, plant, motion, Line(f + r * t, r, e_now, rate))
+        motion = Motion(linear.position(series, d), linear.velocity(series, d))
         t = h if d >= left else t + d
-    return x, v, 0.0
+    return motion, 0.0
 
 
 @joined
-def _leap(left, h, x, v, m, b, k, level, r, e, decay, c):
-    """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events: (x, v, s)."""
-    begun = h - left
+def _leap(left, motion, plant, line, c):
+    """The rest of a segment of a plant too stiff to be walked, by its own matrix and without events."""
     row = c[linear.TERMS :]
-    linear.propagator(row, m, b, k, left, decay, c)
-    x, v = linear.propagate(row, x, v, level + r * begun, r, e * math.exp(-decay * begun))
-    return x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0)
+    linear.propagator(row, plant, left, line.decay, c)
+    return linear.propagate(row, motion, line)
 
 
 @joined
-def _through(h, x, v, s, i, plant, eventful, edges, springs, intercepts, f, r, e, decay, c):
-    """(x, v, s, i) after one segment that the matrices do not carry: with an event in it, or of an odd length."""
-    m, b, constant, kinetic, _ = plant
-    if eventful:
-        x, v, s, i, left = walk(h, x, v, s, i, plant, edges, springs, intercepts, f, r, e, decay, c)
+def _through(h, going, axis, line, c):
+    """Where the motion goes after one segment that the matrices do not carry: with an event in it, or of odd length."""
+    if axis.eventful:
+        going, left = walk(h, going, axis, line, c)
     else:
-        x, v, left = drift(h, x, v, m, b, springs[i], f - constant, r, e, decay, c)
+        plant = Linear(axis.m, axis.b, axis.spring.lines[0, going.i])
+        push = Line(line.f - axis.constant, line.r, line.e, line.decay)
+        motion, left = drift(h, Motion(going.x, going.v), plant, push, c)
+        going = Going(motion.x, motion.v, going.s, going.i)
     if left > 0.0:
-        net = f - constant - intercepts[i] - s * kinetic
-        x, v, s = _leap(left, h, x, v, m, b, springs[i], net, r, e, decay, c)
-    return x, v, s, i
+        x, v, s, i = going
+        plant, begun = Linear(axis.m, axis.b, axis.spring.lines[0, i]), h - left
+        net = line.f - axis.constant - axis.spring.lines[1, i] - s * axis.kinetic
+        rest_of_it = Line(net + line.r * begun, line.r, line.e * math.exp(-line.decay * begun), line.decay)
+        x, v = _leap(left, Motion(x, v), plant, rest_of_it, c)
+        going = Going(x, v, 1 if v > 0.0 else (-1 if v < 0.0 else 0), i)
+    return going
+
+
+@joined
+def _stretch(going, axis, table):
+    """The stretch without events that the motion is on; ``table``: propagators of its piece of the spring."""
+    _, _, s, i = going
+    edges, springs = axis.spring
+    plant = Linear(axis.m, axis.b, springs[0, i])
+    load = axis.constant + springs[1, i] + s * axis.kinetic
+    return Glide(s if axis.eventful else 0, edges[i], edges[i + 1], plant, load, table)
 
 
 @making
-def exact(plant, edges, springs, intercepts, length, kind, lengths, level, slope, transient, decay, x, v, out_x, out_v):
-    """Positions (and velocities) at all segment boundaries.
-
-    Args:
-        plant: (m, b, constant, kinetic, hold): ``constant`` force [N] against +x, dry friction [N] while sliding and
-            the most that it holds at rest.
-        edges, springs, intercepts: the spring, see ``spring.characteristic``.
-        length, kind, lengths: segments, see ``segments.merge``.
-        level, slope, transient, decay: force on each, level + slope t + transient exp(-decay t); the two in the middle
-            may be empty.
-    """
-    m, b, constant, kinetic, hold = plant
-    steep, lagged, keep = slope.size > 0, transient.size > 0, out_v.size > 0
-    eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
+def exact(axis, segments, motion, path):
+    """Positions (and velocities) at all segment boundaries, from ``motion`` on."""
+    springs, lengths = axis.spring.lines[0], segments.lengths
     table = np.empty((springs.size, lengths.size, 10))
     ready = np.zeros(springs.size, np.bool_)
     c = np.empty(linear.TERMS + 10)
-    out_x[0] = x
-    if keep:
-        out_v[0] = v
-    s = 1 if v > 0.0 else (-1 if v < 0.0 else 0)
-    i = piece(edges, x, s)
-    j = 0 * length.size  # not the constant 0, for which numba would compile all that takes j once more
+    path.x[0] = motion.x
+    if path.v.size > 0:
+        path.v[0] = motion.v
+    s = 1 if motion.v > 0.0 else (-1 if motion.v < 0.0 else 0)
+    going = Going(motion.x, motion.v, s, piece(axis.spring.edges, motion.x, s))
+    j = 0 * segments.length.size  # not the constant 0, for which numba would compile all that takes j once more
     while True:
-        k, load = springs[i], constant + intercepts[i]
-        if s == 0 and eventful:
-            j = rest(j, x, load + k * x, hold, length, level, slope, transient, out_x, out_v)
+        if going.s == 0 and axis.eventful:
+            j = rest(j, going, axis, segments, path)
         else:
-            if not ready[i]:
+            if not ready[going.i]:
+                plant = Linear(axis.m, axis.b, springs[going.i])
                 for n in range(lengths.size):
-                    linear.propagator(table[i, n], m, b, k, lengths[n], decay, c)
-                ready[i] = True
-            way, low, high = s if eventful else 0, edges[i], edges[i + 1]
-            load += s * kinetic
-            if steep or lagged:
-                j, x, v = glide(
-                    j, x, v, way, low, high, m, b, k, load, table[i], kind, level, slope, transient, out_x, out_v
-                )
+                    linear.propagator(table[going.i, n], plant, lengths[n], segments.decay, c)
+                ready[going.i] = True
+            stretch = _stretch(going, axis, table[going.i])
+            if segments.slope.size > 0 or segments.transient.size > 0:
+                j, motion = glide(j, Motion(going.x, going.v), stretch, segments, path)
             else:
-                j, x, v = glide_held(j, x, v, way, low, high, b, k, load, table[i], kind, level, out_x, out_v)
-        if j == length.size:
+                j, motion = glide_held(j, Motion(going.x, going.v), stretch, segments, path)
+            going = Going(motion.x, motion.v, going.s, going.i)
+        if j == segments.length.size:
             break
-        r, e = slope[j] if steep else 0.0, transient[j] if lagged else 0.0
-        x, v, s, i = _through(
-            length[j], x, v, s, i, plant, eventful, edges, springs, intercepts, level[j], r, e, decay, c
-        )
+        going = _through(segments.length[j], going, axis, _line(segments, j, 0.0), c)
         j += 1
-        out_x[j] = x
-        if keep:
-            out_v[j] = v
-        if not abs(x) < math.inf:
-            give_up(out_x, j)
-            give_up(out_v, j)
+        path.x[j] = going.x
+        if path.v.size > 0:
+            path.v[j] = going.v
+        if not abs(going.x) < math.inf:
+            give_up(path.x, j)
+            give_up(path.v, j)
             break

@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel.compiled import lean
+from msd_ident.model.kernel.groups import Line, Motion, Series
 
 #: Terms of the longest series; with rate * time up to LONGEST the rest is below the last digit.
 TERMS = 26
@@ -24,8 +25,9 @@ _INVERSE = np.array([1.0 / ((n + 1.0) * (n + 2.0)) for n in range(TERMS)])
 
 
 @lean
-def fastest_rate(m, b, k):
+def fastest_rate(plant):
     """Largest rate [1/s] of the free motion."""
+    m, b, k = plant
     return max(abs(b) / m, math.sqrt(abs(k) / m))
 
 
@@ -40,24 +42,27 @@ def terms_for(reach):
 
 
 @lean
-def series(c, terms, m, b, k, x, v, f, r, e, decay):
-    """Taylor coefficients of x(t) into c[:terms]; ``decay`` = 1/tau, or 0 without a transient."""
-    c[0] = x
-    c[1] = v
-    push = f + e
-    transient = e
+def series(c, terms, plant, motion, line):
+    """The motion from ``motion`` under the force ``line``: Taylor coefficients of x(t) into c[:terms]."""
+    m, b, k = plant
+    c[0] = motion.x
+    c[1] = motion.v
+    push = line.f + line.e
+    transient = line.e
     lightness = 1.0 / m
     for n in range(terms - 2):
         c[n + 2] = (push - k * c[n] - b * (n + 1.0) * c[n + 1]) * lightness * _INVERSE[n]
-        transient *= -decay / (n + 1.0)
+        transient *= -line.decay / (n + 1.0)
         push = transient
         if n == 0:
-            push += r
+            push += line.r
+    return Series(c, terms)
 
 
 @lean
-def position(c, terms, t):
+def position(series, t):
     """x(t) of the series."""
+    c, terms = series
     value = c[terms - 1]
     for n in range(terms - 2, -1, -1):
         value = value * t + c[n]
@@ -65,8 +70,9 @@ def position(c, terms, t):
 
 
 @lean
-def velocity(c, terms, t):
+def velocity(series, t):
     """x'(t) of the series."""
+    c, terms = series
     value = (terms - 1.0) * c[terms - 1]
     for n in range(terms - 2, 0, -1):
         value = value * t + n * c[n]
@@ -74,8 +80,9 @@ def velocity(c, terms, t):
 
 
 @lean
-def acceleration(c, terms, t):
+def acceleration(series, t):
     """x''(t) of the series."""
+    c, terms = series
     value = 0.0
     for n in range(terms - 1, 1, -1):
         value = value * t + n * (n - 1.0) * c[n]
@@ -83,8 +90,9 @@ def acceleration(c, terms, t):
 
 
 @lean
-def jerk(c, terms, t):
+def jerk(series, t):
     """x'''(t) of the series."""
+    c, terms = series
     value = 0.0
     for n in range(terms - 1, 2, -1):
         value = value * t + n * (n - 1.0) * (n - 2.0) * c[n]
@@ -92,8 +100,9 @@ def jerk(c, terms, t):
 
 
 @lean
-def velocity_and_acceleration(c, terms, t):
+def velocity_and_acceleration(series, t):
     """(x'(t), x''(t)) of the series."""
+    c, terms = series
     value, slope = (terms - 1.0) * c[terms - 1], 0.0
     for n in range(terms - 2, 0, -1):
         slope = slope * t + value
@@ -102,12 +111,12 @@ def velocity_and_acceleration(c, terms, t):
 
 
 @lean
-def propagator(row, m, b, k, h, decay, c):
+def propagator(row, plant, h, decay, c):
     """Fill row (10,) with x <- x, v, f, r, e and v <- x, v, f, r, e over a time h [s]; ``c``: room for a series.
 
     The series of each unit start over a step short enough, then the step doubled as often as need be.
     """
-    rate = fastest_rate(m, b, k)
+    rate = fastest_rate(plant)
     fast = decay > 4.0 * rate
     lag = 0.0 if fast else decay
     doublings = 0
@@ -118,32 +127,35 @@ def propagator(row, m, b, k, h, decay, c):
     terms = terms_for(max(rate, lag) * step)
     for j in range(5):
         x, v, f, r, e = _UNITS[j]
-        series(c, terms, m, b, k, x, v, f, r, e, lag)
-        row[j], row[5 + j] = position(c, terms, step), velocity(c, terms, step)
+        unit = series(c, terms, plant, Motion(x, v), Line(f, r, e, lag))
+        row[j], row[5 + j] = position(unit, step), velocity(unit, step)
     for _ in range(doublings):
         fade = math.exp(-lag * step)
         for j in range(5):
             x, v, f, r, e = _UNITS[j]
-            c[j], c[5 + j] = propagate(row, row[j], row[5 + j], f + r * step, r, e * fade)
+            c[j], c[5 + j] = propagate(row, Motion(row[j], row[5 + j]), Line(f + r * step, r, e * fade, lag))
         for j in range(10):
             row[j] = c[j]
         step *= 2.0
     if fast:
-        _fast_transient(row, m, b, k, h, decay)
+        _fast_transient(row, plant, h, decay)
 
 
 @lean
-def propagate(row, x, v, f, r, e):
-    """(x, v) after the time that row was made for, see ``propagator``."""
-    return (
+def propagate(row, motion, line):
+    """The motion after the time that row was made for, see ``propagator``."""
+    x, v = motion
+    f, r, e, _ = line
+    return Motion(
         row[0] * x + row[1] * v + row[2] * f + row[3] * r + row[4] * e,
         row[5] * x + row[6] * v + row[7] * f + row[8] * r + row[9] * e,
     )
 
 
 @lean
-def _fast_transient(row, m, b, k, h, decay):
+def _fast_transient(row, plant, h, decay):
     """The columns of e where its decay is much faster than the plant: particular solution q exp(-t/tau)."""
+    m, b, k = plant
     q = 1.0 / ((m * decay - b) * decay + k)
     end = math.exp(-decay * h)
     row[4] = q * (end - (row[0] - row[1] * decay))

@@ -5,10 +5,9 @@ in place of its fourth slope, the slope at the end makes a third-order result, a
 (weights 1/6, 1/3, 1/3, 0, 1/6). And Dormand & Prince 1980 (J. Comput. Appl. Math. 6), of fifth order, where longer
 steps are wanted.
 
-Names, here and wherever ``rk`` is referred to. world: (active, 1/m, b, constant, m2, k2, b2); p, w: parameters and
-memory; piece: (slope, intercept, own slope, own intercept) of the spring; drive: (start, f, r, e, decay) of the force
-on the segment; s: direction of motion; t: time since the segment began; x, v, a: position, velocity, acceleration of
-the cart; y, u, c: of the second mass. A held cart has 0 for 1/m in its ``world``: the second one moves alone.
+Names, here and in the modules that refer to ``rk``: ``groups`` has the named tuples; t is the time since the segment
+began, h the length of a step, s the direction of motion; ``outside`` is what ``outer`` gives. In the innermost
+functions world is a ``Cart``, piece an ``Elastic``, x, v, a are of the cart and y, u, c of the second mass.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -22,6 +21,7 @@ import numpy as np
 
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import inlined, lean
+from msd_ident.model.kernel.groups import Cart, Phase, State, World
 
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _A = np.array(
@@ -94,15 +94,40 @@ def second_acceleration(world, x, v, y, u):
 
 
 @lean
-def forces_at(world, p, w, piece, drive, s, t, x, v, y, u):
+def forces_at(phase, t, place):
     """``net_force`` as a call of its own, for places where speed does not matter."""
-    return net_force(world, p, w, piece, drive, outer(world, p, w, drive, t), s, t, x, v, y, u)
+    world, piece, drive, _, s = phase
+    cart, p, w, _ = world
+    x, v, y, u = place
+    return net_force(cart, p, w, piece.elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
 
 
 @lean
-def acceleration_at(world, p, w, piece, drive, s, t, x, v, y, u):
+def acceleration_at(phase, t, place):
     """``acceleration`` as a call of its own."""
-    return acceleration(world, p, w, piece, drive, outer(world, p, w, drive, t), s, t, x, v, y, u)
+    world, piece, drive, _, s = phase
+    cart, p, w, _ = world
+    x, v, y, u = place
+    return acceleration(cart, p, w, piece.elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
+
+
+@inlined
+def breakaway(phase, x):
+    """The most that dry friction holds [N] of a cart at rest at x [m]."""
+    cart, p, w, _ = phase.world
+    if cart.active & laws.DRY_BITS:
+        elastic = phase.piece.elastic
+        return laws.breakaway(cart.active, p, w, x, elastic.own_intercept + elastic.own_slope * x)
+    return 0.0
+
+
+@inlined
+def held(phase):
+    """The phase with the cart held, in which the second mass moves alone."""
+    world, piece, drive, length, _ = phase
+    active, _, b, constant, m2, k2, b2 = world.cart
+    cart = Cart(active, 0.0, b, constant, m2, k2, b2)
+    return Phase(World(cart, world.p, world.w, world.stages), piece, drive, length, 0.0)
 
 
 @inlined
@@ -137,9 +162,13 @@ def step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c):
 
 
 @lean
-def step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
-    """The same by Dormand and Prince; ``k`` is room for the slopes, of shape ``STAGES``."""
-    second = world[4] > 0.0
+def step5(phase, t, h, start):
+    """(state, error of position [m], of velocity [m/s]) of the step by Dormand and Prince."""
+    world, spring, drive, _, s = phase
+    cart, p, w, k = world
+    piece = spring.elastic
+    x, v, a, y, u, c = start
+    second = cart.m2 > 0.0
     k[0, 0], k[1, 0], k[2, 0], k[3, 0] = v, a, u, c
     xn, vn, yn, un = x, v, y, u
     for n in range(1, 7):
@@ -154,15 +183,15 @@ def step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
                 dx += _A[n, j] * k[2, j]
                 dv += _A[n, j] * k[3, j]
             yn, un = y + h * dx, u + h * dv
-            k[2, n], k[3, n] = un, second_acceleration(world, xn, vn, yn, un)
+            k[2, n], k[3, n] = un, second_acceleration(cart, xn, vn, yn, un)
         at = t + _C[n] * h
         k[0, n] = vn
-        k[1, n] = acceleration(world, p, w, piece, drive, outer(world, p, w, drive, at), s, at, xn, vn, yn, un)
+        k[1, n] = acceleration(cart, p, w, piece, drive, outer(cart, p, w, drive, at), s, at, xn, vn, yn, un)
     error_x, error_v = _difference(k[0], k[1], h)
     if second:
         error_y, error_u = _difference(k[2], k[3], h)
         error_x, error_v = error_x + error_y, error_v + error_u
-    return xn, vn, k[1, 6], yn, un, k[3, 6] if second else 0.0, error_x, error_v
+    return State(xn, vn, k[1, 6], yn, un, k[3, 6] if second else 0.0), error_x, error_v
 
 
 @inlined
@@ -176,9 +205,15 @@ def _difference(speeds, accelerations, h):
 
 
 @lean
-def step_to(fifth, world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k):
+def step_to(fifth, phase, t, h, start):
     """A step of either method, for the search of events."""
     if fifth:
-        return step5(world, p, w, piece, drive, s, t, h, x, v, a, y, u, c, k)
-    middle, last = outer(world, p, w, drive, t + 0.5 * h), outer(world, p, w, drive, t + h)
-    return step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c)
+        return step5(phase, t, h, start)
+    world, spring, drive, _, s = phase
+    cart, p, w, _ = world
+    x, v, a, y, u, c = start
+    middle, last = outer(cart, p, w, drive, t + 0.5 * h), outer(cart, p, w, drive, t + h)
+    x, v, a, y, u, c, error_x, error_v = step4(
+        cart, p, w, spring.elastic, drive, middle, last, s, t, h, x, v, a, y, u, c
+    )
+    return State(x, v, a, y, u, c), error_x, error_v

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel.compiled import lean
+from msd_ident.model.kernel.groups import Ends
 from msd_ident.model.kernel.linear import (
     acceleration,
     jerk,
@@ -22,21 +23,21 @@ SETTLED = 1e-8
 
 
 @lean
-def _velocity_root(c, terms, low, high, s):
+def _velocity_root(series, low, high, s):
     """Root of v in (low, high), where s v goes from above 0 to below: Newton, kept inside by bisection.
 
     The first guess is the root of the parabola through both ends with the slope at the first.
     """
     span = high - low
-    v, a = velocity_and_acceleration(c, terms, low)
-    v_high = s * velocity(c, terms, high)
+    v, a = velocity_and_acceleration(series, low)
+    v_high = s * velocity(series, high)
     v, a = s * v, s * a
     bend = (v_high - v - a * span) / (span * span)
     t = low + 2.0 * v / (math.sqrt(max(a * a - 4.0 * bend * v, 0.0)) - a)
     if not low < t < high:
         t = 0.5 * (low + high)
     for _ in range(_ITERATIONS):
-        v, a = velocity_and_acceleration(c, terms, t)
+        v, a = velocity_and_acceleration(series, t)
         v, a = s * v, s * a
         if v > 0.0:
             low = t
@@ -50,17 +51,17 @@ def _velocity_root(c, terms, low, high, s):
 
 
 @lean
-def _acceleration_root(c, terms, low, high):
+def _acceleration_root(series, low, high):
     """Root of x'' in (low, high), where it changes sign."""
-    rising = acceleration(c, terms, high) > 0.0
+    rising = acceleration(series, high) > 0.0
     t = 0.5 * (low + high)
     for _ in range(_ITERATIONS):
-        a = acceleration(c, terms, t)
+        a = acceleration(series, t)
         if (a > 0.0) == rising:
             high = t
         else:
             low = t
-        slope = jerk(c, terms, t)
+        slope = jerk(series, t)
         new = t - a / slope if slope != 0.0 else 0.5 * (low + high)
         if not low < new < high:
             new = 0.5 * (low + high)
@@ -71,12 +72,12 @@ def _acceleration_root(c, terms, low, high):
 
 
 @lean
-def _jerk_root(c, terms, low, high):
+def _jerk_root(series, low, high):
     """Root of x''' in (low, high), where it changes sign; bisection is good enough to split a segment there."""
-    rising = jerk(c, terms, high) > 0.0
+    rising = jerk(series, high) > 0.0
     for _ in range(30):
         t = 0.5 * (low + high)
-        if (jerk(c, terms, t) > 0.0) == rising:
+        if (jerk(series, t) > 0.0) == rising:
             high = t
         else:
             low = t
@@ -84,59 +85,61 @@ def _jerk_root(c, terms, low, high):
 
 
 @lean
-def first_turn(c, terms, d, s, v, uneven):
+def first_turn(series, d, s, v, uneven):
     """First time in (0, d] at which a motion in direction s comes to v = 0; infinite if it does not.
 
     Under a force that is not constant (``uneven``) the acceleration may change sign twice on the way.
     """
+    c = series.c
     a0 = s * 2.0 * c[2]
-    a1 = s * acceleration(c, terms, d)
-    if uneven and (a0 > 0.0) == (a1 > 0.0) and (c[3] > 0.0) != (jerk(c, terms, d) > 0.0):
-        middle = _jerk_root(c, terms, 0.0, d)
-        a = s * acceleration(c, terms, middle)
+    a1 = s * acceleration(series, d)
+    if uneven and (a0 > 0.0) == (a1 > 0.0) and (c[3] > 0.0) != (jerk(series, d) > 0.0):
+        middle = _jerk_root(series, 0.0, d)
+        a = s * acceleration(series, middle)
         if (a > 0.0) != (a0 > 0.0):
             # Look for a turn before the middle, then behind it.
-            turn = _turn_before(c, terms, 0.0, middle, s, s * v, a0, a)
+            turn = _turn_before(series, 0.0, middle, s, Ends(s * v, a0, a))
             if turn <= middle:
                 return turn
-            return _turn_before(c, terms, middle, d, s, s * velocity(c, terms, middle), a, a1)
-    return _turn_before(c, terms, 0.0, d, s, s * v, a0, a1)
+            return _turn_before(series, middle, d, s, Ends(s * velocity(series, middle), a, a1))
+    return _turn_before(series, 0.0, d, s, Ends(s * v, a0, a1))
 
 
 @lean
-def _turn_before(c, terms, low, d, s, v0, a0, a1):
-    """The same between low and d, where the acceleration has one root at most; v0, a0, a1 are along s."""
-    v1 = s * velocity(c, terms, d)
+def _turn_before(series, low, d, s, ends):
+    """The same between low and d, where the acceleration has one root at most; ``ends`` are those of this interval."""
+    v0, a0, a1 = ends
+    v1 = s * velocity(series, d)
     if v1 > 0.0:
         if a0 < 0.0 and a1 > 0.0 and v0 > 0.0:
-            slowest = _acceleration_root(c, terms, low, d)
-            if s * velocity(c, terms, slowest) <= 0.0:
-                return _velocity_root(c, terms, low, slowest, s)
+            slowest = _acceleration_root(series, low, d)
+            if s * velocity(series, slowest) <= 0.0:
+                return _velocity_root(series, low, slowest, s)
         return math.inf
     if v0 > 0.0:
-        return _velocity_root(c, terms, low, d, s)
+        return _velocity_root(series, low, d, s)
     if a0 > 0.0 and a1 < 0.0:
-        fastest = _acceleration_root(c, terms, low, d)
-        return _velocity_root(c, terms, fastest, d, s)
+        fastest = _acceleration_root(series, low, d)
+        return _velocity_root(series, fastest, d, s)
     # A start from rest that goes nowhere: the force was at the edge of what friction holds.
     return d
 
 
 @lean
-def fall_through(c, terms, d, edge, s):
+def fall_through(series, d, edge, s):
     """Time in [0, d] at which a motion in direction s passes x = edge, which it does before d."""
     low, high = 0.0, d
-    x0, x1 = s * (c[0] - edge), s * (position(c, terms, d) - edge)
+    x0, x1 = s * (series.c[0] - edge), s * (position(series, d) - edge)
     if x0 >= 0.0:
         return 0.0
     t = d * x0 / (x0 - x1)
     for _ in range(_ITERATIONS):
-        x = s * (position(c, terms, t) - edge)
+        x = s * (position(series, t) - edge)
         if x < 0.0:
             low = t
         else:
             high = t
-        slope = s * velocity(c, terms, t)
+        slope = s * velocity(series, t)
         new = t - x / slope if slope > 0.0 else 0.5 * (low + high)
         if not low < new < high:
             new = 0.5 * (low + high)
@@ -147,8 +150,9 @@ def fall_through(c, terms, d, edge, s):
 
 
 @lean
-def first_exit(left, net, r, e, decay, hold):
-    """First time in [0, left] at which abs(net + r t + e exp(-decay t)) exceeds ``hold``; left if it does not."""
+def first_exit(left, line, hold):
+    """First time in [0, left] at which the force ``line`` is beyond ``hold`` either side; left if it does not."""
+    net, r, e, decay = line
     if abs(net + e) > hold:
         return 0.0
     low = 0.0
@@ -157,17 +161,18 @@ def first_exit(left, net, r, e, decay, hold):
             extreme = -math.log(r / (e * decay)) / decay
             if extreme < left:
                 if abs(net + r * extreme + e * math.exp(-decay * extreme)) > hold:
-                    return _exit_between(0.0, extreme, net, r, e, decay, hold)
+                    return _exit_between(0.0, extreme, line, hold)
                 low = extreme
     elif r != 0.0:
         return min(left, max(0.0, (math.copysign(hold, r) - net) / r))
     if abs(net + r * left + e * math.exp(-decay * left)) <= hold:
         return left
-    return _exit_between(low, left, net, r, e, decay, hold)
+    return _exit_between(low, left, line, hold)
 
 
 @lean
-def _exit_between(low, high, net, r, e, decay, hold):
+def _exit_between(low, high, line, hold):
+    net, r, e, decay = line
     for _ in range(_ITERATIONS):
         t = 0.5 * (low + high)
         if abs(net + r * t + e * math.exp(-decay * t)) > hold:

@@ -13,7 +13,9 @@ from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean
 from msd_ident.model.kernel.exact import exact
-from msd_ident.model.kernel.general import general
+from msd_ident.model.kernel.general import general, run_of
+from msd_ident.model.kernel.groups import Axis, Cart, Command, Linear, Motion, Path, Segments, Spring, World
+from msd_ident.model.kernel.rk import STAGES
 from msd_ident.model.kernel.spring import characteristic
 
 #: Radians a sample beyond which the second mass is joined to the first: its own motion is far beyond what samples show.
@@ -34,17 +36,18 @@ def plan(time, force_time, force, straight):
 
     ``pick`` is empty where the segment boundaries are the samples themselves.
     """
-    start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, force, straight, 0.0)
+    command = Command(force_time, force, straight, 0.0)
+    start, length, kind, force_index, pick, lengths = segments.merge(time, command)
     if start.size == time.size - 1:
         pick = np.empty(0, np.int64)
     level = np.empty(start.size)
     slope = np.empty(start.size if straight else 0)
-    segments.force_lines(start, force_index, force_time, 0.0, force, straight, level, slope)
+    segments.force_lines(start, force_index, command, level, slope)
     return start, length, kind, force_index, pick, lengths, level, slope
 
 
 @joined
-def row(bits, values, place, plan, out_x, out_v):
+def row(bits, values, place, plan, out):
     """Simulate one parameter vector.
 
     Args:
@@ -52,98 +55,107 @@ def row(bits, values, place, plan, out_x, out_v):
         values: (p + 2,) the model's parameters, then position [m] and velocity [m/s] at the first sample.
         place: (p,) where each parameter stands in ``laws.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
-        out_x: (n,) readings of the positions [m]; NaN from where the motion leaves all bounds.
-        out_v: (n,) velocities [m/s], or (0,) when nobody wants them.
+        out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
     time, force = plan[0], plan[2]
     p = np.zeros(_PARAMETERS)
     for i in range(place.size):
         p[place[i]] = values[i]
-    x, v = values[place.size], values[place.size + 1]
+    motion = Motion(values[place.size], values[place.size + 1])
     bits = laws.active(bits, p)
     w = _MEMORY.copy()
-    m, b, k = p[_MASS], p[_DAMPING], p[_STIFFNESS]
+    plant = Linear(p[_MASS], p[_DAMPING], p[_STIFFNESS])
+    m, b, k = plant
     if not (m > 0.0 and abs(b) < math.inf and abs(k) < math.inf):
-        give_up(out_x, 0)
-        give_up(out_v, 0)
+        give_up(out.x, 0)
+        give_up(out.v, 0)
         return
-    start, length, kind, pick, lengths, level, slope, transient, decay = _on_the_cart(bits, p, w, plan)
+    cut, pick = _on_the_cart(bits, p, w, plan)
     gap = p[_GAP] if bits & _BACKLASH else 0.0
-    edges, springs = characteristic(k, gap, laws.knees(bits, p))
+    edges, lines = characteristic(k, gap, laws.knees(bits, p))
+    spring = Spring(edges, lines)
     constant = laws.constant(bits, p, w)
-    second = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
-    if bits & _SECOND_MODE and _rate_between(m, second) * (time[-1] - time[0]) > RIGID * time.size:
-        m, second = m + second[0], (0.0, 0.0, 0.0)
+    m2, k2, b2 = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
+    if bits & _SECOND_MODE and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
+        m, m2, k2, b2 = m + m2, 0.0, 0.0, 0.0
         bits &= ~_SECOND_MODE
-    direct = pick.size == 0
-    path_x = out_x if direct else np.empty(start.size + 1)
-    path_v = out_v if direct else np.empty(start.size + 1 if out_v.size > 0 else 0)
+    world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
+    path = _path(out, cut.start.size, pick)
     if bits & ~laws.EXACT_BITS:
-        general(
-            bits, p, w, m, b, edges, springs, constant, second, start, length, level, slope, transient, decay,
-            x, v, _scales(m, b, k, time, force, x, v), path_x, path_v,
-        )  # fmt: skip
+        scales = _scales(Linear(m, b, k), time, force, motion)
+        general(run_of(world, spring, m, scales), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
         if bits & laws.DRY_BITS:
             kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0)
-        exact(
-            (m, b, constant, kinetic, hold), edges, springs[0], springs[1],
-            length, kind, lengths, level, slope, transient, decay, x, v, path_x, path_v,
-        )  # fmt: skip
-    _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v)
+        eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
+        exact(Axis(m, b, constant, kinetic, hold, spring, eventful), cut, motion, path)
+    _read(world, time, pick, path, out)
+
+
+@joined
+def _path(out, segments, pick):
+    """Room for the motion at the segment boundaries: the output itself where these are the samples (no ``pick``)."""
+    if pick.size == 0:
+        return out
+    return Path(np.empty(segments + 1), np.empty(segments + 1 if out.v.size > 0 else 0))
 
 
 @joined
 def _on_the_cart(bits, p, w, plan):
     """Segments and the force on them that arrives at the cart: shifted, mapped and lagged where effects do so.
 
-    Returns (start, length, kind, pick, lengths, level, slope, transient, decay), see ``segments.merge`` and ``exact``.
+    Returns (segments, pick), see ``segments.merge``.
     """
     time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
     shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
     if shift != 0.0:
-        start, length, kind, force_index, pick, lengths = segments.merge(time, force_time, force, straight, shift)
+        moved = segments.merge(time, Command(force_time, force, straight, shift))
+        start, length, kind, force_index, pick, lengths = moved
     if bits & laws.MAP_BITS:
         commanded, force = force, np.empty(force.size)
         for i in range(force.size):
             force[i] = laws.input_map(bits, p, w, commanded[i])
+    command = Command(force_time, force, straight, shift)
     if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG):
         level = np.empty(start.size)
         slope = np.empty(start.size if straight else 0)
-        segments.force_lines(start, force_index, force_time, shift, force, straight, level, slope)
+        segments.force_lines(start, force_index, command, level, slope)
     transient, decay = np.empty(0), 0.0
     if bits & _ACTUATOR_LAG:
         transient, decay = np.empty(start.size), 1.0 / p[_LAG]
-        at_start = segments.lagged_start(time[0], force_time, shift, force, straight, p[_LAG])
-        segments.lag(length, p[_LAG], at_start, level, slope, transient)
-    return start, length, kind, pick, lengths, level, slope, transient, decay
+    cut = Segments(start, length, kind, lengths, level, slope, transient, decay)
+    if bits & _ACTUATOR_LAG:
+        segments.lag(cut, p[_LAG], segments.lagged_start(time[0], command, p[_LAG]))
+    return cut, pick
 
 
 @lean
-def _read(bits, p, w, time, pick, path_x, path_v, out_x, out_v):
+def _read(world, time, pick, path, out):
     """What the sensor says at the samples; without ``pick`` the path is the output itself."""
     if pick.size > 0:
-        for i in range(out_x.size):
-            out_x[i] = path_x[pick[i]]
-        for i in range(out_v.size):
-            out_v[i] = path_v[pick[i]]
-    if bits & laws.READING_BITS:
-        for i in range(out_x.size):
-            out_x[i] = laws.reading(bits, p, w, time[i], out_x[i])
+        for i in range(out.x.size):
+            out.x[i] = path.x[pick[i]]
+        for i in range(out.v.size):
+            out.v[i] = path.v[pick[i]]
+    active = world.cart.active
+    if active & laws.READING_BITS:
+        for i in range(out.x.size):
+            out.x[i] = laws.reading(active, world.p, world.w, time[i], out.x[i])
 
 
 @lean
-def _rate_between(m, second):
+def _rate_between(m, m2, k2, b2):
     """Largest rate [1/s] of the motion of the two masses against each other."""
-    m2, k2, b2 = second
     lightness = 1.0 / m + 1.0 / m2
     return max(math.sqrt(k2 * lightness), b2 * lightness)
 
 
 @lean
-def _scales(m, b, k, time, force, x, v):
+def _scales(plant, time, force, motion):
     """Sizes of position [m] and velocity [m/s] that errors are compared with: of the linear plant's response."""
+    m, b, k = plant
+    x, v = motion
     slowest = 2.0 * math.pi / (time[-1] - time[0])
     rate = max(math.sqrt(abs(k) / m), b / m, slowest)
     largest = 0.0
@@ -155,4 +167,4 @@ def _scales(m, b, k, time, force, x, v):
     far = max(far, abs(v) / rate)
     if far == 0.0:
         far = max(abs(x), 1e-12)
-    return far, far * rate
+    return Motion(far, far * rate)

@@ -30,13 +30,14 @@ def _last_before(times, instant):
 
 
 @making
-def merge(time, force_time, force, straight, shift):
-    """Cut [time[0], time[-1]] at all samples and where the force, moved by ``shift`` [s], changes its course.
+def merge(time, command):
+    """Cut [time[0], time[-1]] at all samples and where the commanded force changes its course.
 
     Returns (start, length, kind, force_index, pick, lengths): start and length [s] of each of the N segments, the
     ``kind`` of its length (place in ``lengths``, -1 for an odd one), the force value that acts (-1: none yet), and
     for each sample the segment boundary, 0..N, that it falls on.
     """
+    force_time, force, straight, shift = command
     most = time.size + force_time.size
     start, length = np.empty(most), np.empty(most)
     kind, force_index = np.empty(most, np.int8), np.empty(most, np.int64)
@@ -75,16 +76,17 @@ def merge(time, force_time, force, straight, shift):
 
 
 @lean
-def force_lines(start, force_index, force_time, shift, force, linear, level, slope):
-    """Fill the force at the start of each segment, ``level`` [N], and its ``slope`` [N/s] (where linear)."""
+def force_lines(start, force_index, command, level, slope):
+    """Fill the force at the start of each segment, ``level`` [N], and its ``slope`` [N/s] (where straight)."""
+    force_time, force, straight, shift = command
     last = force_time.size - 1
     for j in range(start.size):
         i = force_index[j]
         if i < 0:
             level[j] = 0.0
-            if linear:
+            if straight:
                 slope[j] = 0.0
-        elif not linear:
+        elif not straight:
             level[j] = force[i]
         elif i == last:
             level[j] = force[i]
@@ -95,12 +97,13 @@ def force_lines(start, force_index, force_time, shift, force, linear, level, slo
 
 
 @lean
-def lagged_start(start, force_time, shift, force, straight, tau):
+def lagged_start(start, command, tau):
     """The lagged force [N] when the record starts [s], from the stamps before it.
 
     A first stamp before the record is a force that has acted for long (a record cut out of a longer one); otherwise
     there was none before it.
     """
+    force_time, force, straight, shift = command
     lagged = force[0] if force_time[0] < start else 0.0
     for i in range(force_time.size):
         begin = force_time[i] + shift
@@ -117,11 +120,12 @@ def lagged_start(start, force_time, shift, force, straight, tau):
 
 
 @lean
-def lag(length, tau, at_start, level, slope, transient):
+def lag(segments, tau, at_start):
     """First-order lag: replace each segment's line by level + slope t + transient exp(-t/tau).
 
     ``at_start`` [N] is the lagged force when the first segment begins.
     """
+    length, level, slope, transient = segments.length, segments.level, segments.slope, segments.transient
     steep = slope.size > 0
     force = at_start
     last_length, fade = -1.0, 0.0

@@ -56,14 +56,21 @@ class Counts:
     wild: int = 0
 
 
+@dataclass(frozen=True)
+class Units:
+    """Units of the values that come, as those of a ``Record``."""
+
+    force: str = "N"
+    position: str = "m"
+
+
 class LiveBuffer:
     """Latest samples of both signals; safe for one writing and several reading threads.
 
     Args:
         capacity: samples of either signal that are kept.
         hold: how the force goes on between its samples.
-        force_unit: of the force values.
-        position_unit: of the position values.
+        units: of force and position values.
         free: no force acts (free decay), so that none is waited for.
         watch: is told what goes wrong.
     """
@@ -73,15 +80,14 @@ class LiveBuffer:
         capacity: int,
         *,
         hold: Hold = "zero",
-        force_unit: str = "N",
-        position_unit: str = "m",
+        units: Units = Units(),  # noqa: B008 - frozen
         free: bool = False,
         watch: FaultLog | None = None,
     ) -> None:
         self.position = Ring(capacity)
         self.force = Ring(capacity)
         self._hold: Hold = hold
-        self._units = (force_unit, position_unit)
+        self._units = units
         self._free = free
         self._watch = watch or FaultLog()
         self._lock = threading.RLock()
@@ -168,15 +174,14 @@ class LiveBuffer:
             ns_f, f = ns_x.min(keepdims=True), np.zeros(1)
         if dropped:
             notes = (f"position: {dropped} repeated samples, or samples with a repeated stamp, were left out.",)
-        force_unit, position_unit = self._units
         return from_stamps(
             ns_x,
             x,
             ns_f,
             f,
             hold=self._hold,
-            force_unit=force_unit,
-            position_unit=position_unit,
+            force_unit=self._units.force,
+            position_unit=self._units.position,
             name="live",
             notes=notes,
         )

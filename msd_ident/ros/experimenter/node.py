@@ -25,7 +25,7 @@ from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
 from msd_ident.ros.common.worker import Worker
-from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Played, ProfilePlayer
+from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Experiment, Played, ProfilePlayer
 from msd_interfaces.action import RunExperiment
 from msd_interfaces.msg import ResultCode
 
@@ -115,7 +115,7 @@ class Experimenter:
             profile, limits = parsed(goal.profile, goal.limits)
             place = Place(self.settings["bag_folder"])
             bag = place.new(goal.folder) if goal.folder else place.automatic("experiment")
-            return answer(self.conductor.play(profile, limits, bag, self._stop, tell, goal.reset))
+            return answer(self.conductor.play(Experiment(profile, limits, bag, goal.reset), self._stop, tell))
         except MsdError as error:
             return RunExperiment.Result(success=False, message=str(error), code=code_of(error))
         except Exception as error:

@@ -73,6 +73,23 @@ class Played:
         return f"{what}; {delays}; {self.bag}"
 
 
+@dataclass(frozen=True)
+class Experiment:
+    """What to play.
+
+    Attributes:
+        profile: of the force.
+        limits: of the rig.
+        bag: folder for what is recorded; it must not exist.
+        reset: whether the rig is asked to begin anew before.
+    """
+
+    profile: Profile
+    limits: Limits
+    bag: Path
+    reset: bool = False
+
+
 class ProfilePlayer:
     """Plays profiles with a node that somebody else spins.
 
@@ -93,35 +110,34 @@ class ProfilePlayer:
         self._latest: tuple[int, float] | None = None
         self._halted = False
 
-    def play(
-        self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance, reset: bool = False
-    ) -> Played:
-        """Play a profile to its end, or until a limit, silence or ``stop`` ends it with force 0.
+    def play(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
+        """Play an experiment to its end, or until a limit, silence or ``stop`` ends it with force 0.
 
         Raises:
             UsageError: the profile is beyond the limits, or the bag exists; nothing has moved.
             SetupError: no rig answers; nothing has moved.
         """
-        limits.check(profile)
+        experiment.limits.check(experiment.profile)
         listening = [self._listen(topic, kind) for topic, kind in _KINDS]
         try:
             self._wait_for_rig()
-            if reset:
+            if experiment.reset:
                 self._reset()
-            self._wait_for_rest(limits, stop)
-            return self._conduct(profile, limits, bag, stop, advance)
+            self._wait_for_rest(experiment.limits, stop)
+            return self._conduct(experiment, stop, advance)
         finally:
             for subscription in listening:
                 self._node.destroy_subscription(subscription)
 
-    def _conduct(self, profile: Profile, limits: Limits, bag: Path, stop: threading.Event, advance: Advance) -> Played:
+    def _conduct(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
+        bag = experiment.bag
         recording = self._record(bag)
-        guard = SafetyMonitor(limits, self._silence)  # hears from now on: a bag may take its time to begin
+        guard = SafetyMonitor(experiment.limits, self._silence)  # hears from now on: a bag may take its time to begin
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
         delays: list[float] = []
         try:
-            self._send(profile, guard, stop, advance, delays)
+            self._send(experiment.profile, guard, stop, advance, delays)
         finally:
             self._halt()
             with self._lock:

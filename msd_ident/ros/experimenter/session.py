@@ -16,7 +16,7 @@ from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import SourceOptions, read
 from msd_ident.ros.common.node_runner import Spinner
-from msd_ident.ros.experimenter.profile_player import LEAD, Advance, ProfilePlayer
+from msd_ident.ros.experimenter.profile_player import LEAD, Advance, Experiment, ProfilePlayer
 from msd_ident.workflow.investigation import Ran
 
 
@@ -66,7 +66,7 @@ class GraphRig:
         """
         self.runs += 1
         bag = self.folder / f"run_{self.runs}"
-        done = self.conductor.play(profile, limits, bag, self.stop, self.advance, reset=True)
+        done = self.conductor.play(Experiment(profile, limits, bag, reset=True), self.stop, self.advance)
         if self.stop.is_set():
             raise UsageError(f"interrupted; the force is 0 and {bag} holds what was recorded until then")
         try:

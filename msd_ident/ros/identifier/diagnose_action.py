@@ -82,6 +82,16 @@ class _Told:
     message: DiagnosisMessage
 
 
+@dataclass(frozen=True)
+class _Part:
+    """One experiment of a goal: its paths, its joint, the part of the goal done before it, and its own part."""
+
+    paths: Sequence[str]
+    joint: Joint | None
+    begun: float
+    share: float
+
+
 class Diagnosing:
     """Owns the action server and the topic of diagnoses.
 
@@ -200,7 +210,8 @@ class Diagnosing:
         result = Diagnose.Result(success=True)
         found: list[Diagnosis] = []
         for index, (paths, joint) in enumerate(groups):
-            self._one(goal, paths, joint, (index / len(groups), 1.0 / len(groups)), result, found)
+            part = _Part(paths, joint, index / len(groups), 1.0 / len(groups))
+            self._one(goal, part, result, found)
         if target is not None and found:
             from msd_ident.report import page
 
@@ -209,26 +220,19 @@ class Diagnosing:
         result.message = said[0] if len(said) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
         return result
 
-    def _one(
-        self,
-        goal: _Goal,
-        paths: Sequence[str],
-        joint: Joint | None,
-        share: tuple[float, float],
-        result: Diagnose.Result,
-        found: list[Diagnosis],
-    ) -> None:
+    def _one(self, goal: _Goal, group: _Part, result: Diagnose.Result, found: list[Diagnosis]) -> None:
         """Diagnose one experiment; ``result`` and ``found`` grow. One that cannot be read leaves the others alone."""
         from msd_ident.data.effort import judge
         from msd_ident.ros.common.diagnosis_messages import failed, healthy, to_diagnosis
         from msd_ident.workflow import pipeline
 
         def tell(stage: str, fraction: float, cause: str) -> None:
-            goal.tell(stage, share[0] + share[1] * fraction, cause)
+            goal.tell(stage, group.begun + group.share * fraction, cause)
 
         def read(messages: int) -> None:
             tell("reading", 0.0, f"{messages} messages" if messages else "")
 
+        paths, joint = group.paths, group.joint
         name = " + ".join(paths) or "live"
         name = f"{name} {joint.name}" if joint else name
         try:

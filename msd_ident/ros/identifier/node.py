@@ -20,7 +20,7 @@ from msd_ident.ros.common import codes, diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, Sink, wanted
-from msd_ident.ros.common.live_buffer import LiveBuffer
+from msd_ident.ros.common.live_buffer import LiveBuffer, Units
 from msd_ident.ros.common.message_batching import Poller
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER
@@ -113,8 +113,7 @@ class Identifier:
         self.buffer = LiveBuffer(
             s["buffer_samples"],
             hold=s["hold"],
-            force_unit=s["force_unit"],
-            position_unit=s["position_unit"],
+            units=Units(s["force_unit"], s["position_unit"]),
             free=options(s).no_force,
             watch=self.watch,
         )

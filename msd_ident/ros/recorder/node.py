@@ -25,7 +25,7 @@ from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
 from msd_ident.ros.recorder.recording import QueueLimits, Recording, Summary
 from msd_ident.ros.recorder.resuming import Interrupted, Notebook
-from msd_ident.ros.recorder.subscriptions import Following
+from msd_ident.ros.recorder.subscriptions import Following, Wanted
 from msd_interfaces.srv import StartRecording
 
 COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
@@ -132,8 +132,8 @@ class Recorder:
         path = self._place(folder)
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
         self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
-        depth = self.settings["queue_depth"]
-        self._following = Following(self.node, self._recording, self._wanted, depth, self.watch, self._poller)
+        wanted = Wanted(self._wanted, self.settings["queue_depth"])
+        self._following = Following(self.node, self._recording, wanted, self.watch, self._poller)
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
         self._log.info(f"recording {what} to {path}")

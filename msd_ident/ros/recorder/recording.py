@@ -52,6 +52,14 @@ class QueueLimits:
     split_seconds: float = 0.0
 
 
+@dataclass(frozen=True)
+class Numbered:
+    """What tells that messages are missing: a message's number and its own stamp [ns], where it has them."""
+
+    sequence: int | None = None
+    stamp_ns: int | None = None
+
+
 class Recording:
     """Takes messages from the executor's thread without ever waiting for the disk.
 
@@ -118,11 +126,10 @@ class Recording:
         raw: bytes,
         log_ns: int,
         publish_ns: int,
-        sequence: int | None = None,
-        stamp_ns: int | None = None,
+        origin: Numbered = Numbered(),  # noqa: B008 - frozen
     ) -> None:
-        """Hand over one message with its publisher's number and its own stamp, where it has them; never blocks."""
-        self._counts[topic].count(sequence, stamp_ns)
+        """Hand over one message with its times of receipt and of publication [ns]; never blocks."""
+        self._counts[topic].count(origin.sequence, origin.stamp_ns)
         if self._error or self.waiting_bytes + len(raw) > self._most_bytes:
             self._refused += 1
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.node import Node
@@ -16,10 +17,18 @@ from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import is_stamped, message_class, raw_stamp
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller, subscribe, waiting
-from msd_ident.ros.recorder.recording import Recording
+from msd_ident.ros.recorder.recording import Numbered, Recording
 
 #: Least time between two log lines of one kind [s].
 QUIET = 5.0
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What to listen to: topics, ``None`` for all that are not hidden, and the queue size of their subscriptions."""
+
+    topics: frozenset[str] | None
+    depth: int
 
 
 class Following:
@@ -28,8 +37,7 @@ class Following:
     Args:
         node: to listen with.
         recording: that takes the messages.
-        wanted: topics; ``None`` for all that are not hidden.
-        depth: queue size of the subscriptions.
+        wanted: what to listen to.
         watch: is told what goes wrong.
         poller: of the node.
     """
@@ -38,13 +46,12 @@ class Following:
         self,
         node: Node,
         recording: Recording,
-        wanted: frozenset[str] | None,
-        depth: int,
+        wanted: Wanted,
         watch: FaultLog,
         poller: Poller,
     ) -> None:
-        self._node, self._recording, self._wanted = node, recording, wanted
-        self._depth, self._watch, self._poller = depth, watch, poller
+        self._node, self._recording, self._wanted, self._depth = node, recording, wanted.topics, wanted.depth
+        self._watch, self._poller = watch, poller
         self._began_ns = time.time_ns()
         self._refused: set[str] = set()
         self._types: dict[str, str] = {}
@@ -136,7 +143,8 @@ class Following:
                 received = sent = clock.now().nanoseconds
             lost, restarts = count.lost, count.restarts
             stamp = raw_stamp(raw) if stamped else None
-            recording.put(topic, raw, received, sent or received, info.get("publication_sequence_number"), stamp)
+            origin = Numbered(info.get("publication_sequence_number"), stamp)
+            recording.put(topic, raw, received, sent or received, origin)
             if count.lost != lost:
                 words = f"{topic}: {count.lost - lost} messages are missing according to their sequence numbers"
                 self._watch.note("missing", words, count.lost - lost)
