@@ -6,11 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from msd_ident.design.profile import Profile, Segment
+from msd_ident.estimate.effort import A_SWING
+from msd_ident.tuning import tuned
 
-#: Rest before the first push, in periods, and at least [s]: it shows the noise and where zero is.
-_REST, _LEAST_REST = 0.25, 0.1
+_REST = tuned(
+    0.25, unit="periods", why="rest before the first push: it shows the noise and where zero is", chosen="by hand"
+)
+_LEAST_REST = tuned(0.1, unit="s", why="the same, at least", chosen="by hand")
 #: Commands a period at the highest frequency of a sweep.
-_FINE = 40.0
+_FINE = 2.0 * A_SWING
 
 
 @dataclass(frozen=True)

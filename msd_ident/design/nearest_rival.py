@@ -14,16 +14,16 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.prediction import Predictor, Sensing
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import STUCK
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model.base_model import OFFSET, OFFSET_FORCE
 from msd_ident.selection.candidate_models import CandidateModel, marginal
+from msd_ident.selection.evidence import NEAR
 
-#: Rise of chi² below which the data cannot object.
-SILENT = 12.0
+#: Rise of chi² below which the data cannot object: twice the evidence at which a set is kept.
+SILENT = NEAR
 #: Steps, and those after which a rival may be given up as hopeless.
 _ROUNDS, _ENOUGH = 14, 4
-#: Damping at which a fit gives up.
-_STUCK = 1e6
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def nearest(
         trial, rise = _shifted(best.trial, move, moving), left - base
         promised = min(promised, rise)
         vain = turn + 1 >= _ENOUGH and promised > hopeless
-        if slow or vain or rise < 0.2 * SILENT or damping > _STUCK:
+        if slow or vain or rise < 0.2 * SILENT or damping > STUCK:
             break
     assert best is not None
     return trial, rise, best.information

@@ -26,15 +26,14 @@ from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import to_tree
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
+from msd_ident.estimate.effort import THOROUGH
+from msd_ident.estimate.levels import TWO_SIDED
 from msd_ident.model.base_model import FRICTION_FORCE, DryFriction
 from msd_ident.paper.refinement import GRAVITY
 from msd_ident.selection.candidate_models import CandidateModel
 
 _FRICTION = "friction_coefficient"
 _NEEDS = {_FRICTION: FRICTION_FORCE, "natural_frequency": "stiffness", "damping_ratio": "stiffness"}
-_TWO_SIDED = 1.959964
-#: Segments of the random profile that a design is compared with.
-_RANDOM = 40
 
 
 @dataclass(frozen=True)
@@ -116,7 +115,7 @@ def compared(duration: float, period: float) -> tuple[Profile, Profile]:
     lead = Segment("hold", rest)
     step = Profile((lead, Segment("step", duration - rest, force=1.0)), "single step")
     rng = np.random.default_rng(seeds.RANDOM_STEPS)
-    count = min(max(int((duration - rest) / (0.5 * period)), 2), _RANDOM)
+    count = min(max(int((duration - rest) / (0.5 * period)), 2), THOROUGH)
     random = levels(tuple(float(v) for v in rng.uniform(-1.0, 1.0, count)), (duration - rest) / count)
     return step, Profile((lead, *random), "random steps")
 
@@ -177,7 +176,7 @@ def _rated(question: Question, unit: Profile, targets: Sequence[str]) -> FloatAr
 
 
 def _half(targets: Sequence[str], stds: FloatArray) -> dict[str, float]:
-    return {name: _TWO_SIDED * float(std) for name, std in zip(targets, stds, strict=True)}
+    return {name: TWO_SIDED * float(std) for name, std in zip(targets, stds, strict=True)}
 
 
 def _sentence(best: Option, values: Mapping[str, float], intervals: Sequence[Mapping[str, float]]) -> str:

@@ -13,17 +13,25 @@ from msd_ident import seeds
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
+from msd_ident.estimate.effort import FEWEST_READINGS, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.tuning import fixed, tuned
 
 #: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
 _A_PERIOD, _A_SWING = 30.0, 8.0
-_FEWEST, _MOST = 200, 6000
-#: Two more rows of every Jacobian: the cart's position at the start, and the reading of the relaxed spring.
-NUISANCES = 2
-#: Parameter vectors that are drawn from what the data leaves of each contender.
-DRAWS = 48
+NUISANCES = fixed(
+    2,
+    "mathematics",
+    "rows of every Jacobian besides the parameters': the start position, and the reading of the relaxed spring",
+)
+DRAWS = tuned(
+    48,
+    unit="draws",
+    why="parameter vectors that are drawn from what the data leaves of each contender",
+    chosen="by hand",
+)
 _FAR = 0.3
 
 
@@ -81,7 +89,7 @@ def instants(profile: Profile, period: float, seen: Sensing) -> int:
     """Instants that are fine enough for the plant's period [s] and the profile's swings."""
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
     step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
-    return int(np.clip(profile.duration / step, _FEWEST, _MOST)) + 1
+    return int(np.clip(profile.duration / step, FEWEST_READINGS, 4 * SAMPLES)) + 1
 
 
 def grid(profile: Profile, period: float, seen: Sensing) -> Grid:

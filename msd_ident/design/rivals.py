@@ -8,7 +8,7 @@ from msd_ident.diagnosis import Diagnosis
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.evidence import DECISIVE
 
-#: Most rivals of one design, and the least probability that makes a rival of an undisputed lead.
+#: The least probability that makes a rival of an undisputed lead.
 MOST, WEAK = 6, 0.02
 
 

@@ -17,10 +17,16 @@ import numpy as np
 import scipy.signal
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import FEWEST
 from msd_ident.estimate.windows import breadths
+from msd_ident.tuning import tuned
 
-_MAX_ORDER = 30
-_REST_SAMPLES = 10
+_MAX_ORDER = tuned(
+    30,
+    unit="samples",
+    why="largest order of the autoregression of a residual; its order is chosen by BIC",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
     return [
         span
         for span in spans
-        if span.stop - span.start >= _REST_SAMPLES and np.ptp(position[span]) < 0.25 * encoder_step
+        if span.stop - span.start >= FEWEST and np.ptp(position[span]) < 0.25 * encoder_step
     ]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
@@ -62,7 +63,7 @@ def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int
     held = sum(effect.holding for effect in model.effects)
     holding = held / max(model["stiffness"], 1e-300) / math.sqrt(3.0)
     length = problem.typical.length
-    spread = min(holding + sum(model.structure(PLAY)), 1e3 * length) + max(noise, 1e-4 * length)
+    spread = min(holding + sum(model.structure(PLAY)), NATURAL_RANGE * length) + max(noise, 1e-4 * length)
     return replace(problem, balances=tuple(RestConstraint(r, spread, noise) for r in resting))
 
 

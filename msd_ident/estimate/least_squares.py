@@ -18,6 +18,7 @@ import numpy.typing as npt
 import scipy.linalg.lapack as lapack
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import NULL, STUCK
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,6 @@ class SolverOptions:
 
 
 _DAMPING_START = 1e-4
-_DAMPING_END = 1e10
-#: Eigenvalue of the unit-diagonal matrix below which nothing is told.
-_UNTOLD = 1e-10
 _NO_STEP = "Converged: no step would lower the error."
 _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."
@@ -89,7 +87,7 @@ def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> 
         gain = normal.cost - cost
         if not gain > 0.0:
             damping, growth = damping * growth, growth * 2.0
-            if damping > _DAMPING_END or _small(step, point, limits):
+            if damping > STUCK or _small(step, point, limits):
                 return _release(objective, normal, Solution(point, normal.cost, iteration, True, _NO_SMALLER), limits)
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
@@ -116,8 +114,8 @@ def _release(objective: Objective, normal: Normal, outcome: Solution, limits: So
     diagonal = np.diag(normal.matrix)
     size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     values, vectors = np.linalg.eigh(normal.matrix / np.outer(size, size))
-    told = vectors[:, values > _UNTOLD * max(float(values[-1]), 1e-300)] / size[:, None]
-    strength = values[values > _UNTOLD * max(float(values[-1]), 1e-300)]
+    told = vectors[:, values > NULL * max(float(values[-1]), 1e-300)] / size[:, None]
+    strength = values[values > NULL * max(float(values[-1]), 1e-300)]
     step = -told @ ((told.T @ normal.gradient) / strength)
     step = np.clip(outcome.point + step, limits.lower, limits.upper) - outcome.point
     if _expected_gain(normal, step) > limits.cost_tolerance * normal.cost:

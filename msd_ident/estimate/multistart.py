@@ -19,14 +19,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import KEPT, LONG, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 
-#: Starts that are followed beyond a first look.
-_REFINED = 3
-#: Iterations of a first look at a start, of a jump, and of a refinement.
-_FIRST, _SHORT, _LONG = 6, 12, 120
+_FIRST = 6
 #: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
 _EXPLORED = 25
 _WORTH = 1e-5
@@ -38,8 +37,6 @@ _AT_FLOOR = 1.3
 _BLOCKS = (8, 32)
 #: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
 _COARSE = 100.0
-#: A kinked parameter known worse than this (part of its value) may have another valley as good within reach.
-_VAGUE = 0.01
 #: More than this part of the motion's spread left: phase has slipped somewhere.
 _SLIPPED = 0.2
 #: Parts of the records over which a fit grows: the first holds a swing or so.
@@ -52,7 +49,7 @@ _JUMPS = (0.55, 0.8, 1.25, 1.8)
 _MOST_HOPS = 4
 
 
-def limits(problem: Problem, iterations: int = _LONG) -> SolverOptions:
+def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
     """Bounds and sizes of a problem for the solver."""
     return SolverOptions(problem.lower, problem.upper, problem.scale, iterations)
 
@@ -84,7 +81,7 @@ class Valleys:
             neighbours: where the valleys next to the best are looked for.
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
-        likely = sorted([*starts, *own], key=self.weighted.cost)[:_REFINED]
+        likely = sorted([*starts, *own], key=self.weighted.cost)[:KEPT]
         first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
         if not self.at_floor(best):
             others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
@@ -112,11 +109,11 @@ class Valleys:
     def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
         """A few iterations from every start; the leaders."""
         outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
-        return sorted(outcomes, key=_cost)[:_REFINED]
+        return sorted(outcomes, key=_cost)[:KEPT]
 
     def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
         """From a start down its valley, rests weighted down first."""
-        down = minimise(self.rough, start, replace(limits(self.problem, 40), cost_tolerance=1e-3))
+        down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=1e-3))
         return minimise(self.plain, down.point, until)
 
     def at_floor(self, outcome: Solution) -> bool:
@@ -139,7 +136,7 @@ class Valleys:
             matrix = self.plain.linearise(best.point).matrix
             inverse = np.linalg.pinv(matrix, rcond=1e-14, hermitian=True)
             spread = self._spread(best) * np.sqrt(np.maximum(np.diag(inverse), 0.0))
-            kinked = [entry for entry in kinked if spread[entry] > _VAGUE * abs(best.point[entry])]
+            kinked = [entry for entry in kinked if spread[entry] > NEGLIGIBLE * abs(best.point[entry])]
         for entry in kinked:
             best = self._jump_one(best, entry)
         return best
@@ -166,7 +163,7 @@ class Valleys:
             change = np.zeros(problem.size)
             change[entry] = (factor - 1.0) * best.point[entry]
             change[others] = follow * change[entry]
-            near.append(minimise(self.rough, best.point + change, limits(problem, _SHORT)))
+            near.append(minimise(self.rough, best.point + change, limits(problem, SHORT)))
         for outcome in sorted(near, key=_cost)[:2]:
             best = _deeper(best, minimise(self.plain, outcome.point, self._roughly()))
         return best

@@ -17,13 +17,16 @@ from scipy import stats
 
 from msd_ident.data.record import FloatArray
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.tuning import tuned
 
-#: Probability of calling a right model wrong, for each question.
-LEVEL = 1e-5
-#: Relative error that the noise floor itself may have.
-_FLOOR_ERROR = 0.04
+LEVEL = tuned(
+    1e-5, unit="1", why="probability of calling a right model wrong, for each of the three questions", chosen="by hand"
+)
+_FLOOR_ERROR = tuned(0.04, unit="1", why="relative error that the noise floor itself may have", chosen="by hand")
 _LAGS = 20
-_BLOCKS = (16, 64)
+_BLOCKS = tuned(
+    (16, 64), unit="runs", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

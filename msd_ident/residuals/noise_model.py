@@ -19,14 +19,18 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
+from msd_ident.estimate.levels import ALIKE
+from msd_ident.tuning import fixed, tuned
 
-#: No solver and no clock is better than this part of the motion.
-_EXACT = 2e-6
+_EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
 #: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
 _ALL_ROUNDING = 0.35
-#: A stretch shows the whole record where range and spread of motion and force are the same but for this part, and the
-#: force crosses its mean at least so often.
-_ALIKE, _TURNS = 0.8, 100
+_TURNS = tuned(
+    100,
+    unit="crossings",
+    why="a stretch stands for the whole record where the force crosses its mean so often",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Readings:
         parts = [record.window(record.time[first], record.time[first + keep - 1]) for first in begins]
         best = max(parts, key=lambda part: float(np.std(part.position)), default=record)
         alike = all(
-            np.ptp(some) >= _ALIKE * np.ptp(whole) and np.std(some) < np.std(whole) / _ALIKE
+            np.ptp(some) >= np.ptp(whole) / ALIKE and np.std(some) < ALIKE * np.std(whole)
             for some, whole in ((best.position, record.position), (best.force, record.force))
         )
         swings = np.count_nonzero(np.diff(np.sign(best.force - best.force.mean())))

@@ -17,9 +17,9 @@ from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
+from msd_ident.tuning import fixed
 
-#: Swings from which on a trend with the amplitude can be told.
-_FEWEST = 3
+_FEWEST = fixed(3, "mathematics", "swings from which on a trend with the amplitude differs from two values")
 #: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
 Reading = tuple[str, Mapping[str, tuple[int, ...]]]
 

@@ -12,7 +12,9 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import State, Weighting, descend
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, LOOK, THOROUGH
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
@@ -20,36 +22,52 @@ from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import rest_response
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.tuning import fixed, tuned
 
 Causes = frozenset[str]
 
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
-_FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
-#: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
-_A_SWING = 20.0
-#: Times the samples asked for that are too many.
-_MANY = 2
+_FIRST = 4
 #: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
 _KICK, _FLOOR = 0.6, 1.5
 #: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
 _ASIDE = 6.0
-#: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
-FAR = 25.0
-#: A set whose error has this many times the variance of the best one's, and has stopped falling, is not refined
-#: further; so much sooner where the best one itself is far from the noise.
-_HOPELESS, _HOPELESS_FAR = 4.0, 1.5
-#: Times the variance of a set that leaves nothing but noise which a start may promise to be worth a look.
-REACH = 10.0
-#: Shapes of a model's error that are counted while a search goes on.
-SOUGHT = 40.0
-#: Part of a smaller set's chi² below which a first step's promise is no more than a hint.
-_MUCH = 0.5
+FAR = tuned(
+    25.0,
+    unit="chi² for each piece of evidence",
+    why="far from the noise: what is left is the model's, not the data's",
+    chosen="by hand",
+)
+COMPARABLE = tuned(
+    4.0,
+    unit="1",
+    why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
+    chosen="by hand",
+)
+#: The same far from the noise, in parts of chi².
+_HOPELESS_FAR = 1.5
+REACH = tuned(
+    10.0,
+    unit="1",
+    why="times the variance of the best set which a start may promise, or the chi² which a set may leave, to be "
+    "looked at",
+    chosen="by hand",
+)
+SOUGHT = tuned(
+    40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
+)
+SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
 #: Relative error that the estimate of the noise's variance may have.
 NOISE_ERROR = 0.1
-#: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
-_SLACK, _SLACK_FAR = 1e-3, 5e-3
+_SLACK = tuned(
+    1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
+)
+#: The same far from the noise.
+_SLACK_FAR = 5e-3
+#: Fall of chi² that is not worth a simulation: far below one piece of evidence.
+LEAST_FALL = 0.02
 
 
 @dataclass(frozen=True)
@@ -81,17 +99,17 @@ class Experiment:
         return chi + (times - 1.0) * (SOUGHT + above)
 
     def thinned(self, keep: int) -> Experiment:
-        """The same with about ``keep`` samples in all: every few, but ``_A_SWING`` of them or more in each swing, and
+        """The same with about ``keep`` samples in all: every few, but ``A_SWING`` of them or more in each swing, and
         where that are too many still, a stretch of a record that goes on in the same way.
         """
         total = sum(part.record.samples for part in self.readings)
         swing = 2.0 * math.pi * self.typical.time
         parts = []
         for part in self.readings:
-            fewest = int(_A_SWING * part.record.duration / swing)
-            own = max(keep * part.record.samples // total, 200)
+            fewest = int(A_SWING * part.record.duration / swing)
+            own = max(keep * part.record.samples // total, FEWEST_READINGS)
             few = part.thinned(max(own, fewest))
-            parts.append(few.stretch(own) if few.record.samples > _MANY * own else few)
+            parts.append(few.stretch(own) if few.record.samples > 2 * own else few)
         return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
@@ -274,7 +292,7 @@ class StartingPoint:
 
     def worth(self, reach: float) -> bool:
         """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""
-        return self.promise < max(reach, _MUCH * self.beside)
+        return self.promise < max(reach, MOST_OF * self.beside)
 
 
 def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
@@ -340,15 +358,15 @@ def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Beginnings that did not meet in one valley."""
     kept: list[Hypothesis] = []
     for fitted in begun:
-        if all(abs(fitted.chi - other.chi) > 1e-3 * other.chi for other in kept):
+        if all(abs(fitted.chi - other.chi) > SAME * other.chi for other in kept):
             kept.append(fitted)
     return kept
 
 
 def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
-    for _ in range(_CHUNKS):
+    for _ in range(THOROUGH // LOOK):
         before = fitted.chi
-        fitted = _lower(experiment, fitted, _CHUNK)
+        fitted = _lower(experiment, fitted, LOOK)
         fall = before - fitted.chi
         if fall <= _settled_gain(experiment, fitted):
             break
@@ -364,13 +382,13 @@ def _hopeless(experiment: Experiment, least: float) -> float:
     """
     if least > FAR * experiment.evidence:
         return least * _HOPELESS_FAR
-    return experiment.worse(least, _HOPELESS)
+    return experiment.worse(least, COMPARABLE)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
     slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
-    return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
+    return LEAST_FALL + slack * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
@@ -395,8 +413,8 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
         initial: initial state of each record to start from.
     """
     problem, weighting, point = formulated(experiment, model, initial)
-    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
-    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, LEAST_FALL)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 

@@ -14,14 +14,15 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting
+from msd_ident.estimate.effort import SHORT, THOROUGH
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.hypothesis import Hypothesis, weigh
 
-_STEPS, _TRIES = 12, 40
 _WORTH = 0.05
 #: Pull of rest [chi²] that is none, and what the middle of the sticking range may leave more than its edge.
 _LITTLE, _OBJECTION = 0.25, 9.0
@@ -79,7 +80,7 @@ def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray
     reach = float(record.force_at(record.time[:1])[0]) / max(fitted.model.stiffness, 1e-300)
     start = fitted.initial[known[0].record].position
     factor = reach / (reach - start) if reach != 0.0 and reach != start else 1.0
-    if not 1e-3 < factor < 1e3:
+    if not 1.0 / NATURAL_RANGE < factor < NATURAL_RANGE:
         return fitted.point
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
     values |= in_force_unit(fitted.model, factor)
@@ -105,7 +106,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
     """Levenberg–Marquardt on samples and rest together."""
     problem, damping, taken = weighting.problem, 1e-6, 0
     cost = state.chi + _pull(problem, state.point, known)
-    for _ in range(_TRIES):
+    for _ in range(THOROUGH):
         normal = state.normal + information(problem, state.point, known)
         slope = state.gradient
         for balance in known:
@@ -120,7 +121,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
             worth = cost - reached > _WORTH
             state = weighting.exact(point, weighting.steps(state))
             cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
-            if not worth or taken >= _STEPS:
+            if not worth or taken >= SHORT:
                 break
         elif (damping := 10.0 * damping) > 1e4:
             break

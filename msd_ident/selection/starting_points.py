@@ -10,16 +10,20 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import Weighting, extended, step
+from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.formulation import regressed
+from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
+from msd_ident.selection.evidence import FAINT
 from msd_ident.selection.hypothesis import (
     COULOMB,
     HOLDING_COULOMB,
+    SAME,
     Causes,
     Experiment,
     Hypothesis,
@@ -27,19 +31,13 @@ from msd_ident.selection.hypothesis import (
     formulated,
 )
 from msd_ident.selection.second_masses import SecondMass, second_masses
-from msd_ident.selection.starting_values import guesses
+from msd_ident.selection.starting_values import STOPS, guesses
 
-_KEPT = 3
-#: Relative difference of two promises that are one.
-_SAME = 1e-3
 #: Part of a guess's strength that is tried where the whole of it makes the fit worse.
 _WEAK = 0.05
-#: Part of what the whole guess promises, below which it is taken in that strength.
-_CLEARLY = 0.5
-_DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
-#: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
-#: tried then at several places, in parts of the reach.
-_ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+_PLACINGS = 4
+#: Noise floors left by a set beyond which its neighbours are started from a regression with inner parameters too.
+_FAR_ASTRAY = 30.0
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
@@ -93,23 +91,23 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
             start = _beside(experiment, causes, parent, model)
             if start.fitted.chi > parent.chi and parent.causes < causes:
                 weak = _beside(experiment, causes, parent, _weakened(model, causes - parent.causes))
-                start = weak if weak.promise < _CLEARLY * start.promise else start
+                start = weak if weak.promise < MOST_OF * start.promise else start
             found.append(start)
-    found = _distinct(sorted(found, key=lambda start: start.promise))[:_KEPT]
+    found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
     return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
 
 
 def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
     """Starts, sorted by what they promise, that do not lead to the same place."""
     pairs = zip(found, found[1:], strict=False)
-    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + _SAME) * before.promise]
+    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + SAME) * before.promise]
 
 
 def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: Model) -> StartingPoint:
     """A start next to a fitted parent, whose Jacobian it takes over."""
     problem, weighting, point = formulated(experiment, model, parent.initial)
     state = extended(weighting, parent.problem, parent.state, point)
-    promised = step(problem, state, _DAMPED)[1]
+    promised = step(problem, state, DAMPING)[1]
     return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), parent.chi)
 
 
@@ -134,7 +132,7 @@ def regressions(
     """
     beside = min(parent.chi for parent in parents)
     left = math.sqrt(beside / experiment.evidence)
-    if left < _ASTRAY or parents[0].causes:
+    if left < FAINT or parents[0].causes:
         return []
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
@@ -169,9 +167,9 @@ def _placed(
         state = units.exact(place, units.steps(None))
         if not state.chi < chi:
             break
-        move, promised = step(bare, state, _DAMPED)
+        move, promised = step(bare, state, DAMPING)
         chi, best = state.chi, place
-        if promised < _WORTH_PLACING * chi:
+        if promised < NEGLIGIBLE * chi:
             break
         place = np.clip(place + move, bare.lower, bare.upper)
     values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
@@ -184,7 +182,7 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
     if not places:
         return [model]
     reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values(dict.fromkeys(places, share * reach)) for share in _STOPS]
+    return [model.with_values(dict.fromkeys(places, share * reach)) for share in STOPS]
 
 
 def _exact_start(
@@ -193,5 +191,5 @@ def _exact_start(
     problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
-    promised = step(problem, state, _DAMPED)[1]
+    promised = step(problem, state, DAMPING)[1]
     return StartingPoint(state.chi - promised, Hypothesis(causes, model, problem, state, experiment.rests), beside)

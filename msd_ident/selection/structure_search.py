@@ -17,12 +17,14 @@ from functools import partial
 from typing import TypeVar
 
 from msd_ident import cancellation
+from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, Ranking, rank, scale_from
 from msd_ident.selection.hypothesis import (
+    COMPARABLE,
     COULOMB,
     FAR,
     HOLDING_COULOMB,
@@ -41,6 +43,7 @@ from msd_ident.selection.hypothesis import (
     without,
 )
 from msd_ident.selection.starting_points import proposals
+from msd_ident.tuning import fixed, tuned
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
@@ -52,16 +55,12 @@ Progress = Callable[[str, float, str], None]
 Remembered = tuple[Causes, Model, Sequence[Initial]]
 
 NOTHING: Causes = frozenset()
-LARGEST = 4
-#: Longest time for which a thread keeps the interpreter from the others [s].
-_TURN = 5e-5
-#: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
-#: repair, the library does not repair.
-_ROUNDS, _ROUNDS_FAR = 5, 2
+LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
+_TURN = fixed(5e-5, "resources", "longest time [s] for which a thread keeps the interpreter from the others")
+#: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
+_ROUNDS_FAR = LOOK // 2
 #: Sets of a round that are fitted before the others, and those that follow them.
 _AHEAD = (4, 12)
-#: A rival that leaves this many times the leader's chi² is not begun again.
-_REJOIN = 4.0
 #: A second parent is worth starting from when it leaves not more than this many times what the first one does.
 _COMPARABLE = 3.0
 
@@ -121,13 +120,13 @@ class Search:
         for causes, model, initial in self._reduced(best):
             _, weighting, point = formulated(self.experiment, model, initial)
             left = weighting.residual(point)
-            if causes in self.sets or left @ left < _REJOIN * best.chi:
+            if causes in self.sets or left @ left < COMPARABLE * best.chi:
                 self._look_again(causes, model, initial)
         return self.ranking()
 
     def _walk(self) -> Ranking:
         """From leader to leader until no neighbour has more evidence."""
-        for turn in range(_ROUNDS):
+        for turn in range(LOOK):
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
@@ -149,7 +148,7 @@ class Search:
             one.causes
             for one in self.sets.values()
             if len(one.causes) == len(best.causes) == len(one.causes & best.causes) + 1
-            and best.chi < one.chi < _REJOIN * best.chi
+            and best.chi < one.chi < COMPARABLE * best.chi
         ]
         for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
             self._keep(fitted)

@@ -24,11 +24,11 @@ from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.evidence import NoiseScale, prior_widths
 from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis, formulated
+from msd_ident.tuning import fixed
 
 #: Steps down that bring the other parameters to the record when one law is given.
 _STEPS = 15
-#: Variance of a rounding error, in steps squared.
-_UNIFORM = 1.0 / 12.0
+_UNIFORM = fixed(1.0 / 12.0, "mathematics", "variance of a rounding error, in steps squared")
 
 
 @dataclass(frozen=True)
