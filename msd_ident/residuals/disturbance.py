@@ -18,12 +18,12 @@ import scipy.optimize
 from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.tuning import fixed
 
 #: Range of the walk's strength that is searched, in decades either side of its natural size: a force squared.
 _DECADES = 2.0 * math.log10(NATURAL_RANGE)
-_EVALUATIONS = 9
 _SETTLED = fixed(
     1e-9,
     "accuracy",
@@ -78,7 +78,7 @@ def missing_force(
         return -float(_filter(steps, position, applied, mass, damping, stiffness, variance, walk, states, work))
 
     found = scipy.optimize.minimize_scalar(
-        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": _EVALUATIONS, "xatol": 0.1}
+        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": SHORT, "xatol": 0.1}
     )
     walk = natural * 10.0 ** float(found.x)
     unlikely(float(found.x))

@@ -23,8 +23,8 @@ from msd_ident.estimate.levels import ALIKE, MAD
 from msd_ident.tuning import fixed, tuned
 
 _EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
-#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
-_ALL_ROUNDING = 0.35
+#: Noise in encoder steps below which there is hardly more than rounding: no noise dithers it.
+_ALL_ROUNDING = ALIKE / math.sqrt(12.0)
 _TURNS = tuned(
     100,
     unit="crossings",
