@@ -27,6 +27,10 @@ from msd_ident import parallel, tuning
 
 parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
 
+#: Rooms in the order of their runs: those first that decide about causes.
+FIRST = ("selection", "residuals", "estimate", "diagnosis", "design")
+#: Where the table stands in ``docs/tuning.md``.
+BEGIN, END = "<!-- sensitivity: begin -->", "<!-- sensitivity: end -->"
 #: What a run does with a constant.
 SIDES = ("half", "double")
 Value = float | int | tuple[Any, ...]
@@ -121,7 +125,7 @@ def chosen(count: int, seed: int) -> list[Any]:
 def wanted(only: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Place and side of each run, the untouched one first."""
     yield "", "as it is"
-    for one in tuning.declared():
+    for one in sorted(tuning.declared(), key=lambda one: FIRST.index(one.module.split(".")[1])):
         if one.is_tuned and (not only or one.name in only or one.place in only):
             yield from ((one.place, side) for side in SIDES)
 
@@ -176,7 +180,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=870_000)
     parser.add_argument("--only", default="", help="names of constants, with commas")
     parser.add_argument("--out", type=Path, default=Path("out/sensitivity.jsonl"))
-    parser.add_argument("--docs", type=Path, help="write sensitivity.md there, which the page of the constants includes")
+    parser.add_argument("--docs", type=Path, help="write the table into tuning.md there")
     parser.add_argument("--one", nargs=2, metavar=("PLACE", "SIDE"), help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.one:
@@ -198,7 +202,9 @@ def main() -> int:
     text = table(read(given.out, given.cases, given.seed))
     print(text)
     if given.docs:
-        (given.docs / "sensitivity.md").write_text(text, encoding="utf-8")
+        page = given.docs / "tuning.md"
+        head, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
+        page.write_text(f"{head}{BEGIN}\n{text}{END}{rest.partition(END)[2]}", encoding="utf-8")
     return 0
 
 
