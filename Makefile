@@ -10,6 +10,7 @@
 # make real     measured rigs beside the repository (../shared/data), and what is true of them; without the data it says so
 # make bench-export  exported models replayed in MuJoCo, wrong models, measured rigs (long)
 # make blind-design  designed experiments on rigs with a hidden cause, and for µ (long); writes docs/blind-design.md
+# make sensitivity  halve and double each tuned constant on blind cases (long, resumes); writes docs/tuning.md
 # make study    are all effects recovered, do the intervals cover the truth (long); writes docs/accuracy.md
 # make soak     half an hour of random faults to the nodes; writes its table into docs/reliability.md
 # make load     1 kHz for ten minutes and 10 kHz for five while the cores burn; writes its table there too
@@ -30,7 +31,7 @@ unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH 
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: help setup demo test test-all lint docs docs-output picture bench bench-batch bench-compare bench-watch bench-export bench-live \
-        blind blind-design real study soak load fuzz audit clean
+        blind blind-design real sensitivity study soak load fuzz audit clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -93,6 +94,9 @@ blind: setup
 
 real: setup
 	@$(PY) -m bench.real $(ARGS)
+
+sensitivity: setup
+	@$(PY) -m bench.sensitivity --docs docs $(ARGS)
 
 study: setup
 	@mkdir -p out/study

@@ -20,7 +20,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
-    ("errors", "quantity", "seeds", "cancellation"),
+    ("errors", "quantity", "seeds", "cancellation", "tuning"),
     ("paths", "parallel"),
     ("data",),
     ("model",),

@@ -16,18 +16,20 @@ import docs_values  # noqa: E402
 import effect_pages  # noqa: E402
 import export_tables  # noqa: E402
 import ros_tables  # noqa: E402
+import tuning_tables  # noqa: E402
 from mkdocs.config.defaults import MkDocsConfig  # noqa: E402
 from mkdocs.exceptions import PluginError  # noqa: E402
 from mkdocs.structure.files import File, Files  # noqa: E402
 
 #: Written by studies (`make blind` and others): in the contents where they are there.
 OPTIONAL = ("planning.md", "reliability.md", "accuracy.md", "blind-study.md", "blind-design.md")
-_TABLE = re.compile(r"^<!-- (message|parameters|export|house): (\S+) -->$", re.MULTILINE)
+_TABLE = re.compile(r"^<!-- (message|parameters|export|house|tuning): (\S+) -->$", re.MULTILINE)
 _TABLES = {
     "message": ros_tables.message,
     "parameters": ros_tables.parameters,
     "export": export_tables.written,
     "house": architecture.written,
+    "tuning": tuning_tables.written,
 }
 
 

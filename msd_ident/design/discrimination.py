@@ -24,9 +24,13 @@ from scipy import special
 from msd_ident.data.record import FloatArray
 from msd_ident.design.prediction import DRAWS, NUISANCES, Grid, Prediction, Predictor, Sensing
 from msd_ident.selection.evidence import DECISIVE
+from msd_ident.tuning import fixed
 
-#: Standard deviation of a start position and a zero before any reading, in noise levels.
-_UNKNOWN = 1e5
+_UNKNOWN = fixed(
+    1e5,
+    "accuracy",
+    "standard deviation of a start position and a zero before any reading, in noise levels: a flat prior",
+)
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,17 @@ from msd_ident.design.library import TimeScale, family
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing, grid, instants
 from msd_ident.design.profile import Profile
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.tuning import tuned
 
-#: A probability of a decision that is as good as certain: of those that have it, the shortest is taken.
-ENOUGH = 0.97
-#: What a longer experiment must add.
-WORTH = 0.01
+ENOUGH = tuned(
+    0.97,
+    unit="1",
+    why="probability of a decision that is as good as certain: of the profiles that have it, the shortest is taken",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ def choose(found: Sequence[Option]) -> Option | None:
     if not found:
         return None
     best = max(one.probability for one in found)
-    good = [one for one in found if one.probability >= min(best - WORTH, ENOUGH)]
+    good = [one for one in found if one.probability >= min(best - NEGLIGIBLE, ENOUGH)]
     return min(good, key=lambda one: one.profile.duration)
 
 

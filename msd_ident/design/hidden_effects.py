@@ -19,21 +19,19 @@ from msd_ident.design.nearest_rival import SILENT, Measured, Moving, nearest
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
+from msd_ident.estimate.effort import KEPT, LOOK, SAMPLES
+from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.parameter_units import in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.selection.evidence import log_prior
+from msd_ident.selection.evidence import ROUGH, log_prior
 
-#: Sizes against the library's own guess that are worth a test.
-_SMALLEST = 0.1
-_SHRINKS = 4
 #: Rise of chi² from which on an effect does not hide at the smallest of these sizes either, by far.
-_HOPELESS = 100.0 * SILENT / _SMALLEST**2
+_HOPELESS = ROUGH**2 * SILENT / TENTH**2
 #: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
-_PLAYS = (1.0, 0.5, 0.25, 0.12)
-_SAMPLES = 1200
+_PLAYS = tuple(0.5**n for n in range(KEPT + 1))
 
 
 def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
@@ -68,7 +66,7 @@ def _measured(diagnosis: Diagnosis, seen: Sensing) -> Measured:
 
 
 def _thin(record: Record) -> Record:
-    stride = max(record.samples // _SAMPLES, 1)
+    stride = max(record.samples // SAMPLES, 1)
     return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
 
 
@@ -107,14 +105,14 @@ def _largest(
 ) -> tuple[float, CandidateModel] | None:
     """Part of the guessed size at which the data is still silent, and the rival there."""
     share = 1.0
-    for _ in range(_SHRINKS):
+    for _ in range(LOOK):
         values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
         effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
         rival, rise = _refitted(lead, effect, data, _HOPELESS)
         if rise <= SILENT:
             return share, rival
         share *= float(np.clip(0.9 * np.sqrt(SILENT / rise), 0.02, 0.7))
-        if share < _SMALLEST:
+        if share < TENTH:
             return None
     return None
 
@@ -159,7 +157,7 @@ def _playing(
         return None
     held_start = min(found, key=lambda one: one[1])[0]
     rival, rise, information = nearest(lead, held_start, Moving(len(held_start.free)), data, _HOPELESS)
-    if rise > SILENT or rival.model[shrinking] < _SMALLEST * least:
+    if rise > SILENT or rival.model[shrinking] < TENTH * least:
         return None
     return _told(lead, rival, rise, information)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import UsageError
+from msd_ident.tuning import fixed
 
 Kind = Literal["step", "hold", "ramp", "sweep", "prbs", "release", "table"]
 
@@ -28,9 +29,10 @@ NEEDS: Mapping[Kind, tuple[str, ...]] = {
 #: What it may have.
 MAY: Mapping[Kind, tuple[str, ...]] = {"sweep": ("offset",), "prbs": ("offset", "seed")}
 _POSITIVE = ("low_hz", "high_hz", "shortest")
-#: Commands a second, unless a profile says otherwise; and the most of them, in all and a second.
-RATE, MOST_COMMANDS, MOST_RATE = 250.0, 1_000_000, 10_000.0
-LONGEST = 86_400.0
+RATE = fixed(250.0, "interface", "commands a second, unless a profile says otherwise")
+MOST_COMMANDS = fixed(1_000_000, "interface", "commands of a profile, at most")
+MOST_RATE = fixed(10_000.0, "interface", "commands a second, at most")
+LONGEST = fixed(86_400.0, "interface", "duration of a profile [s], at most: a day")
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,11 @@ import yaml
 from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.paths import check_plain
+from msd_ident.tuning import fixed
 
 SCHEMA = "msd.profile/1"
 _HEADER = "time_s,force_n"
-_LARGEST_BYTES = 64 * 2**20
+_LARGEST_BYTES = fixed(64 * 2**20, "interface", "size of a profile file [bytes], at most")
 
 
 def read_profile(path: Path) -> Profile:

@@ -10,17 +10,23 @@ import numpy as np
 from msd_ident import cancellation
 from msd_ident.data.record import FloatArray
 from msd_ident.design import rival_refits
-from msd_ident.design.evaluation import ENOUGH, WORTH, Option, Question, choose, judge_again, options
+from msd_ident.design.evaluation import ENOUGH, Option, Question, choose, judge_again, options
 from msd_ident.design.profile import Profile
 from msd_ident.design.rival_refits import Refitted
+from msd_ident.estimate.effort import KEPT, LOOK
+from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
+from msd_ident.selection.evidence import LEADERS
+from msd_ident.tuning import tuned
 
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
-HOPELESS = 0.5
-_AT_ONCE, _CLOSER, _VAIN = 8, 5, 2
-#: Work after which no more profiles are screened, and that may go into closer looks then [readings simulated: one
-#: instant of one rival, as it is or with one parameter moved]. One core of 2026 does some 3 million a second; the same
-#: record must get the same profile on any machine, so that it is work that is counted and not time.
-_SCREENING, _LOOKING = 12e6, 6e6
+HOPELESS = MOST_OF
+_SCREENING = tuned(
+    12e6,
+    unit="readings simulated",
+    why="work after which no more profiles are screened; half as much may go into closer looks then (a reading: one "
+    "instant of one rival, as it is or with one parameter moved)",
+    chosen="one core of 2026 does some 3 million a second",
+)
 
 Refits = list[list[Refitted | None]]
 
@@ -42,15 +48,15 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     work = 0.0
     seen: list[Option] = []
     closer: list[tuple[Option, Refits]] = []
-    for begin in range(0, len(profiles), _AT_ONCE):
+    for begin in range(0, len(profiles), LEADERS):
         cancellation.raise_if_cancelled()
         if seen and work > _SCREENING:
             break
-        batch = options(question, profiles[begin : begin + _AT_ONCE])
-        work += sum(question.work(profile) for profile in profiles[begin : begin + _AT_ONCE])
+        batch = options(question, profiles[begin : begin + LEADERS])
+        work += sum(question.work(profile) for profile in profiles[begin : begin + LEADERS])
         seen += batch
         good = [one for one in batch if one.probability >= ENOUGH]
-        if good and len(closer) < _CLOSER:
+        if good and len(closer) < LOOK:
             closer.append(_closely(question, min(good, key=lambda one: one.profile.duration)))
             work += _refitting(question, closer[-1][0].profile)
             if closer[-1][0].probability >= ENOUGH:
@@ -63,7 +69,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
     known = {one.profile.name for one, _ in closer}
     for pick in _promising(seen):
         cancellation.raise_if_cancelled()
-        if closer and (_in_vain(closer) or work > _SCREENING + _LOOKING):
+        if closer and (_in_vain(closer) or work > _SCREENING + MOST_OF * _SCREENING):
             break
         if pick.profile.name in known:
             continue
@@ -81,7 +87,7 @@ def _promising(seen: Sequence[Option]) -> list[Option]:
     best = max(one.probability for one in seen)
     good = [one for one in seen if one.probability >= best - 0.05 and one is not first]
     good.sort(key=lambda one: -one.strength)
-    return ([first] if first else []) + good[: _CLOSER - 1]
+    return ([first] if first else []) + good[: LOOK - 1]
 
 
 def _decidable(question: Question, seen: Sequence[Option]) -> Question:
@@ -94,7 +100,7 @@ def _decidable(question: Question, seen: Sequence[Option]) -> Question:
 def _in_vain(closer: Sequence[tuple[Option, Refits]]) -> bool:
     """Whether the last closer looks found nothing better than the ones before."""
     probabilities = [one.probability for one, _ in closer]
-    return len(closer) > _VAIN and max(probabilities[-_VAIN:]) <= max(probabilities[:-_VAIN]) + WORTH
+    return len(closer) > KEPT and max(probabilities[-KEPT:]) <= max(probabilities[:-KEPT]) + NEGLIGIBLE
 
 
 def _asked(question: Question, option: Option) -> Option:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.selection.evidence import DECISIVE
-
-#: Most rivals of one design, and the least probability that makes a rival of an undisputed lead.
-MOST, WEAK = 6, 0.02
+from msd_ident.selection.evidence import DECISIVE, LEADERS
 
 
 def rivals(diagnosis: Diagnosis) -> tuple[CandidateModel, ...]:
@@ -22,12 +20,12 @@ def rivals(diagnosis: Diagnosis) -> tuple[CandidateModel, ...]:
         return ()
     top = max(one.evidence for one in standing)
     near = [one for one in standing if one is standing[0] or one.evidence >= top - DECISIVE]
-    near += [one for one in standing if one not in near and one.probability >= WEAK]
+    near += [one for one in standing if one not in near and one.probability >= NEGLIGIBLE]
     kept: list[CandidateModel] = []
     for one in near:
         if not any(_holds(one, other) and other.evidence >= one.evidence - DECISIVE for other in kept):
             kept.append(one)
-    return tuple(kept[:MOST])
+    return tuple(kept[:LEADERS])
 
 
 def _holds(richer: CandidateModel, poorer: CandidateModel) -> bool:

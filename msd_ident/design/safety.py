@@ -11,19 +11,22 @@ from msd_ident.data.record import Record
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
+from msd_ident.estimate.effort import SHORT
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.model.effects import saturation
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.tuning import tuned
 
-#: Part of the travel and of the speed that a design plans to use: no rival is exactly right.
-MARGIN = 0.8
-#: How much stronger an actuator may be below the forces that were measured, and what counts as below them.
-_STRONGER, _SMALLER = 2.0, 0.6
-_TURNS = 10
-#: Motion at rest that an encoder cannot miss, in parts of its noise.
-_MOVES = 10.0
-#: A profile that needs less than this part of the force has no room.
-_LEAST = 1e-3
+MARGIN = tuned(
+    0.8,
+    unit="1",
+    why="part of the travel and of the speed that a design plans to use: no rival is exactly right",
+    chosen="by hand",
+)
+_STRONGER = tuned(
+    2.0, unit="1", why="how much stronger an actuator may be below the forces that were measured", chosen="by hand"
+)
 
 
 def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:
@@ -35,7 +38,7 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
     limit = saturation()
     forces = np.abs(np.concatenate([record.force for record in records]))
     forces = forces[forces > 0.0]
-    if limit is None or forces.size == 0 or forces.min() < _SMALLER * forces.max() or lead.model.has(limit.name):
+    if limit is None or forces.size == 0 or forces.min() < MOST_OF * forces.max() or lead.model.has(limit.name):
         return None
     weaker = lead.model.with_values(in_force_unit(lead.model, 1.0 / _STRONGER))
     return replace(lead, model=weaker + limit.limited(float(forces.max()) / _STRONGER))
@@ -56,11 +59,11 @@ def fitted_in(
     room = limits.force_room(*profile.extremes)
     if not np.isfinite(room):  # no force at all: worth playing where some rival moves by itself
         rest = grid(profile, period, seen).record
-        moves = any(float(np.ptp(one.positions(rest))) > _MOVES * seen.noise for one in predictors)
+        moves = any(float(np.ptp(one.positions(rest))) > BEYOND_DOUBT * seen.noise for one in predictors)
         return profile if moves else None
     factor = min(room, limits.reach)  # what is small on purpose stays small
-    for _ in range(_TURNS):
-        if factor < _LEAST * limits.reach:
+    for _ in range(SHORT):
+        if factor < 1.0 / NATURAL_RANGE * limits.reach:
             return None
         strong = profile.scaled(factor)
         on = grid(strong, period, seen)

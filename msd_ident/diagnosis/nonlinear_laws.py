@@ -19,10 +19,11 @@ from msd_ident.diagnosis.result import Diagnosis
 from msd_ident.model import Effect, Model
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
+from msd_ident.tuning import fixed
 
 Signal = Literal["velocity", "position", "time", "applied"]
 
-_POINTS = 401
+_POINTS = fixed(401, "interface", "points of a drawn curve")
 #: What a law may be given of each signal.
 _OF: Mapping[Signal, frozenset[str]] = {
     "velocity": frozenset({"v", "speed", "direction"}),

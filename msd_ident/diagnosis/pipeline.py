@@ -17,6 +17,7 @@ from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.base_fits import Shared
+from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
@@ -44,12 +45,9 @@ from msd_ident.selection.cause_assessment import assess, noted
 from msd_ident.selection.evidence import Ranking
 from msd_ident.selection.hypothesis import Experiment, Hypothesis
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
+from msd_ident.tuning import fixed
 
-_RIVALS = 8
-#: Explanations of an earlier diagnosis that are tried again.
-_REMEMBERED = 3
-#: Rivals with less than this probability are not worth a line.
-_RIVAL = 1e-4
+_RIVAL = fixed(1e-4, "interface", "probability below which a rival is not worth a line")
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:
@@ -171,7 +169,7 @@ def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Re
 
     return [
         (frozenset(one.causes), one.model, tuple(began(one, record) for record in records))
-        for one in earlier.contenders[:_REMEMBERED]
+        for one in earlier.contenders[:KEPT]
         if one.causes
     ]
 
@@ -309,4 +307,4 @@ def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple
         if fitted is not best
     ]
     kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[:_RIVALS]
+    return tuple(kept or found[:3])[:evidence.LEADERS]

@@ -7,11 +7,8 @@ from collections.abc import Sequence
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import DataError
+from msd_ident.estimate.levels import ALIKE
 from msd_ident.features import extract, pooled
-
-#: Natural frequencies of one rig that differ by more than this factor are those of two rigs, or of a cause that makes
-#: them depend on the amplitude; such a cause would explain them.
-_ANOTHER = 1.25
 
 
 def warning(records: Sequence[Record]) -> str:
@@ -24,7 +21,7 @@ def warning(records: Sequence[Record]) -> str:
     if len(found) < 2:
         return ""
     low, high = min(found), max(found)
-    if high[0] <= _ANOTHER * low[0]:
+    if high[0] <= ALIKE * low[0]:
         return ""
     return (
         f"{high[1]} swings at {high[0]:.3g} rad/s, {low[1]} at {low[0]:.3g}, and no explanation fits both; expected "

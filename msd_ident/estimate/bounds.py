@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model import Model
-
-#: The least mass that a search looks at, in its natural size, where a swing within a sample does not ask for a smaller.
-_LIGHTEST = 1e-3
 
 
 def bounds(
@@ -22,8 +20,8 @@ def bounds(
     """
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)
-    # A slow ramp moves far more slowly than its plant could: what bounds a mass is a swing within a sample.
-    quickest = min((period / typical.time) ** 2, _LIGHTEST)
+    # A slow ramp moves far more slowly than its plant could: what bounds a mass is then a swing within a sample.
+    quickest = min((period / typical.time) ** 2, 1.0 / NATURAL_RANGE)
     lower, upper = [], []
     for parameter in (model.parameters[i] for i in free):
         size = typical.of(parameter.unit)

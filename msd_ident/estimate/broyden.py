@@ -15,12 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import DAMPING, STUCK
 from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import fixed
 
-_DAMPING = 1e-3
-_DAMPING_END = 1e8
-#: Least finite-difference step, in units in the last place of what it moves.
-_FELT = 1024.0
+_FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
 
 
 @dataclass(frozen=True)
@@ -150,9 +149,9 @@ def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -> State:
     """At most so many accepted steps down; ends where less than ``least_gain`` of chi² is promised."""
-    damping, growth = _DAMPING, 4.0
+    damping, growth = DAMPING, 4.0
     taken = 0
-    while taken < steps and damping < _DAMPING_END:
+    while taken < steps and damping < STUCK:
         move, promised = step(weighting.problem, state, damping)
         if promised < least_gain:
             if state.exact:

@@ -17,10 +17,8 @@ import numpy as np
 
 from msd_ident.data import compiled
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import FEWEST, LAGS
 from msd_ident.estimate.windows import breadths
-
-_MAX_ORDER = 30
-_REST_SAMPLES = 10
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
     return [
         span
         for span in spans
-        if span.stop - span.start >= _REST_SAMPLES and np.ptp(position[span]) < 0.25 * encoder_step
+        if span.stop - span.start >= FEWEST and np.ptp(position[span]) < 0.25 * encoder_step
     ]
 
 
@@ -76,7 +74,7 @@ def evidence(sensed: Linearisation) -> Evidence:
     if rests:
         white = float(np.var(np.diff(residual))) / 2.0
         common = rounding_variance(step, np.sqrt(max(white - step**2 / 12.0, 0.0)))
-    if common < 1e-3 * step**2 or np.count_nonzero(moving) < 5 * _MAX_ORDER:
+    if common < 1e-3 * step**2 or np.count_nonzero(moving) < 5 * LAGS:
         moving[:] = True
     size = _local_size(residual)
     coefficients, variance = autoregression(np.where(moving, residual / size, 0.0), int(np.count_nonzero(moving)))
@@ -104,7 +102,7 @@ def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
 
     ``count`` is the number of values that are not blanked to zero.
     """
-    top = min(_MAX_ORDER, values.size // 10)
+    top = min(LAGS, values.size // 10)
     covariance = np.array([values[: values.size - lag] @ values[lag:] for lag in range(top + 1)]) / max(count, 1)
     best = (np.ones(1), float(covariance[0]))
     if covariance[0] <= 0.0:

@@ -14,20 +14,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.effort import KEPT, THOROUGH
 from msd_ident.estimate.least_squares import SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import PLACE, TIME
+from msd_ident.tuning import fixed, tuned
 
-#: Lines of a spectrum, and pitches evenly spaced in their logarithm, that are tried.
-_LINES, _PITCHES = 40, 160
-#: Trials that become starts.
-_KEPT = 3
-#: Readings simulated at once, at most: 16 MB.
-_MOST_VALUES = 2_000_000
-#: Pitches that are tried, in parts of the motion's range.
-_FINEST, _COARSEST = 0.02, 2.0
+PITCHES = tuned(
+    160, unit="trials", why="pitches of a ripple that are tried, evenly spaced in their logarithm", chosen="by hand"
+)
+_MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
 
 
 @dataclass(frozen=True)
@@ -76,13 +74,14 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
     # A force of frequency w moves the mass by 1/w²: weigh that out, or slow lines win always.
     weighed = power * (omega**2 + omega[8] ** 2)
     peaks = np.flatnonzero((weighed[1:-1] >= weighed[:-2]) & (weighed[1:-1] > weighed[2:])) + 1
-    strongest = peaks[np.argsort(weighed[peaks])[::-1][:_LINES]]
+    strongest = peaks[np.argsort(weighed[peaks])[::-1][:THOROUGH]]
     return np.asarray(omega[strongest])
 
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    return np.asarray(np.geomspace(_FINEST * span, _COARSEST * span, _PITCHES))
+    finest, coarsest = typical.PITCHES
+    return np.asarray(np.geomspace(finest * span, coarsest * span, PITCHES))
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:
@@ -106,7 +105,7 @@ def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -
     padded = np.concatenate(([-np.inf], gains, [-np.inf]))
     local = (gains >= padded[:-2]) & (gains >= padded[2:]) if term_is_ordered(trials) else np.ones(gains.size, bool)
     order = [int(i) for i in np.argsort(gains)[::-1] if local[i]]
-    return [found[i][1] for i in order[:_KEPT]]
+    return [found[i][1] for i in order[:KEPT]]
 
 
 def term_is_ordered(trials: FloatArray) -> bool:

@@ -13,13 +13,9 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.covariance import unit_diagonal
+from msd_ident.estimate.levels import NEGLIGIBLE, NULL
 from msd_ident.model import Parameter
 from msd_ident.model.parameters import PARAMETERS
-
-#: A parameter takes part in an open direction when it moves by this part of itself, the largest by its whole size.
-_SHARE = 0.01
-#: Below this eigenvalue of the unit-diagonal Gram matrix a direction is exactly null (finite differences leave 1e-13).
-NULL = 1e-10
 
 #: Parameters whose forces all scale with the force's gain.
 FORCES = frozenset(name for name, parameter in PARAMETERS.items() if parameter.gained)
@@ -82,7 +78,7 @@ def describe(
     """
     change = direction * reference
     own = np.where(values != 0.0, np.abs(values), reference)
-    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= _SHARE * own[i]]
+    shares = [(name, float(change[i])) for i, name in enumerate(names) if abs(change[i]) >= NEGLIGIBLE * own[i]]
     physical = [name for name, _ in shares if " of " not in name]
     if not physical:
         return None

@@ -18,6 +18,8 @@ import numpy.typing as npt
 import scipy.linalg.lapack as lapack
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import NULL, STUCK
+from msd_ident.tuning import tuned
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,12 @@ class SolverOptions:
     step_tolerance: float = 1e-8
 
 
-_DAMPING_START = 1e-4
-_DAMPING_END = 1e10
-#: Eigenvalue of the unit-diagonal matrix below which nothing is told.
-_UNTOLD = 1e-10
+_DAMPING_START = tuned(
+    1e-4,
+    unit="1",
+    why="damping at which the plain solver begins: its Jacobian is exact at every step",
+    chosen="with 1e-3, `msd identify` of one of 31 records takes 7.8 s in place of 0.7 s",
+)
 _NO_STEP = "Converged: no step would lower the error."
 _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."
@@ -89,7 +93,7 @@ def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> 
         gain = normal.cost - cost
         if not gain > 0.0:
             damping, growth = damping * growth, growth * 2.0
-            if damping > _DAMPING_END or _small(step, point, limits):
+            if damping > STUCK or _small(step, point, limits):
                 return _release(objective, normal, Solution(point, normal.cost, iteration, True, _NO_SMALLER), limits)
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
@@ -116,8 +120,8 @@ def _release(objective: Objective, normal: Normal, outcome: Solution, limits: So
     diagonal = np.diag(normal.matrix)
     size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     values, vectors = np.linalg.eigh(normal.matrix / np.outer(size, size))
-    told = vectors[:, values > _UNTOLD * max(float(values[-1]), 1e-300)] / size[:, None]
-    strength = values[values > _UNTOLD * max(float(values[-1]), 1e-300)]
+    told = vectors[:, values > NULL * max(float(values[-1]), 1e-300)] / size[:, None]
+    strength = values[values > NULL * max(float(values[-1]), 1e-300)]
     step = -told @ ((told.T @ normal.gradient) / strength)
     step = np.clip(outcome.point + step, limits.lower, limits.upper) - outcome.point
     if _expected_gain(normal, step) > limits.cost_tolerance * normal.cost:

@@ -10,9 +10,10 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.least_squares import Normal
 from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import fixed
 
 Loss = Literal["linear", "soft_l1"]
-_BLOCK = 65_536
+_BLOCK = fixed(65_536, "resources", "samples of a Jacobian that are multiplied at once")
 
 
 @dataclass

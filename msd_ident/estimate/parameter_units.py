@@ -12,8 +12,9 @@ import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.model import Model
+from msd_ident.tuning import fixed
 
-_POWERS = {"²": 2, "³": 3, "⁴": 4}
+_POWERS = fixed({"²": 2, "³": 3, "⁴": 4}, "mathematics", "raised digits of a unit")
 
 
 def _factors(product: str) -> dict[str, int]:

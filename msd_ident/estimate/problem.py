@@ -18,20 +18,24 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
+from msd_ident.tuning import fixed
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
-#: Effects of a finite-difference step on the position, as a part of the motion: far above rounding, far below bends.
-_RELATIVE_STEP = 1e-5
-#: Beyond this many samples a second Jacobian beside the first would be too much memory.
-_LONG_RECORD = 200_000
-#: Fewest samples a swing, and altogether, that a thinned record keeps.
-_FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
-#: A simulation that blows up counts as an error of this many amplitudes.
-_BLOWN_UP = 1e6
+RELATIVE_STEP = fixed(
+    1e-5, "accuracy", "effect of a finite-difference step, as a part of the motion: far above rounding, far below bends"
+)
+LONG_RECORD = fixed(
+    200_000,
+    "resources",
+    "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
+)
+_BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 
 @dataclass(frozen=True)
@@ -176,7 +180,7 @@ class Problem:
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual and Jacobian by central differences (one-sided at a bound, and for very long records)."""
         residual, ahead = self.linearised(vector, record, np.where(vector + steps > self.upper, -steps, steps))
-        if self.records[record].samples > _LONG_RECORD:
+        if self.records[record].samples > LONG_RECORD:
             return residual, ahead
         _, behind = self.linearised(vector, record, np.where(vector - steps < self.lower, steps, -steps))
         ahead += behind
@@ -205,20 +209,20 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def _spare(self, record: Record) -> int:
-        """Samples of a record within a hundredth of a swing."""
-        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
+        """Samples of a record within the part of a swing that a sample may stand for."""
+        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""
-        return _RELATIVE_STEP * self.scale
+        return RELATIVE_STEP * self.scale
 
     def steps(self, matrix: FloatArray) -> FloatArray:
-        """Steps that move the positions by ``_RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
+        """Steps that move the positions by ``RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""
         samples = sum(record.samples for record in self.records)
         effect = np.sqrt(np.maximum(matrix.diagonal(), 1e-300) / samples)
         first = self.first_steps()
-        steps = np.minimum(np.maximum(_RELATIVE_STEP * self.typical.length / effect, 1e-3 * first), 1e3 * first)
-        return np.asarray(steps)
+        steps = RELATIVE_STEP * self.typical.length / effect
+        return np.asarray(np.minimum(np.maximum(steps, first / NATURAL_RANGE), NATURAL_RANGE * first))
 
     def imbalance(self, vector: FloatArray, balance: RestConstraint) -> tuple[float, FloatArray]:
         """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
@@ -269,7 +273,7 @@ class Problem:
 def _thinned(record: Record, every: int) -> Record:
     """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
     count = record.samples // every if every > 1 else 0
-    if count < _FEWEST_SAMPLES:
+    if count < FEWEST_READINGS:
         return record
     stop = count * every
     time, position = record.time[:stop:every], record.position[:stop:every]

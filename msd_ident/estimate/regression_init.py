@@ -21,9 +21,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import SAMPLES
+from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.windows import breadths
 from msd_ident.model.base_model import OFFSET_FORCE, PLANT
 from msd_ident.model.parameters import PARAMETERS
+from msd_ident.tuning import tuned
 
 #: What a column depends on first; columns stand in this order: friction, constant forces, drag, springs. Sums round
 #: differently in another.
@@ -52,12 +55,12 @@ LINEAR = (*PLANT, *sorted((p.name for p in PARAMETERS.values() if p.regressor), 
 _MOTION = (*PLANT, OFFSET_FORCE)
 #: Those that take energy out of the motion, or push back: set to 0 where they come out negative.
 _NOT_NEGATIVE = ("damping", *(name for name in LINEAR if name not in PLANT and PARAMETERS[name].lower == 0.0))
-#: Half widths of the bump [samples], from little to much smoothing.
-_WIDTHS = (6, 16, 42, 110, 290)
-#: Places of the bump in a record, at most: more of them overlap and say the same.
-_MOST_PLACES = 2000
-#: Part of the top speed below which the cart may rest, and part of the bump over which it moves in a place that counts.
-_SLOW, _MOVING = 0.01, 0.7
+_WIDTHS = tuned(
+    (6, 16, 42, 110, 290),
+    unit="samples",
+    why="half widths of the bump, from little to much smoothing",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ class _Means:
         period, position = grid.period, grid.position
         self._grid, self._half = grid, half
         self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
-        slow = max(_SLOW * float(np.max(np.abs(velocity))), 1e-300)
+        slow = max(NEGLIGIBLE * float(np.max(np.abs(velocity))), 1e-300)
         self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
         s = np.linspace(-1.0, 1.0, 2 * half + 1)
         self._bump = bump = (1.0 - s**2) ** 3
@@ -178,9 +181,9 @@ class _Means:
         padded = np.concatenate(([0.0], bump, [0.0]))
         slope = (padded[2:] - padded[:-2]) / (2.0 * period)
         bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
-        self._stride = max(half // 2, -(-position.size // _MOST_PLACES))
+        self._stride = max(half // 2, -(-position.size // SAMPLES))
         # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > _MOVING * float(bump.sum())
+        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > MOST_OF * float(bump.sum())
         motion = self._over(position, bend, -slope, bump)[self._moving]
         self.constant = np.full(motion.shape[0], float(bump.sum()))
         self.force = self._over(grid.force, bump)[self._moving, 0]

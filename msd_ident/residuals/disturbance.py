@@ -19,12 +19,17 @@ import scipy.optimize
 from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import SHORT
+from msd_ident.estimate.levels import NATURAL_RANGE
+from msd_ident.tuning import fixed
 
-#: Range of the walk's strength that is searched, in decades either side of its natural size.
-_DECADES = 6.0
-_EVALUATIONS = 9
-#: Relative change of the covariance below which the filter's gain is taken as settled (regular sampling only).
-_SETTLED = 1e-9
+#: Range of the walk's strength that is searched, in decades either side of its natural size: a force squared.
+_DECADES = 2.0 * math.log10(NATURAL_RANGE)
+_SETTLED = fixed(
+    1e-9,
+    "accuracy",
+    "relative change of the covariance below which the filter's gain is settled (regular sampling only)",
+)
 
 
 @dataclass(frozen=True)
@@ -93,7 +98,7 @@ def missing_force(
         return -float(_filter(readings, law(decade), states, work))
 
     found = scipy.optimize.minimize_scalar(
-        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": _EVALUATIONS, "xatol": 0.1}
+        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": SHORT, "xatol": 0.1}
     )
     likeliest = law(float(found.x))
     _filter(readings, likeliest, states, work)

@@ -14,18 +14,15 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
+from msd_ident.estimate.effort import KEPT
+from msd_ident.estimate.levels import BEYOND_DOUBT, MAD, MOST_OF
+from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
+from msd_ident.tuning import fixed
 
-#: A push stands out of the missing force's scatter by this factor, and of its own uncertainty by the other.
-_STANDS_OUT, _CERTAIN = 10.0, 8.0
-#: It takes less than this part of the oscillation; there are few of them.
-_SHORT, _MOST = 0.5, 2
-#: Records with more samples are looked at only in part.
-_SAMPLES = 60_000
-#: Periods without a reading that make a gap.
-_GAP = 5.0
+_GAP = fixed(5.0, "interface", "periods without a reading that make a gap")
 
 
 @dataclass(frozen=True)
@@ -50,24 +47,24 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
         noise: standard deviation of a reading [m].
         zero: reading at which the spring is relaxed [m].
     """
-    if record.samples > _SAMPLES or not model["stiffness"] > 0.0:
+    if record.samples > LONG_RECORD or not model["stiffness"] > 0.0:
         return ()
     plant = (model["mass"], model["damping"], model["stiffness"])
     found = missing_force(record, plant, noise, zero)
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
-    usual = 1.4826 * float(np.median(np.abs(unexplained)))
-    limit = np.maximum(_STANDS_OUT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
+    usual = MAD * float(np.median(np.abs(unexplained)))
+    limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])
     groups: list[tuple[int, int]] = []
     for begin, end in spans:  # what rings at both sides of a peak belongs to it
-        if groups and found.time[begin] - found.time[groups[-1][1] - 1] < _SHORT * period:
+        if groups and found.time[begin] - found.time[groups[-1][1] - 1] < MOST_OF * period:
             groups[-1] = (groups[-1][0], end)
         else:
             groups.append((begin, end))
-    if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > _SHORT * period for begin, end in groups):
+    if len(groups) > KEPT or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
         return ()
     seen = [span for span in groups if _is_seen(record, *span)]
     return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)

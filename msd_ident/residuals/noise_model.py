@@ -19,15 +19,19 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
+from msd_ident.estimate.levels import ALIKE, MAD
 from msd_ident.residuals.octaves import Octaves, octaves
+from msd_ident.tuning import fixed, tuned
 
-#: No solver and no clock is better than this part of the motion.
-_EXACT = 2e-6
-#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
-_ALL_ROUNDING = 0.35
-#: A stretch shows the whole record where range and spread of motion and force are the same but for this part, and the
-#: force crosses its mean at least so often.
-_ALIKE, _TURNS = 0.8, 100
+_EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
+#: Noise in encoder steps below which there is hardly more than rounding: no noise dithers it.
+_ALL_ROUNDING = ALIKE / math.sqrt(12.0)
+_TURNS = tuned(
+    100,
+    unit="crossings",
+    why="a stretch stands for the whole record where the force crosses its mean so often",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,7 @@ class Readings:
         parts = [record.window(record.time[first], record.time[first + keep - 1]) for first in begins]
         best = max(parts, key=lambda part: float(np.std(part.position)), default=record)
         alike = all(
-            np.ptp(some) >= _ALIKE * np.ptp(whole) and np.std(some) < np.std(whole) / _ALIKE
+            np.ptp(some) >= np.ptp(whole) / ALIKE and np.std(some) < ALIKE * np.std(whole)
             for some, whole in ((best.position, record.position), (best.force, record.force))
         )
         swings = np.count_nonzero(np.diff(np.sign(best.force - best.force.mean())))
@@ -180,4 +184,4 @@ def _noise(record: Record, group: float, step: float) -> float:
 def scatter(record: Record) -> float:
     """Noise [m] from what a cubic through neighbouring samples leaves, where no rest and no encoder step tells it."""
     fourth = np.diff(record.position, 4) / math.sqrt(70.0)
-    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
+    return MAD * float(np.median(np.abs(fourth - np.median(fourth))))

@@ -19,15 +19,16 @@ from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
+from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
+from msd_ident.estimate.levels import NATURAL_RANGE, ROUGHLY
+from msd_ident.estimate.problem import RELATIVE_STEP
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.tuning import tuned
 
-#: Knots of the spring's curve over the range of positions, and of the damper's on each side of rest.
-_SPRING_KNOTS, _DAMPER_KNOTS = 9, 5
-#: Iterations of the fit, and finite-difference steps in parts of an entry's scale.
-_ITERATIONS, _STEP = 12, 1e-5
+_KNOTS = tuned(5, unit="knots", why="of the damper's and the spring's curve on each side of rest", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -117,8 +118,8 @@ class _Curves:
             jacobian = np.empty((size, residual.size))
             for i in range(size):
                 moved = point.copy()
-                moved[i] += _STEP * self.scale[i]
-                jacobian[i] = (self.residual(moved, r) - residual) / (_STEP * self.scale[i])
+                moved[i] += RELATIVE_STEP * self.scale[i]
+                jacobian[i] = (self.residual(moved, r) - residual) / (RELATIVE_STEP * self.scale[i])
             weighted = jacobian * part.factor
             cost += 0.5 * part.chi(residual)
             gradient += weighted @ residual
@@ -137,8 +138,8 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
     records = tuple(part.record for part in readings)
     problem, start = _pose(tuple(readings), records, model, initial)
     lower = np.full(start.size, -np.inf)
-    lower[0] = 1e-3 * start[0]
-    limits = SolverOptions(lower, np.full(start.size, np.inf), problem.scale, _ITERATIONS, 1e-4, 1e-6)
+    lower[0] = start[0] / NATURAL_RANGE
+    limits = SolverOptions(lower, np.full(start.size, np.inf), problem.scale, SHORT, ROUGHLY, 1e-6)
     point = minimise(problem, start, limits).point
     normal = problem.linearise(point)
     inflation = max(2.0 * normal.cost / sum(part.evidence for part in readings), 1.0)
@@ -161,13 +162,13 @@ def _pose(
     readings: tuple[Readings, ...], records: tuple[Record, ...], model: Model, initial: Sequence[Initial]
 ) -> tuple[_Curves, FloatArray]:
     low, high = min(float(r.position.min()) for r in records), max(float(r.position.max()) for r in records)
-    places = np.linspace(low, high, _SPRING_KNOTS)
+    places = np.linspace(low, high, 2 * _KNOTS - 1)
     top = max(_top_speed(record) for record in records)
     friction = friction_force(model)
     step = max(record.period for record in records)
     # Dry friction as a steep line: no steeper than the integration step can follow.
     rest = max(0.003 * top, 2.0 * friction * step / model.mass)
-    positive = np.concatenate(([rest], np.linspace(max(0.1 * top, 2.0 * rest), top, _DAMPER_KNOTS)))
+    positive = np.concatenate(([rest], np.linspace(max(0.1 * top, 2.0 * rest), top, _KNOTS)))
     speeds = np.concatenate((-positive[::-1], positive))
     zero = initial[0].zero
     spring = model.stiffness * (places - zero)

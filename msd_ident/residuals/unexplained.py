@@ -17,14 +17,17 @@ import numpy as np
 from msd_ident import seeds
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
+from msd_ident.estimate.levels import CONFIDENCE, FEWEST
 from msd_ident.model import Model
 from msd_ident.residuals.adequacy import Adequacy
 from msd_ident.residuals.disturbance import DisturbanceEstimate
+from msd_ident.tuning import fixed
 
-#: Part of the motion [%] that a lab does not care about, unless it says otherwise.
-TOLERANCE = 1.0
-#: Draws of the bootstrap, and the fewest blocks that a record is cut into.
-_DRAWS, _BLOCKS = 400, 10
+TOLERANCE = fixed(1.0, "interface", "part of the motion [%] that a lab does not care about, unless it says otherwise")
+#: Part of a distribution beyond either end of an interval.
+_BEYOND = 0.5 * (1.0 - CONFIDENCE)
+#: Draws of the bootstrap, so that ``FEWEST`` of them lie beyond either end of the interval.
+_DRAWS = round(FEWEST / _BEYOND)
 
 
 @dataclass(frozen=True)
@@ -160,7 +163,7 @@ def _force(missing: Sequence[DisturbanceEstimate], plant: Model, is_noise: bool)
     sums, counts = np.concatenate([_by_swing(part, plant) for part in missing], axis=1)
     draws = np.random.default_rng(seeds.REMAINDER).integers(sums.size, size=(_DRAWS, sums.size))
     drawn = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
-    low, high = np.quantile(drawn, (0.025, 0.975))
+    low, high = np.quantile(drawn, (_BEYOND, 1.0 - _BEYOND))
     force = math.sqrt(float(sums.sum() / counts.sum()))
     return force, (0.0 if is_noise else min(float(low), force), max(float(high), force))
 
@@ -169,6 +172,6 @@ def _by_swing(part: DisturbanceEstimate, plant: Model) -> FloatArray:
     """(2, blocks): sums of the force's squares and numbers of samples, over blocks of about a swing."""
     duration = float(part.time[-1] - part.time[0])
     swing = 2.0 * math.pi * math.sqrt(plant["mass"] / plant["stiffness"]) if plant["stiffness"] > 0.0 else duration
-    blocks = max(_BLOCKS, min(round(duration / swing), part.time.size // _BLOCKS))
+    blocks = max(FEWEST, min(round(duration / swing), part.time.size // FEWEST))
     cuts = np.array_split(part.force**2 + part.std**2, min(blocks, part.time.size))
     return np.array([[float(cut.sum()) for cut in cuts], [float(cut.size) for cut in cuts]])

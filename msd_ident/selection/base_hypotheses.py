@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from msd_ident.estimate import fit
 from msd_ident.estimate.base_fits import Shared, joint_fit, linear_fit
+from msd_ident.estimate.effort import SAMPLES
 from msd_ident.model import Model
 from msd_ident.model.base_model import OFFSET
-from msd_ident.selection.coarse_to_fine import MOST_SAMPLES
 from msd_ident.selection.hypothesis import COULOMB, Experiment, Hypothesis, refine
 from msd_ident.selection.starting_values import plain_axes
 from msd_ident.selection.structure_search import NOTHING
@@ -30,7 +30,7 @@ def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypoth
     Both start where an identification of the same records ends. The base also starts from what is left of the fit with
     friction, and from a regression on few samples: a careless start ends anywhere.
     """
-    fixed, few = tuple(experiment.fixed), experiment.thinned(MOST_SAMPLES).records
+    fixed, few = tuple(experiment.fixed), experiment.thinned(SAMPLES).records
     rubbing, sprung = shared.joint, _sprung(experiment)
     if not sprung:
         rubbing = fit(rubbing.model.without(OFFSET), experiment.records, fixed=fixed, search="near")

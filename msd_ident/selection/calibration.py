@@ -33,12 +33,10 @@ from typing import Any
 
 import numpy as np
 
+from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import Ranking, kinds
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-
-#: Probability of as many more by chance, below which a rival may be likelier than what leads.
-_BY_CHANCE = 0.05
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ def odds(lead: Row, rival: Row, cause: str) -> float:
     table = np.array([[row.named(cause), row.copies - row.named(cause)] for row in (rival, lead)])
     from scipy.stats import fisher_exact  # imported here: it takes a quarter of a second
 
-    return ratio if fisher_exact(table, "greater")[1] < _BY_CHANCE else min(ratio, 1.0)
+    return ratio if fisher_exact(table, "greater")[1] < 1.0 - CONFIDENCE else min(ratio, 1.0)
 
 
 def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, Hypothesis]) -> Ranking:

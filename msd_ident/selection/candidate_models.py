@@ -12,11 +12,8 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection import rest_constraint
-from msd_ident.selection.evidence import DECISIVE, NoiseScale, Ranking
+from msd_ident.selection.evidence import LEADERS, NEAR, NoiseScale, Ranking
 from msd_ident.selection.hypothesis import Hypothesis
-
-#: The least evidence [nats, against the best] at which an explanation is kept, and how many are.
-_KEPT_NATS, _MOST = DECISIVE + 2.5, 8
 
 
 @dataclass(frozen=True)
@@ -51,9 +48,9 @@ def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]
     top = max(ranking.evidence)
     found = []
     for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
-        if fitted is ranking.best or value >= top - _KEPT_NATS:
+        if fitted is ranking.best or value >= top - 0.5 * NEAR:
             found.append(_contender(fitted, value, probability, (scale, readings)))
-    return tuple(found[:_MOST])
+    return tuple(found[:LEADERS])
 
 
 def _contender(

@@ -7,23 +7,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from msd_ident.estimate.effort import A_SWING, SAMPLES
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
 from msd_ident.selection.cause_assessment import noted
-from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import NOISE_ERROR, Experiment, Hypothesis, refine
+from msd_ident.selection.evidence import LEADERS, LEAST_SPREAD, NEAR, Ranking
+from msd_ident.selection.hypothesis import NOISE_ERROR, REACH, Experiment, Hypothesis, refine
 from msd_ident.selection.structure_search import Progress, Remembered, Search
+from msd_ident.tuning import tuned
 
-#: Samples that a search uses; sets refined on all samples afterwards: so many, not more than so many nats behind.
-MOST_SAMPLES, _LEADERS, _BEHIND = 1500, 8, 12.0
-#: Chi² for each piece of evidence beyond which a record will not be explained to the noise; a coarser force may then
-#: change the motion by this part of what is left of it; and the part at which it hides what a set leaves.
-_FAR, _COARSE, _BLURRED = 300.0**2, 0.03, 0.3
-#: Samples that tell where a stretch begins.
-_FIRST = 5
-#: A set that leaves more than this many times the leader's error on a part of the data is not judged on the whole.
-_COMPARABLE = 10.0
+_FAR = tuned(
+    300.0,
+    unit="noise floors",
+    why="a set that leaves more will not be explained to the noise: the search may use mean forces",
+    chosen="by hand",
+)
 
 
 def search(
@@ -43,7 +43,7 @@ def search(
         known: the base model and the one with Coulomb friction, fitted to all samples.
         remembered: what explained less data, and is tried again.
     """
-    thin = experiment.thinned(MOST_SAMPLES)
+    thin = experiment.thinned(SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
         return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
     part, blurred = _coarser(thin, known[1], known[1].chi / experiment.evidence)
@@ -52,7 +52,7 @@ def search(
     ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
-    asked = ahead.within(_BEHIND)[:_LEADERS] + _with_one_less(ahead) + ([] if clear else _simpler(ahead))
+    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + ([] if clear else _simpler(ahead))
     for fitted in {one.causes: one for one in asked}.values():
         initial = _begun(fitted.initial, part, experiment, known[0].initial)
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
@@ -77,7 +77,7 @@ def _begun(
         elif there is not None:
             found.append(replace(there[r], zero=start.zero))
         else:
-            position, velocity = starting_state(other, _FIRST)
+            position, velocity = starting_state(other, int(A_SWING) // 4)  # a parabola fits a quarter of a swing
             found.append(Initial(position - start.zero, velocity, start.zero))
     return tuple(found)
 
@@ -91,8 +91,8 @@ def _with_one_less(ahead: Ranking) -> list[Hypothesis]:
 def _simpler(ahead: Ranking) -> list[Hypothesis]:
     """Sets of fewer causes than the leader that leave not many times as much, the best first."""
     best = ahead.best
-    found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < _COMPARABLE * best.chi]
-    return sorted(found, key=lambda one: one.chi)[:_LEADERS]
+    found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < REACH * best.chi]
+    return sorted(found, key=lambda one: one.chi)[:LEADERS]
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
@@ -103,8 +103,8 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
         left: chi² that this model leaves, for each piece of evidence.
     """
     coarse = thin.with_mean_force()
-    if left > _FAR and _change(thin, coarse, friction) < _COARSE**2 * left * thin.evidence:
-        return coarse, lambda fitted: _change(thin, coarse, fitted) > _BLURRED**2 * fitted.chi
+    if left > _FAR**2 and _change(thin, coarse, friction) < LEAST_SPREAD**2 * left * thin.evidence:
+        return coarse, lambda fitted: _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
     return thin, lambda fitted: False
 
 

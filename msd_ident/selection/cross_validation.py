@@ -22,18 +22,16 @@ from scipy.special import stdtrit
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import see_reduction
 from msd_ident.estimate.broyden import State, descend
+from msd_ident.estimate.effort import SHORT
+from msd_ident.estimate.levels import CONFIDENCE, NEGLIGIBLE
 from msd_ident.model import Model
 from msd_ident.selection.hypothesis import Experiment, Hypothesis, weigh
+from msd_ident.tuning import fixed, tuned
 
-FOLDS = 4
-_SEGMENTS = 8
-#: Blocks that a segment is cut into at most, however fast the plant forgets.
-_BLOCKS = 6
-#: Accepted steps of a fold's refit, and the fall of chi² [pieces of evidence, in units of what the full fit leaves of
-#: each] that is worth no further one: as in the full fit.
-_ITERATIONS, _LEAST = 12, 0.02
-#: Level of the two ends of the interval, and the logarithm of a ratio of errors beyond which it is as good as infinite.
-_LEVEL, _WORST = 0.975, 50.0
+FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
+#: Equal parts of a record without steps, and blocks that a segment is cut into at most, however fast the plant forgets.
+_SEGMENTS = 2 * FOLDS
+_WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it is as good as infinite")
 
 
 @dataclass(frozen=True)
@@ -120,8 +118,8 @@ def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatAr
     weighting = weigh(fitted.problem, experiment.readings, masks)
     kept = np.concatenate(masks)
     seen = State(fitted.point, fitted.state.residual * kept, fitted.state.jacobian * kept, fitted.state.exact)
-    worth = _LEAST * max(fitted.chi / experiment.evidence, 1.0)
-    return descend(weighting, seen, _ITERATIONS, worth).point
+    worth = NEGLIGIBLE * max(fitted.chi / experiment.evidence, 1.0)
+    return descend(weighting, seen, SHORT, worth).point
 
 
 def _blocks(
@@ -134,7 +132,7 @@ def _blocks(
     for record, one, other, cut in zip(experiment.records, *errors, cuts, strict=True):
         for number in np.unique(cut):
             inside = np.flatnonzero(cut == number)
-            count = int(np.clip(inside.size * record.period / memory, 1, _BLOCKS))
+            count = int(np.clip(inside.size * record.period / memory, 1, _SEGMENTS))
             for block in np.array_split(inside, count):
                 base, extended = one[block], other[block]
                 found.append((base @ base, extended @ extended, extended @ (base - extended)))
@@ -162,7 +160,7 @@ def _compared(blocks: _Blocks) -> HeldOut:
     scatter = blocks.extended - extended / blocks.extended.size
     change = scatter * (1.0 / extended - 1.0 / base) - 2.0 * blocks.crossed / base
     count = change.size
-    spread = math.sqrt(float(change @ change)) * float(stdtrit(max(count - 1, 1), _LEVEL))
+    spread = math.sqrt(float(change @ change)) * float(stdtrit(max(count - 1, 1), 0.5 * (1.0 + CONFIDENCE)))
     middle = math.log(extended / base)
     ratios = (min(0.5 * (middle + side * spread), _WORST) for side in (1.0, -1.0))
     low, high = (0.0 - 100.0 * math.expm1(ratio) for ratio in ratios)

@@ -30,34 +30,61 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, NOISE_ERROR, Causes, Hypothesis, imitated
+from msd_ident.tuning import tuned
 
-#: Independent features of a model's error that a record shows.
-SHAPES = 8.0
-#: The same in each octave of frequency, see ``residuals.octaves``. On 76 rigs of foreign laws (`python -m bench.blind
-#: --variants --rounds 2 --seed 131000`) 1, 1.5, 2 and 3 of them name the family of 51, 56, 58 and 58 of 66, and a false
-#: cause with more than 0.9 on 0, 2, 5 and 7; without octaves 8, 10 and 12 shapes do so on 51, 56, 57 and on 2, 3, 5.
-OCTAVE_SHAPES = 1.5
-#: Part of its prior width that a parameter of a law is never known better than.
-LEAST_SPREAD = 0.03
-#: Noise floors below which the form of what a set leaves is not seen, and below which it is seen roughly.
-FAINT, ROUGH = 3.0, 10.0
-#: Part of what the other causes explain (rms of the position) below which a further cause may be another form of their
-#: laws. On 152 rigs of foreign laws (`python -m bench.blind --variants`, seeds 81000 and 91000) 10 of 12 false further
-#: causes lie below it, and below ``ROUGH`` or ``LEAST_SPREAD``.
-FORM_PART = 0.2
-#: Odds, in units of a cause's own prior odds, that a cause below ``FORM_PART`` is one of its own: 3 to 1 for most.
-_FORM_ODDS = 60.0
-#: Evidence [nats] below which one set is not decisively better than another: about 30 to 1.
-DECISIVE = 3.5
-#: Evidence [nats] that a cause must bring to a set to be named: about 3 to 1.
-CALLED = 1.0
-#: Part of the estimated noise's chi² below which a set shows that the estimate is none: few samples a swing look noisy.
-_OVERRATED = 0.5
-#: Range of a cause's strength, largest over smallest, in which it is as likely in every decade.
-_STRENGTHS = 1e3
+SHAPES = tuned(
+    8.0,
+    unit="1",
+    why="independent features of a model's error that a record shows, over all frequencies",
+    chosen="with 6 the friction of measured carts is not named; with 12 a disc in air gets hysteresis",
+)
+OCTAVE_SHAPES = tuned(
+    1.5,
+    unit="1",
+    why="independent features of a model's error in each octave of frequency (``residuals.octaves``)",
+    chosen="on 76 rigs of foreign laws (`python -m bench.blind --variants --rounds 2 --seed 131000`) 1, 1.5, 2 and 3 "
+    "name the family of 51, 56, 58 and 58 of 66, and a false cause with more than 0.9 on 0, 2, 5 and 7; without "
+    "octaves 8, 10 and 12 `SHAPES` do so on 51, 56, 57 and on 2, 3, 5",
+)
+LEAST_SPREAD = tuned(
+    0.03, unit="1", why="part of its prior width that a parameter of a law is never known better than", chosen="by hand"
+)
+FAINT = tuned(3.0, unit="noise floors", why="below it the form of what a set leaves is not seen", chosen="by hand")
+ROUGH = tuned(10.0, unit="noise floors", why="below it the form of what a set leaves is seen roughly", chosen="by hand")
+FORM_PART = tuned(
+    0.2,
+    unit="1",
+    why="part of what the other causes explain (rms of the position) below which a further cause may be another "
+    "form of their laws",
+    chosen="on 152 rigs of foreign laws (`python -m bench.blind --variants`, seeds 81000 and 91000) 10 of 12 false "
+    "further causes lie below it, and below `ROUGH` or `LEAST_SPREAD`",
+)
+_FORM_ODDS = tuned(
+    60.0,
+    unit="prior odds",
+    why="odds that a cause below `FORM_PART` is one of its own: 3 to 1 for most",
+    chosen="by hand",
+)
+DECISIVE = tuned(
+    3.5,
+    unit="nats",
+    why="evidence below which one set is not decisively better than another: about 30 to 1",
+    chosen="by hand",
+)
+NEAR = tuned(
+    12.0,
+    unit="nats",
+    why="evidence that a set may lack and still be judged on all data, and copied; half of it to be kept for a design",
+    chosen="by hand",
+)
+LEADERS = tuned(8, unit="sets", why="explanations that are judged on all data, kept and told", chosen="by hand")
+CALLED = tuned(
+    1.0, unit="nats", why="evidence that a cause must bring to a set to be named: about 3 to 1", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)
@@ -105,7 +132,7 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
     pieces = sum(part.evidence for part in readings)
     least = min(fitted.chi for fitted in sets)
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
-    if least < _OVERRATED * pieces:
+    if least < MOST_OF * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
     return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes)
 
@@ -159,7 +186,7 @@ def prior_widths(fitted: Hypothesis) -> FloatArray:
     problem, point = fitted.problem, fitted.point
     sizes = np.maximum(problem.scale, np.abs(point[: problem.scale.size]))
     strengths = {name for cause in fitted.causes for name, value in by_name(cause).neutral if math.isfinite(value)}
-    decade = math.log(_STRENGTHS) / math.sqrt(2.0 * math.pi)
+    decade = math.log(NATURAL_RANGE) / math.sqrt(2.0 * math.pi)
     for place, index in enumerate(problem.free):
         if problem.model.names[index] in strengths:
             sizes[place] = min(problem.scale[place], decade * abs(point[place]))

@@ -11,13 +11,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.levels import TENTH
+from msd_ident.tuning import fixed, tuned
 
-#: Quick changes of the force that an experiment needs: two pushes there and back.
-FEWEST = 4
-#: A change is quick within this part of a swing, and is one from this part of the force's range on.
-_QUICK, _CHANGE = 0.25, 0.1
-#: Instants at which the force is looked at in each quick time.
-_LOOKS = 4
+FEWEST = tuned(
+    4,
+    unit="changes",
+    why="quick changes of the force that an experiment needs: two pushes there and back",
+    chosen="by hand",
+)
+_QUICK = fixed(0.25, "mathematics", "part of a swing from rest to its extreme: a change within it sets a cart swinging")
+_LOOKS = fixed(4, "accuracy", "instants at which the force is looked at in each quick time")
 
 
 def poor(records: Sequence[Record], swing: float) -> bool:
@@ -38,7 +42,7 @@ def changes(record: Record, swing: float) -> FloatArray:
     time = np.linspace(record.time[0], record.time[-1], count)
     force = record.force_at(np.append([np.nextafter(record.time[0], -np.inf)] * _LOOKS, time))
     change = force[_LOOKS:] - force[:-_LOOKS] if force.size > _LOOKS else np.zeros(1)
-    limit = _CHANGE * float(np.ptp(force))
+    limit = TENTH * float(np.ptp(force))
     signs = np.where(np.abs(change) > limit, np.sign(change), 0.0)
     begins = np.flatnonzero((signs != 0.0) & (np.concatenate(([0.0], signs[:-1])) != signs))
     return np.asarray(change[begins])

@@ -8,48 +8,63 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.special import ndtri
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import State, Weighting, descend
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, LOOK, THOROUGH
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import AT_FLOOR, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import rest_response
+from msd_ident.residuals.adequacy import FLOOR_ERROR, LEVEL
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.tuning import tuned
 
 Causes = frozenset[str]
 
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
-_FIRST, _CHUNK, _CHUNKS, _THOROUGH = 4, 5, 8, 40
-#: Samples of a swing that a search on part of the data keeps: with one or two, no law shows.
-_A_SWING = 20.0
-#: Times the samples asked for that are too many.
-_MANY = 2
-#: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
-_KICK, _FLOOR = 0.6, 1.5
+_KICK = tuned(0.6, unit="rad", why="turn of a phase that may lead to another valley", chosen="by hand")
 #: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
-_ASIDE = 6.0
-#: Far from the noise [chi² for each piece of evidence]: what is left is the model's, not the data's.
-FAR = 25.0
-#: A set whose error has this many times the variance of the best one's, and has stopped falling, is not refined
-#: further; so much sooner where the best one itself is far from the noise.
-_HOPELESS, _HOPELESS_FAR = 4.0, 1.5
-#: Times the variance of a set that leaves nothing but noise which a start may promise to be worth a look.
-REACH = 10.0
-#: Shapes of a model's error that are counted while a search goes on.
-SOUGHT = 40.0
-#: Part of a smaller set's chi² below which a first step's promise is no more than a hint.
-_MUCH = 0.5
-#: Relative error that the estimate of the noise's variance may have.
-NOISE_ERROR = 0.1
-#: Part of what is left above the noise whose fall is not worth a simulation; so much more far from the noise.
-_SLACK, _SLACK_FAR = 1e-3, 5e-3
+_ASIDE = float(ndtri(1.0 - 0.5 * LEVEL))
+FAR = tuned(
+    25.0,
+    unit="chi² for each piece of evidence",
+    why="far from the noise: what is left is the model's, not the data's",
+    chosen="by hand",
+)
+COMPARABLE = tuned(
+    4.0,
+    unit="1",
+    why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
+    chosen="by hand",
+)
+REACH = tuned(
+    10.0,
+    unit="1",
+    why="times the variance of the best set which a start may promise, or the chi² which a set may leave, to be "
+    "looked at",
+    chosen="by hand",
+)
+SOUGHT = tuned(
+    40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
+)
+SAME = tuned(
+    1e-3,
+    unit="1",
+    why="relative difference of the chi² of two fits that are one, and fall of what is left above the noise that is "
+    "not worth a simulation",
+    chosen="by hand",
+)
+#: Relative error that the estimate of the noise's variance may have: twice that of its standard deviation.
+NOISE_ERROR = 2.0 * FLOOR_ERROR
 
 
 @dataclass(frozen=True)
@@ -81,17 +96,17 @@ class Experiment:
         return chi + (times - 1.0) * (SOUGHT + above)
 
     def thinned(self, keep: int) -> Experiment:
-        """The same with about ``keep`` samples in all: every few, but ``_A_SWING`` of them or more in each swing, and
+        """The same with about ``keep`` samples in all: every few, but ``A_SWING`` of them or more in each swing, and
         where that are too many still, a stretch of a record that goes on in the same way.
         """
         total = sum(part.record.samples for part in self.readings)
         swing = 2.0 * math.pi * self.typical.time
         parts = []
         for part in self.readings:
-            fewest = int(_A_SWING * part.record.duration / swing)
-            own = max(keep * part.record.samples // total, 200)
+            fewest = int(A_SWING * part.record.duration / swing)
+            own = max(keep * part.record.samples // total, FEWEST_READINGS)
             few = part.thinned(max(own, fewest))
-            parts.append(few.stretch(own) if few.record.samples > _MANY * own else few)
+            parts.append(few.stretch(own) if few.record.samples > 2 * own else few)
         return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
@@ -285,7 +300,7 @@ class StartingPoint:
 
     def worth(self, reach: float) -> bool:
         """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""
-        return self.promise < max(reach, _MUCH * self.beside)
+        return self.promise < max(reach, MOST_OF * self.beside)
 
 
 def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
@@ -293,7 +308,7 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     best first.
     """
     kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
-    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
+    ahead = [_lower(experiment, fitted, LOOK) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -305,7 +320,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
-    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+    if not AT_FLOOR**2 * experiment.evidence < best.chi < _hopeless(experiment, least):
         return best
     kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
     return min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -323,7 +338,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
     for entry, parameter in enumerate(fitted.problem.parameters):
         if not parameter.is_phase:
             continue
@@ -331,7 +346,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
             point = fitted.point.copy()
             point[entry] += turn
             state = State(point, weighting.residual(point), fitted.state.jacobian, False)
-            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
     return found
 
 
@@ -351,15 +366,15 @@ def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Beginnings that did not meet in one valley."""
     kept: list[Hypothesis] = []
     for fitted in begun:
-        if all(abs(fitted.chi - other.chi) > 1e-3 * other.chi for other in kept):
+        if all(abs(fitted.chi - other.chi) > SAME * other.chi for other in kept):
             kept.append(fitted)
     return kept
 
 
 def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
-    for _ in range(_CHUNKS):
+    for _ in range(THOROUGH // LOOK):
         before = fitted.chi
-        fitted = _lower(experiment, fitted, _CHUNK)
+        fitted = _lower(experiment, fitted, LOOK)
         fall = before - fitted.chi
         if fall <= _settled_gain(experiment, fitted):
             break
@@ -374,14 +389,13 @@ def _hopeless(experiment: Experiment, least: float) -> float:
     Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
     """
     if least > FAR * experiment.evidence:
-        return least * _HOPELESS_FAR
-    return experiment.worse(least, _HOPELESS)
+        return least * AT_FLOOR**2
+    return experiment.worse(least, COMPARABLE)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
-    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
-    return 0.02 + slack * max(fitted.chi - experiment.evidence, 0.0)
+    return NEGLIGIBLE + SAME * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
@@ -406,8 +420,8 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
         initial: initial state of each record to start from.
     """
     problem, weighting, point = formulated(experiment, model, initial)
-    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, 0.02)
-    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), _THOROUGH, 0.02)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, NEGLIGIBLE)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, NEGLIGIBLE)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 

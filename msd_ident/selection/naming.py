@@ -10,18 +10,16 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
+from msd_ident.estimate.effort import KEPT
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection import evidence
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import Ranking
 from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis
+from msd_ident.tuning import fixed, tuned
 
-#: Probability from which a cause is named with certainty.
-CERTAIN = 0.9
-#: Sums of the same probabilities in another order differ by no more.
-_ROUNDING = 1e-9
-#: Leading sets that are asked whether they predict.
-_REFUSED = 3
+CERTAIN = tuned(0.9, unit="1", why="probability from which a cause is named with certainty", chosen="by hand")
+_ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
 
 
 def leading(ranking: Ranking) -> Ranking:
@@ -54,7 +52,7 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         if likeliest.causes and heldout.interval_percent[0] > 0.0:
             return other, other.best, heldout
     left = leading(ranking)
-    for _ in range(_REFUSED):
+    for _ in range(KEPT):
         if not left.best.causes:
             break
         heldout = predict(experiment, base, left.best)

@@ -11,6 +11,8 @@ import numpy as np
 
 from msd_ident import parallel, seeds
 from msd_ident.data.record import Record
+from msd_ident.estimate.effort import KEPT, SAMPLES
+from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
@@ -21,15 +23,17 @@ from msd_ident.selection.excitation import poor
 from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Hypothesis, causes_that_fit, formulated, refine
 from msd_ident.selection.structure_search import NOTHING, Progress
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
+from msd_ident.tuning import tuned
 
-#: Evidence [nats] that a rival may lack and still be one of the leading explanations, and how many for each cause.
-NEAR, _RIVALS = 12.0, 3
-#: Copies of a row; of one whose strengths are drawn by lot, so that one accident of many leaves a name certain; and
-#: copies without a cause that a certain name needs at least.
-COPIES, _LOTS, _ENOUGH = 8, 16, 20
-#: Cost up to which copies are made unasked: measured at 3 to 40 s of processor time; and samples whose simulation costs
-#: as much as what is done around it.
-_CHEAP, _OVERHEAD = 1e7, 2000
+#: Copies of a fitted explanation, so that a share of all of them (Jeffreys) is as sure as an interval; twice as many of
+#: one whose strengths are drawn by lot, and copies without a cause that a certain name needs at least (Laplace).
+COPIES = round((CONFIDENCE - 0.5) / (1.0 - CONFIDENCE))
+_CHEAP = tuned(
+    1e7,
+    unit="samples × sets",
+    why="cost up to which copies are made unasked",
+    chosen="measured at 3 to 40 s of processor time",
+)
 
 
 @dataclass(frozen=True)
@@ -99,9 +103,9 @@ def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
         near = [
             one
             for one, value in zip(ranking.sets, ranking.evidence, strict=True)
-            if by_name(cause).cause() not in evidence.kinds(one.causes) and value > top - NEAR
+            if by_name(cause).cause() not in evidence.kinds(one.causes) and value > top - evidence.NEAR
         ]
-        for one in near[:_RIVALS]:
+        for one in near[:KEPT]:
             found.setdefault(one.causes, one if one.causes < lead.causes else None)
         for other in _family(cause, library):
             wanted = lead.causes - {cause} | {other}
@@ -153,7 +157,7 @@ def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Seq
     asking = replace(experiment, asked=asked)
     friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
     scale = evidence.scale_from(list(ranking.sets), experiment.readings)
-    lead, thin = ranking.best, asking.thinned(coarse_to_fine.MOST_SAMPLES)
+    lead, thin = ranking.best, asking.thinned(SAMPLES)
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
 
 
@@ -171,17 +175,17 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
     A search tries each cause alone and beside the leaders: about the square of how many are asked for.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
-    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
+    samples = SAMPLES + sum(part.record.samples for part in experiment.readings)
     return float(samples * sum(counts) * max(asked, 1) ** 2)
 
 
 def _copies(rows: Sequence[Explanation]) -> list[int]:
     """Copies of each row: more where few rows lack a cause, which certainty needs."""
-    counts = [COPIES if row.fitted is not None else _LOTS for row in rows]
+    counts = [COPIES if row.fitted is not None else 2 * COPIES for row in rows]
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:
-            counts[i] = max(counts[i], math.ceil(_ENOUGH / len(lacking)))
+            counts[i] = max(counts[i], math.ceil(2 * COPIES / len(lacking)))
     return counts
 
 

@@ -14,17 +14,15 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting
+from msd_ident.estimate.effort import SHORT, THOROUGH
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, NEGLIGIBLE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.selection.evidence import DECISIVE
 from msd_ident.selection.hypothesis import Hypothesis, weigh
-
-_STEPS, _TRIES = 12, 40
-_WORTH = 0.05
-#: Pull of rest [chi²] that is none, and what the middle of the sticking range may leave more than its edge.
-_LITTLE, _OBJECTION = 0.25, 9.0
 
 
 def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
@@ -51,7 +49,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
     object.
     """
     problem = fitted.problem
-    if _pull(problem, fitted.point, known) < _LITTLE:
+    if _pull(problem, fitted.point, known) < MOST_OF**2:
         return fitted
     weighting = weigh(problem, readings)
     found = []
@@ -59,7 +57,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
         state = _descend(weighting, weighting.exact(start, weighting.steps(fitted.state)), known)
         found.append((state.chi + _pull(problem, state.point, known), state))
     (there, stayed), (middle, moved) = found
-    state = moved if middle < there + _OBJECTION else stayed
+    state = moved if middle < there + 2.0 * DECISIVE else stayed
     return replace(fitted, model=problem.model.with_values(problem.values(state.point)), state=state)
 
 
@@ -79,7 +77,7 @@ def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray
     reach = float(record.force_at(record.time[:1])[0]) / max(fitted.model.stiffness, 1e-300)
     start = fitted.initial[known[0].record].position
     factor = reach / (reach - start) if reach != 0.0 and reach != start else 1.0
-    if not 1e-3 < factor < 1e3:
+    if not 1.0 / NATURAL_RANGE < factor < NATURAL_RANGE:
         return fitted.point
     values = dict(zip(fitted.model.names, fitted.model.values.tolist(), strict=True))
     values |= in_force_unit(fitted.model, factor)
@@ -105,7 +103,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
     """Levenberg–Marquardt on samples and rest together."""
     problem, damping, taken = weighting.problem, 1e-6, 0
     cost = state.chi + _pull(problem, state.point, known)
-    for _ in range(_TRIES):
+    for _ in range(THOROUGH):
         normal = state.normal + information(problem, state.point, known)
         slope = state.gradient
         for balance in known:
@@ -117,10 +115,10 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
         point = _with_peak(problem, np.clip(state.point + move, problem.lower, problem.upper))
         reached = _cost(weighting, point, known)
         if reached < cost:
-            worth = cost - reached > _WORTH
+            worth = cost - reached > NEGLIGIBLE
             state = weighting.exact(point, weighting.steps(state))
             cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
-            if not worth or taken >= _STEPS:
+            if not worth or taken >= SHORT:
                 break
         elif (damping := 10.0 * damping) > 1e4:
             break

@@ -19,16 +19,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import KEPT, THOROUGH
+from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.effects import typical
+from msd_ident.tuning import fixed, tuned
 
-#: Frequencies tried, in parts of the plant's own, evenly spaced in their logarithm; the highest [rad a sample period],
-#: up to which a filter of samples has the frequency that it is made for; and the damping ratios tried at each.
-_LOWEST, _HIGHEST, _TRIED, _FASTEST, _RATIOS = 0.3, 30.0, 40, 0.5, (0.03, 0.15)
-#: Frequencies that a search begins from, those that explain most.
-_PEAKS = 2
-#: Part of the mass that stays on the first, at least.
-_STAYS = 0.1
+_FREQUENCIES = tuned(
+    (0.3, 30.0),
+    unit="1",
+    why="frequencies of a second mass that are tried, in parts of the plant's own",
+    chosen="by hand",
+)
+_RATIOS = tuned(
+    (0.03, 0.15), unit="1", why="damping ratios of a second mass that are tried at each frequency", chosen="by hand"
+)
+_FASTEST = fixed(
+    0.5, "mathematics", "rad a sample period: up to it the trapezoidal rule shifts a frequency by 2 % or less"
+)
 
 
 @dataclass(frozen=True)
@@ -60,14 +68,14 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     free = [name not in fixed for name in ("mass", "damping", "stiffness")]
     rows = np.column_stack([moved[:, free], common])
     frame = np.linalg.qr(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))[0]
-    own = typical.natural_frequency(record, plant)
-    frequencies = np.geomspace(_LOWEST * own, max(min(_HIGHEST * own, _FASTEST / period), own), _TRIED)
+    own, (lowest, highest) = typical.natural_frequency(record, plant), _FREQUENCIES
+    frequencies = np.geomspace(lowest * own, max(min(highest * own, _FASTEST / period), own), THOROUGH)
     trials = [(float(w), ratio) for w in frequencies for ratio in _RATIOS]
     hung = np.column_stack([_filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
                             for w, z in trials])  # fmt: skip
     beyond = hung - frame @ (frame.T @ hung)
     along = beyond.T @ (left - frame @ (frame.T @ left))
-    gain = np.where(along > 0.0, along**2 / np.maximum(np.sum(beyond**2, axis=0), 1e-300), 0.0).reshape(_TRIED, -1)
+    gain = np.where(along > 0.0, along**2 / np.maximum(np.sum(beyond**2, axis=0), 1e-300), 0.0).reshape(THOROUGH, -1)
     found = []
     for peak in _peaks(gain.max(axis=1)):
         trial = peak * len(_RATIOS) + int(np.argmax(gain[peak]))
@@ -107,7 +115,7 @@ def _peaks(gain: FloatArray) -> list[int]:
     """Where a gain (n,) has its highest peaks, the highest first."""
     padded = np.concatenate(([-math.inf], gain, [-math.inf]))
     peaks = np.flatnonzero((gain > 0.0) & (gain >= padded[:-2]) & (gain >= padded[2:]))
-    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:_PEAKS]]
+    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:KEPT]]
 
 
 def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: float, ratio: float) -> list[SecondMass]:
@@ -116,7 +124,7 @@ def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: floa
     change[free] = solution[: sum(free)]
     second = float(solution[sum(free)])
     mass, damping, stiffness = (change + (plant.mass, plant.damping, plant.stiffness)).tolist()
-    if not (second > 0.0 and mass > _STAYS * plant.mass):
+    if not (second > 0.0 and mass > TENTH * plant.mass):
         return []
     hung = (second, second * frequency**2, 2.0 * ratio * second * frequency)
     return [SecondMass((mass, max(damping, 0.0), max(stiffness, 0.0)), hung)]

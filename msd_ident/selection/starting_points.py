@@ -10,16 +10,20 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import Weighting, extended, step
+from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
+from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
+from msd_ident.selection.evidence import FAINT, ROUGH
 from msd_ident.selection.hypothesis import (
     COULOMB,
     HOLDING_COULOMB,
+    SAME,
     Causes,
     Experiment,
     Hypothesis,
@@ -27,19 +31,15 @@ from msd_ident.selection.hypothesis import (
     formulated,
 )
 from msd_ident.selection.second_masses import SecondMass, second_masses
-from msd_ident.selection.starting_values import FittedRecord, guesses
+from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
+from msd_ident.tuning import tuned
 
-_KEPT = 3
-#: Relative difference of two promises that are one.
-_SAME = 1e-3
-#: Part of a guess's strength that is tried where the whole of it makes the fit worse.
-_WEAK = 0.05
-#: Part of what the whole guess promises, below which it is taken in that strength.
-_CLEARLY = 0.5
-_DAMPED, _PLACINGS, _WORTH_PLACING = 1e-3, 4, 1e-2
-#: Noise floors left by a set beyond which its neighbours are started from a regression too; and, where end stops are
-#: tried then at several places, in parts of the reach.
-_ASTRAY, _FAR_ASTRAY, _STOPS = 3.0, 30.0, (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5)
+_WEAK = tuned(
+    0.05,
+    unit="1",
+    why="part of a guess's strength that is tried where the whole of it makes the fit worse",
+    chosen="with 0.1, one of 31 diagnoses changes its verdict and its cause",
+)
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
@@ -93,23 +93,23 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
             start = _beside(experiment, causes, parent, model)
             if start.fitted.chi > parent.chi and parent.causes < causes:
                 weak = _beside(experiment, causes, parent, _weakened(model, causes - parent.causes))
-                start = weak if weak.promise < _CLEARLY * start.promise else start
+                start = weak if weak.promise < MOST_OF * start.promise else start
             found.append(start)
-    found = _distinct(sorted(found, key=lambda start: start.promise))[:_KEPT]
+    found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
     return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
 
 
 def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
     """Starts, sorted by what they promise, that do not lead to the same place."""
     pairs = zip(found, found[1:], strict=False)
-    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + _SAME) * before.promise]
+    return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + SAME) * before.promise]
 
 
 def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: Model) -> StartingPoint:
     """A start next to a fitted parent, whose Jacobian it takes over."""
     problem, weighting, point = formulated(experiment, model, parent.initial)
     state = extended(weighting, parent.problem, parent.state, point)
-    promised = step(problem, state, _DAMPED)[1]
+    promised = step(problem, state, DAMPING)[1]
     here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
     return StartingPoint(state.chi - promised, here, parent.chi)
 
@@ -135,13 +135,13 @@ def regressions(
     """
     beside = min(parent.chi for parent in parents)
     left = math.sqrt(beside / experiment.evidence)
-    if left < _ASTRAY or parents[0].causes:
+    if left < FAINT or parents[0].causes:
         return []
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
-        for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
+        for bent in _with_stops(experiment, model) if left > FAINT * ROUGH else [model]:
             inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
-            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
+            if len(bent.names) > 3 + len(inner) and (left > FAINT * ROUGH or not inner):
                 tried.setdefault(inner, bent)
     found = []
     for model in tried.values():
@@ -166,13 +166,13 @@ def _placed(
     others = frozenset(model.names) - {"mass", "stiffness"}
     bare, units, place = formulated(experiment, model, problem.initials(point), others)
     chi, best = math.inf, place
-    for _ in range(_PLACINGS):
+    for _ in range(LOOK):
         state = units.exact(place, units.steps(None))
         if not state.chi < chi:
             break
-        move, promised = step(bare, state, _DAMPED)
+        move, promised = step(bare, state, DAMPING)
         chi, best = state.chi, place
-        if promised < _WORTH_PLACING * chi:
+        if promised < NEGLIGIBLE * chi:
             break
         place = np.clip(place + move, bare.lower, bare.upper)
     values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
@@ -185,7 +185,7 @@ def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
     if not places:
         return [model]
     reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values(dict.fromkeys(places, share * reach)) for share in _STOPS]
+    return [model.with_values(dict.fromkeys(places, share * reach)) for share in STOPS]
 
 
 def _exact_start(
@@ -194,6 +194,6 @@ def _exact_start(
     problem, weighting, point = start
     state = weighting.exact(point, weighting.steps(None))
     model = problem.model.with_values(problem.values(point))
-    promised = step(problem, state, _DAMPED)[1]
+    promised = step(problem, state, DAMPING)[1]
     here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
     return StartingPoint(state.chi - promised, here, beside)

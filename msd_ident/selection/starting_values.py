@@ -8,25 +8,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import KEPT, SAMPLES, THOROUGH
+from msd_ident.estimate.frequency_scan import PITCHES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name, typical
 from msd_ident.model.effects.base import TIME
 from msd_ident.residuals.disturbance import missing_force
+from msd_ident.tuning import fixed, tuned
 
 #: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
 Term = tuple[float, float, float]
 
-#: Harmonic terms that a search begins from, the strongest.
-_LINES = 4
-#: Values of b/m tried for a plain axis, and pitches tried for a ripple: evenly spaced in their logarithm.
-_RATES, _TRIED = 60, 160
-#: Samples that are enough for a regression on a ripple.
-_PLACES = 1500
-#: Amplitude [N] of a term that is not there: above 0, so that its frequency and phase still move something.
-_FAINT = 1e-12
-#: Limits of the force that a search begins from, in parts of the largest force.
-_SATURATED = (0.95, 0.75)
+_FAINT = fixed(
+    1e-12,
+    "accuracy",
+    "amplitude [N] of a term that is not there: above 0, so that frequency and phase still move something",
+)
+STOPS = tuned(
+    (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
+    unit="1",
+    why="places of an end stop that are tried far from the noise, in parts of the reach; each third one for a limit "
+    "of the force, in parts of the largest force",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
     found = effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
-        found += tuple(effect.limited(share * fitted.largest) for share in _SATURATED if fitted.largest > 0.0)
+        found += tuple(effect.limited(share * fitted.largest) for share in STOPS[::3] if fitted.largest > 0.0)
     return found
 
 
@@ -76,14 +81,14 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
     lacking = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
-    keep = slice(None, None, max(1, record.samples // _PLACES))
+    keep = slice(None, None, max(1, record.samples // SAMPLES))
     x, force = record.position[keep], lacking[keep]
     velocity = np.gradient(record.position, record.time)[keep]
     common = np.column_stack([np.ones(x.size), x, velocity, np.sign(velocity)])
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
     force = force - frame @ (frame.T @ force)
     span = float(np.ptp(x))
-    pitches = np.geomspace(typical.PITCHES[0] * span, typical.PITCHES[1] * span, _TRIED)
+    pitches = np.geomspace(typical.PITCHES[0] * span, typical.PITCHES[1] * span, PITCHES)
     angle = np.outer(2.0 * np.pi / pitches, x)
     pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     pair -= (pair @ frame) @ frame.T
@@ -93,7 +98,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     gain = np.einsum("pi,pi->p", solution, right)
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
+    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
     return [
         (max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
         for i in best
@@ -113,7 +118,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
     power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
     found: list[Term] = []
-    for _ in range(_LINES):
+    for _ in range(KEPT):
         w = float(omega[int(np.argmax(power))])
         if w == 0.0:
             break
@@ -134,7 +139,7 @@ def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ..
     """
     duration = max(record.duration for record in records)
     found = []
-    for rate in np.geomspace(0.02 / duration, 500.0 / duration, _RATES):
+    for rate in np.geomspace(0.02 / duration, 500.0 / duration, THOROUGH):
         solved = _regressed(records, float(rate))
         if solved is not None:
             found.append(solved)

@@ -13,12 +13,14 @@ from functools import partial
 from typing import TypeVar
 
 from msd_ident import parallel
+from msd_ident.estimate.effort import LOOK, SHORT
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, Ranking, rank, scale_from
 from msd_ident.selection.hypothesis import (
+    COMPARABLE,
     COULOMB,
     FAR,
     HOLDING_COULOMB,
@@ -37,6 +39,7 @@ from msd_ident.selection.hypothesis import (
     without,
 )
 from msd_ident.selection.starting_points import proposals
+from msd_ident.tuning import tuned
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
@@ -48,16 +51,9 @@ Progress = Callable[[str, float, str], None]
 Remembered = tuple[Causes, Model, Sequence[Initial]]
 
 NOTHING: Causes = frozenset()
-LARGEST = 4
-#: Rounds of a walk; and of one whose leader stays far from the noise: what two rounds after the first pairs do not
-#: repair, the library does not repair.
-_ROUNDS, _ROUNDS_FAR = 5, 2
-#: Sets of a round that are fitted before the others, and those that follow them.
-_AHEAD = (4, 12)
-#: A rival that leaves this many times the leader's chi² is not begun again.
-_REJOIN = 4.0
-#: A second parent is worth starting from when it leaves not more than this many times what the first one does.
-_COMPARABLE = 3.0
+LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
+#: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
+_ROUNDS_FAR = LOOK // 2
 
 
 @dataclass
@@ -115,13 +111,13 @@ class Search:
         for causes, model, initial in self._reduced(best):
             _, weighting, point = formulated(self.experiment, model, initial)
             left = weighting.residual(point)
-            if causes in self.sets or left @ left < _REJOIN * best.chi:
+            if causes in self.sets or left @ left < COMPARABLE * best.chi:
                 self._look_again(causes, model, initial)
         return self.ranking()
 
     def _walk(self) -> Ranking:
         """From leader to leader until no neighbour has more evidence."""
-        for turn in range(_ROUNDS):
+        for turn in range(LOOK):
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
@@ -143,7 +139,7 @@ class Search:
             one.causes
             for one in self.sets.values()
             if len(one.causes) == len(best.causes) == len(one.causes & best.causes) + 1
-            and best.chi < one.chi < _REJOIN * best.chi
+            and best.chi < one.chi < COMPARABLE * best.chi
         ]
         for fitted in self._each(partial(self._rejoin, best), rivals, (0.86, 0.87)):
             self._keep(fitted)
@@ -238,9 +234,8 @@ class Search:
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
         found.sort(key=lambda starts: starts[0].turn)
         # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
-        few, some = _AHEAD
         shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
-        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
+        for group, share in zip((found[:LOOK], found[LOOK:SHORT], found[SHORT:]), shares, strict=True):
             self._fit_group(group, share)
         return True
 
@@ -283,7 +278,7 @@ class Search:
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
-        worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
