@@ -52,7 +52,11 @@ def _load(say: Callable[[str], None]) -> Any:
     from msd_ident.model.kernel import cache
 
     entries = cache.load(say)
+    loaded = cache.compiled(entries)
     _run_once(entries)
+    if not loaded:  # code that was compiled in this process rounds in another way than the same code from the cache
+        entries = cache.load(say)
+        _run_once(entries)
     return entries
 
 

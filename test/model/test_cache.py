@@ -22,6 +22,23 @@ t = np.linspace(0.0, 1.0, 50)
 print(simulate(Plant(1.0, 1.0, 100.0), Record(time=t, position=t, force_time=t, force=t)).position[-1])
 """
 
+#: A cart that rubs, hits stops and hangs on a bent spring: all digits of its positions.
+RUB = """
+import numpy as np
+from msd_ident.model import Plant, simulate
+from msd_ident.model.effects import by_name
+from msd_ident.data.record import Record
+t = np.linspace(0.0, 4.0, 800)
+model = Plant(1.0, 1.0, 100.0)
+for name, values in (
+    ("stribeck_friction", (0.2, 0.3, 0.01)), ("end_stop", (0.02, 500.0)), ("cubic_spring", (3e4,)),
+):
+    names = [p.name for p in by_name(name).parameters]
+    model = model + by_name(name).from_values(dict(zip(names, values, strict=True)))
+record = Record(t, t, np.array([0.0, 1.0, 2.0]), np.array([4.0, -3.0, 2.0]))
+print(simulate(model, record).position.tolist())
+"""
+
 
 def test_a_second_process_compiles_nothing(repository: Path) -> None:
     warm_up()
@@ -32,6 +49,19 @@ def test_a_second_process_compiles_nothing(repository: Path) -> None:
     assert "compiling" not in done.stderr
     assert "data saved" not in done.stdout
     assert "data loaded" in done.stdout
+
+
+@pytest.mark.long
+def test_the_process_that_compiles_has_the_digits_of_those_that_load(repository: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(repository)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    command = [sys.executable, "-c", RUB]
+    first, second = (
+        subprocess.run(command, capture_output=True, text=True, check=True, env=environment, cwd=repository)
+        for _ in range(2)
+    )
+    assert "compiling" in first.stderr and "compiling" not in second.stderr
+    assert first.stdout == second.stdout and len(first.stdout) > 1000
 
 
 def test_a_cold_start_says_so_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
