@@ -1,6 +1,6 @@
 """``python -m bench.export``: exported models replayed in MuJoCo, wrong models, measured rigs.
 
-python -m bench.export [--only exact|approximated|wrong|real] [--count N] [--seed N] [--jobs N]
+python -m bench.export [--only exact|approximated|schemes|wrong|real] [--count N] [--seed N] [--jobs N]
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 from typing import Any
 
-from bench.export import measured, replays, wrong
+from bench.export import measured, replays, schemes, wrong
 from msd_ident.model.simulator import warm_up
 
-PARTS = ("exact", "approximated", "wrong", "real")
+PARTS = ("exact", "approximated", "schemes", "wrong", "real")
 #: Rigs of each part.
-COUNTS = {"exact": 100, "approximated": 70, "wrong": 40}
+COUNTS = {"exact": 100, "approximated": 70, "schemes": 20, "wrong": 40}
 
 
 def _one(work: Callable[[int, int], Any], seed: int, number: int) -> Any:
@@ -34,10 +34,14 @@ def _part(name: str, given: argparse.Namespace) -> Iterator[str]:
         yield from measured.lines()
         return
     count = given.count or COUNTS[name]
-    work = {"exact": replays.exact, "approximated": replays.approximated, "wrong": wrong.case}[name]
+    work, told = {
+        "exact": (replays.exact, lambda rows: replays.told(rows, True)),
+        "approximated": (replays.approximated, lambda rows: replays.told(rows, False)),
+        "schemes": (schemes.ratios, schemes.told), "wrong": (wrong.case, wrong.told),
+    }[name]  # fmt: skip
     rows = list(_all(work, given.seed, count, given.jobs))
     yield f"seeds {given.seed} to {given.seed + count - 1}"
-    yield from wrong.told(rows) if name == "wrong" else replays.told(rows, name == "exact")
+    yield from told(rows)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -14,11 +14,8 @@ from msd_ident.cli import run
 
 if TYPE_CHECKING:
     from msd_ident.data.provenance import Origin, Provenance
-    from msd_ident.diagnosis import Diagnosis
-    from msd_ident.export import Export
     from msd_ident.io import SourceOptions
-    from msd_ident.workflow.identification import Identification
-    from msd_ident.workflow.validation import Validation
+    from msd_ident.report.page import Result
 
 
 @dataclass
@@ -37,7 +34,7 @@ class Pages:
     figures: Path | None
     source: SourceOptions
     output: run.Output
-    kept: list[tuple[tuple[Path, ...], Diagnosis | Identification | Validation | Export]] = field(default_factory=list)
+    kept: list[tuple[tuple[Path, ...], Result]] = field(default_factory=list)
 
     def check(self) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
@@ -52,7 +49,7 @@ class Pages:
         if self.figures is not None:
             run.make_folder(self.figures)
 
-    def keep(self, paths: tuple[Path, ...], found: Diagnosis | Identification | Validation | Export) -> None:
+    def keep(self, paths: tuple[Path, ...], found: Result) -> None:
         """Remember a result."""
         self.kept.append((paths, found))
 
@@ -85,10 +82,11 @@ class Pages:
             lines.append(f"report: {self.report}")
         if self.markdown is not None:
             from msd_ident.export import Export
+            from msd_ident.external import Comparison
             from msd_ident.report import markdown
             from msd_ident.workflow.validation import Validation
 
-            plain = [found for found in results if not isinstance(found, Validation | Export)]
+            plain = [found for found in results if not isinstance(found, Validation | Export | Comparison)]
             markdown.save(plain, self.markdown, told)
             lines.append(f"summary: {self.markdown}")
         return lines

@@ -11,6 +11,7 @@ from msd_ident.cli import run
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
+    from msd_ident.cli.pages import Pages
     from msd_ident.data.record import Record
     from msd_ident.external import Comparison, Simulation
     from msd_ident.io import SourceOptions
@@ -68,14 +69,24 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     return TableSimulation(str(path), found.time, found.position)
 
 
-def compare(paths: Sequence[Path], source: SourceOptions, together: bool, output: run.Output, chosen: Chosen) -> int:
-    """Compare every path, or all together, with the simulation; the exit code."""
+def compare(paths: Sequence[Path], chosen: Chosen, together: bool, require: float | None, targets: Pages) -> int:
+    """Compare every path, or all together, with the simulation.
+
+    Returns:
+        The exit code; 1 if the simulation explains less of the motion [%] than required.
+    """
     from msd_ident import external
     from msd_ident.report.external import print_comparison
 
-    simulation = chosen.simulation(source)
+    targets.check()
+    simulation, met = chosen.simulation(targets.source), []
 
     def solve(records: Sequence[Record], progress: run.Progress) -> Comparison:
-        return external.compare(simulation, records, progress)
+        found = external.compare(simulation, records, progress)
+        met.append(require is None or found.explained_percent >= require)
+        return found
 
-    return run.work(run.Data(paths, source, together), output, solve, run.After(print_comparison))
+    after = run.After(print_comparison, targets.keep)
+    code = run.work(run.Data(paths, targets.source, together), targets.output, solve, after)
+    targets.finish()
+    return code or (0 if all(met) else 1)

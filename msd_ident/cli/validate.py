@@ -94,18 +94,21 @@ def validate(
     overwrite: options.OverwriteOption = False,
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
-    output = run.Output(json, quiet, overwrite)
+    targets = pages.Pages(report, None, figures, source, run.Output(json, quiet, overwrite))
     if mujoco is not None or function or simulated is not None:
         from msd_ident.cli import theirs
 
+        if refit_zero or line is not None:
+            raise UsageError(
+                "--refit-zero or --line with a simulation of your own; expected neither: they are about a saved result"
+            )
         chosen = theirs.Chosen(mujoco, joint, function, simulated)
-        return theirs.compare([result, *(paths or ())], source, together, output, chosen)
+        return theirs.compare([result, *(paths or ())], chosen, together, require, targets)
     if not paths:
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident.workflow import validation
 
     settings = validation.Options(refit_zero, require)
-    targets = pages.Pages(report, None, figures, source, output)
     targets.check()
     return _tried(saved_model(result, line), settings, paths, together, targets)
 

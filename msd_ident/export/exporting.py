@@ -22,7 +22,7 @@ from msd_ident.model import Model
 from msd_ident.workflow.saved_model import SavedModel
 from msd_ident.workflow.validation import as_saved
 
-#: Solver steps a step of the record, where dry friction acts and where not, and at most.
+#: Solver steps a step of the record, where dry friction is a constraint and where not, and at most.
 DRY_STEPS, STEPS, MOST_STEPS = 4, 1, 64
 #: Part of the fastest law's time that a step may take at most.
 QUICK = 0.5
@@ -100,7 +100,7 @@ def _planned(
     made = posterior.draw(saved, records, options.draws) if target.name == "draws" else None
     plan = Plan(
         saved=told, model=model, joint=options.joint, zero=zero if near is None else near.zero,
-        period=period, steps=options.steps or _steps(model, period), force_scale=scale,
+        period=period, steps=options.steps or _steps(model, period, target), force_scale=scale,
         rows=rows, draws=made,
     )  # fmt: skip
     return plan, near
@@ -110,9 +110,9 @@ def _rows(saved: SavedModel, target: Target) -> tuple[Row, ...]:
     return tuple(Row(effect.name, target.saying(effect, saved.model)) for effect in saved.model.effects)
 
 
-def _steps(model: Model, period: float) -> int:
-    """Steps to begin with: enough for the fastest law, and more where dry friction is solved once a step."""
-    dry = any("friction" in effect.laws() for effect in model.effects)
+def _steps(model: Model, period: float, target: Target) -> int:
+    """Steps to begin with: enough for the fastest law, and more where dry friction is solved once a stage."""
+    dry = not target.located and any("friction" in effect.laws() for effect in model.effects)
     needed = math.ceil(period * fastest(model) / QUICK)
     return min(max(DRY_STEPS if dry else STEPS, needed), MOST_STEPS)
 

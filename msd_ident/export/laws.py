@@ -70,6 +70,16 @@ def knees(effects: Iterable[Effect]) -> list[str]:
     return found
 
 
+def jumps(effects: Iterable[Effect]) -> list[str]:
+    """Expressions of the positions [m] at which a force begins with a jump, see ``Effect.jumps``."""
+    found = []
+    for effect in effects:
+        if effect.jumps and effect.knee is not None:
+            place, _, distance = effect.knee
+            found += [f"{place} - {distance}", f"{place} + {distance}"]
+    return found
+
+
 def constants(effects: Iterable[Effect]) -> list[str]:
     """Lines that set every parameter, with its unit and meaning."""
     lines = {}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from msd_ident.export import header, laws
 from msd_ident.export.mujoco_elements import SENSOR
+from msd_ident.export.mujoco_friction import text as friction_text
 from msd_ident.export.plan import Plan
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import DELAY, LAG, PLAY
@@ -83,13 +84,23 @@ def install(model):
     """Set MuJoCo's callbacks for this model."""
     joint = model.joint(JOINT)
     place, dof = joint.qposadr[0], joint.dofadr[0]
-{body}
+{take}{body}
 
 def remove():
     """Take all callbacks away."""
     for setter in ({setters}):
         setter(None)
-'''
+{give}'''
+
+_TAKE = """    # The constraint of the XML is for those who do without this file.
+    constraints.append((model, dof, float(model.dof_frictionloss[dof])))
+    model.dof_frictionloss[dof] = 0.0
+    dry.time = None
+"""
+_GIVE = """    while constraints:
+        model, dof, loss = constraints.pop()
+        model.dof_frictionloss[dof] = loss
+"""
 
 
 def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> str:
@@ -108,7 +119,13 @@ def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> 
     ]  # fmt: skip
     if remembered:
         parts.append(_MEMORY.format(**_memory(called)))
-    parts.append(_TAIL.format(body=body, setters=", ".join([*(f"mujoco.{one}" for one in setters), ""]).strip()))
+    dry = "friction" in kinds
+    if dry:
+        parts.append(friction_text(plan, called))
+    parts.append(_TAIL.format(
+        body=body, setters=", ".join([*(f"mujoco.{one}" for one in setters), ""]).strip(),
+        take=_TAKE if dry else "", give=_GIVE if dry else "",
+    ))  # fmt: skip
     return "".join(parts)
 
 
@@ -151,22 +168,13 @@ def _passive(called: Sequence[Effect], kinds: set[str], remembers: bool) -> str:
         lines.append(f"    {', '.join(names)} = {', '.join(f'kept[{name!r}]' for name in names)}")
     else:
         lines.append("    direction = sign(v)")
-    if _uses(called, "spring_force"):
+    if _uses([effect for effect in called if "friction" not in effect.laws()], "spring_force"):
         lines.append("    spring_force = spring(x)")
     for effect in called:
         own = [kind for kind in ("constant", "disturbance", "force") if kind in effect.laws()]
         lines += [f"    data.qfrc_passive[dof] -= {laws.call(type(effect), kind)}" for kind in own]
     if "friction" in kinds:
-        lines += [
-            f"    size = {laws.one(called, 'friction', '0.0')}",
-            "    for kind, number, loss in (",
-            "        (data.efc_type, data.efc_id, data.efc_frictionloss),",
-            "        (data.iefc_type, data.iefc_id, data.iefc_frictionloss),",
-            "    ):",
-            "        for i in range(len(loss)):",
-            "            if kind[i] == mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF and number[i] == dof:",
-            "                loss[i] = size",
-        ]
+        lines.append("    data.qfrc_passive[dof] += dry.at(model, data, dof, x)")
     return "\n" + _indented(lines)
 
 

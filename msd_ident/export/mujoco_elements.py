@@ -4,7 +4,7 @@ MuJoCo solves m·a = F - damping·v - stiffness·(q - springref) with constraint
 made physical here by ``solref`` in its direct form (-k, -b) and a constant impedance d (``solimp``):
 
 - dry friction (``frictionloss``) with d = 0.9999 and b = ``SLIP``/step: at rest it holds and creeps by less than 1e-4
-  of what it lets through, and it turns round within 1/b of the motion;
+  of what it lets through, and it turns round 1/b before the motion does (the callback file has no such error);
 - a limit with d = 0.0001, whose reference acceleration ``-b v - k r`` is then a spring and damper of k = stop
   stiffness over mass beside all other forces, instead of in their place (MuJoCo documentation, Computation: Solver
   parameters).
@@ -21,11 +21,14 @@ from msd_ident.export.laws import number
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
 from msd_ident.model.effects import Effect
+from msd_ident.model.effects.base import AT_ZERO
 
 #: Rate at which friction turns round, in 1/step: the fourth-order Runge-Kutta method is stable up to 2.78.
 SLIP = 2.5
 #: Impedances of a constraint that replaces the other forces, and of one that adds to them.
 STIFF, ADDED = 0.9999, 0.0001
+#: A position that no joint reaches.
+FAR = 1e6
 #: Name of the actuator that pushes, of the callback's sensor, and of the second mass.
 ACTUATOR, SENSOR, SECOND = "force", "reading", "second_mass"
 
@@ -56,6 +59,7 @@ class Elements:
 
 def _coulomb(made: Elements, plan: Plan) -> None:
     _dry(made, plan, plan.value("coulomb_force"))
+    made.called.append(plan.model.effect("coulomb_friction"))
 
 
 def _dry(made: Elements, plan: Plan, force: float) -> None:
@@ -91,10 +95,29 @@ def _backlash(made: Elements, plan: Plan) -> None:
 
 
 def _stop(made: Elements, plan: Plan) -> None:
-    reach, stiffness = plan.value("stop_position"), plan.value("stop_stiffness")
+    reach = plan.value("stop_position")
+    _limit(made, plan, (-reach, reach), plan.value("stop_stiffness"))
+
+
+def _one_stop(made: Elements, plan: Plan) -> None:
+    place = plan.value("one_stop_position")
+    ends = (-FAR, place) if place > 0.0 else (place, FAR)
+    _limit(made, plan, ends, plan.value("one_stop_stiffness"))
+
+
+def _buffer(made: Elements, plan: Plan) -> None:
+    # A limit pushes and never pulls, as a buffer does.
+    centre, reach = plan.value("buffer_centre"), plan.value("buffer_reach")
+    stiffness, damping = plan.value("buffer_stiffness"), plan.value("buffer_damping")
+    _limit(made, plan, (centre - reach, centre + reach), stiffness, damping)
+
+
+def _limit(made: Elements, plan: Plan, ends: tuple[float, float], stiffness: float, damping: float = 0.0) -> None:
+    """Springs and dampers of the joint's range, from the relaxed spring."""
+    mass = plan.model.mass
     made.joint["limited"] = "true"
-    made.joint["range"] = f"{number(plan.zero - reach)} {number(plan.zero + reach)}"
-    made.joint["solreflimit"] = f"{number(-stiffness / plan.model.mass)} 0"
+    made.joint["range"] = " ".join(number(plan.zero + end) for end in ends)
+    made.joint["solreflimit"] = f"{number(-stiffness / mass)} {number(-damping / mass)}"
     made.joint["solimplimit"] = _impedance(ADDED)
 
 
@@ -132,12 +155,14 @@ def _second(made: Elements, plan: Plan) -> None:
 
 #: Effect → what it becomes, and how that is said.
 NATIVE: dict[str, tuple[Callable[[Elements, Plan], None], str]] = {
-    "coulomb_friction": (_coulomb, "frictionloss, dry within a step by solreffriction"),
+    "coulomb_friction": (_coulomb, "frictionloss, whose reversals the callback file locates inside the step"),
     "cubic_spring": (_cubic, "third coefficient of stiffness"),
     "asymmetric_spring": (_asymmetric, "second coefficient of stiffness"),
     "quadratic_drag": (_drag, "second coefficient of damping"),
     "backlash": (_backlash, "a tendon whose spring has a dead band (springlength)"),
     "end_stop": (_stop, "range, with solreflimit from the stop's stiffness"),
+    "one_sided_stop": (_one_stop, "one end of range, with solreflimit from the stop's stiffness"),
+    "buffered_stop": (_buffer, "range, with solreflimit from the buffers' stiffness and damping"),
     "force_offset": (_offset, "springref, or the bias of an actuator"),
     "actuator_lag": (_lag, "dyntype filter of the actuator"),
     "time_offset": (_delay, "delay of the actuator"),
@@ -154,7 +179,8 @@ def says(effect: type[Effect]) -> Saying:
     """Natively, by the callback file, or not at all."""
     if effect.name in NATIVE:
         return Saying("exact", NATIVE[effect.name][1])
-    if effect.knee or any("driven" in inspect.signature(law).parameters for law in effect.laws().values()):
+    driven = any("driven" in inspect.signature(law).parameters for law in effect.laws().values())
+    if driven or effect.knee not in (None, AT_ZERO):
         return Saying("cannot", "no element for its spring or damper, and the callback file has no events")
     if any(kind in effect.laws() for kind in CALLED):
         return Saying("exact", "the callback file beside it")

@@ -15,6 +15,7 @@ from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import DELAY
 
 _SAID = {
+    "coulomb_friction": Saying("exact", "frictionloss, dry within a step by solreffriction"),
     "sensor_drift": Saying("cannot", "no element drifts; readings are the joint's position"),
     "periodic_disturbance": Saying("cannot", "no force that depends on time"),
 }

@@ -49,6 +49,7 @@ class MujocoTarget(Target):
     what = "MuJoCo model (MJCF), with a Python callback file where it needs one"
     library: ClassVar[str | None] = "mujoco"
     stepped = True
+    located = True
 
     def says(self, effect: type[Effect]) -> Saying:
         """How this target carries an effect."""

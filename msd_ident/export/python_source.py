@@ -98,8 +98,8 @@ def step(t, y, h, push, mode, kept):
     return y + h / 6 * (a + 2 * b + 2 * c + d)
 
 
-def located(t, y, end, push, mode, kept):
-    """Until the motion turns, or breaks away: instant and state there."""
+@BESIDE@def located(t, y, end, push, mode, kept):
+    """Until the motion turns, or breaks away@OR_JUMPS@: instant and state there, and which of these it was."""
 
     def turns(t, y):
         if mode == 0:
@@ -108,9 +108,10 @@ def located(t, y, end, push, mode, kept):
 
     turns.terminal, turns.direction = True, -1
     found = solve_ivp(
-        lambda t, y: flow(t, y, push(t), mode, kept), (t, end), y, events=turns, rtol=1e-9, atol=1e-12, max_step=end - t
+        lambda t, y: flow(t, y, push(t), mode, kept), (t, end), y, events=[turns@EVENTS@], rtol=1e-9, atol=1e-12,
+        max_step=end - t,
     )
-    return found.t[-1], found.y[:, -1], found.status == 1
+    return found.t[-1], found.y[:, -1], [len(at) > 0 for at in found.t_events]
 
 
 def advance(t, end, y, push, mode, kept):
@@ -124,11 +125,11 @@ def advance(t, end, y, push, mode, kept):
             turned = abs(net(t + h, new, push(t + h), 0.0, kept)) > breakaway(new[0], spring(new[0]))
         else:
             turned = mode * new[1] < 0.0
-        if not turned:
+        if not turned@AND_NOT_JUMPED@:
             t, y = t + h, new
             continue
-        t, y, turned = located(t, y, t + h, push, mode, kept)
-        if turned and mode:
+        t, y, (turned, *jumped) = located(t, y, t + h, push, mode, kept)
+@ON_THE_EDGE@        if turned and mode:
             # What is remembered is remembered from here, whichever way it goes on.
             y[1], kept = 0.0, reversal(y[0], mode, kept)
             mode = begin(t, y, push(t), kept)
@@ -181,6 +182,27 @@ def pushing(stamps, levels, slopes, i):
     return lambda t: level + slope * (t - since)
 '''
 
+_JUMPS = '''EDGES = (@EDGES@)  # positions at which a force begins with a jump
+TOUCH = 1e-12 * max(abs(edge) for edge in EDGES)
+
+
+def beside(x, mode):
+    """On which side of each edge x lies; on an edge the direction of the motion decides."""
+    return [x - edge > -mode * TOUCH for edge in EDGES]
+
+
+def crossing(edge, x, mode):
+    """What is zero on an edge that the motion from x goes towards, for ``solve_ivp``."""
+
+    def crosses(t, y):
+        return y[0] - edge if mode * (edge - x) > TOUCH else 1.0
+
+    crosses.terminal = True
+    return crosses
+
+
+'''
+
 _LAGGED = '''
 
 def lagged(begin, stamps, levels):
@@ -198,7 +220,7 @@ def lagged(begin, stamps, levels):
 def text(plan: Plan, header: str, module: str) -> str:
     """The whole file."""
     filled = _FILE
-    for name, value in {**_values(plan, header, module), **structure(plan), **memory(plan)}.items():
+    for name, value in {**_values(plan, header, module), **structure(plan), **memory(plan), **edges(plan)}.items():
         filled = filled.replace(f"@{name}@", value)
     return filled + "".join(_LAGGED.replace("@LAG@", time_constant) for time_constant in _names(plan.model, LAG))
 
@@ -258,6 +280,20 @@ def structure(plan: Plan) -> dict[str, str]:
         "RATES": "".join(f", (push - f) / {tau}" for tau in lag) + (f", v2, ({coupling}) / {m2}" if second else ""),
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + (", position, velocity" if second else ""),
         "DELAY": delay[0] if delay else "0.0",
+    }
+
+
+def edges(plan: Plan) -> dict[str, str]:
+    """What jumps of a force put into the text."""
+    found = laws.jumps(plan.model.effects)
+    if not found:
+        return dict.fromkeys(("BESIDE", "OR_JUMPS", "EVENTS", "AND_NOT_JUMPED", "ON_THE_EDGE"), "")
+    return {
+        "BESIDE": _JUMPS.replace("@EDGES@", ", ".join(found)),
+        "OR_JUMPS": ", or a force jumps",
+        "EVENTS": ", *(crossing(edge, y[0], mode) for edge in EDGES)",
+        "AND_NOT_JUMPED": " and beside(new[0], mode) == beside(y[0], mode)",
+        "ON_THE_EDGE": "        if any(jumped):\n            y[0] = EDGES[jumped.index(True)]\n",
     }
 
 

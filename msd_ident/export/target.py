@@ -50,6 +50,8 @@ class Target:
     why_not: ClassVar[str] = ""
     #: Whether it is integrated in fixed steps that the file says.
     stepped: ClassVar[bool] = False
+    #: Whether dry friction reverses and stops inside its steps, so that it asks for none of its own.
+    located: ClassVar[bool] = False
     #: Effects that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 

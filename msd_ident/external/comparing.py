@@ -8,6 +8,7 @@ simulated positions get the noise of the record, so that the simulation is asked
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,7 +24,10 @@ from msd_ident.external.difference import Difference, differences
 from msd_ident.external.simulations import Simulation
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
+from msd_ident.residuals.dependence import dependences
+from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import pipeline
+from msd_ident.workflow.identification import quantities_dict
 
 SCHEMA = "msd.external/1"
 #: Noise floors that the rig's structure may leave of a simulation; more, and the simulation is diagnosed too.
@@ -36,26 +40,46 @@ class Comparison:
 
     Attributes:
         simulation: its name.
+        how: how it was run, a sentence.
         records: what was measured, as used.
         simulated: readings (n,) of the simulation, for each record.
         diagnosis: of what was measured.
         rig, theirs: the same structure, fitted to both.
         differences: what is wrong with the simulation, what matters most first.
-        corrected_see: standard error of estimate of the rig's model.
+        missing: the force that the simulation lacks on each record, smoothed from its error.
+        named: the same, of the rig's model against the simulation: what the differences make of it.
     """
 
     simulation: str
+    how: str
     records: tuple[Record, ...]
     simulated: tuple[FloatArray, ...]
     diagnosis: Diagnosis
     rig: FitResult
     theirs: FitResult
     differences: tuple[Difference, ...]
+    missing: tuple[DisturbanceEstimate, ...]
+    named: tuple[DisturbanceEstimate, ...]
+
+    @property
+    def residuals(self) -> tuple[FloatArray, ...]:
+        """Simulation − data (n,) of each record, in the position unit."""
+        return tuple(found - record.position for found, record in zip(self.simulated, self.records, strict=True))
+
+    @property
+    def missing_size(self) -> float:
+        """Root mean square of the force that the simulation lacks, in the force unit."""
+        return math.sqrt(float(np.mean(np.concatenate([part.force for part in self.missing]) ** 2)))
+
+    @property
+    def depends_on(self) -> dict[str, float]:
+        """Signal → share of that force's variance that it explains alone."""
+        return {item.signal: item.share for item in dependences(self.missing)}
 
     @property
     def see(self) -> float:
         """Standard error of estimate of the simulation, in the position unit."""
-        return see([found - record.position for found, record in zip(self.simulated, self.records, strict=True)])
+        return see(self.residuals)
 
     @property
     def explained_percent(self) -> float:
@@ -82,6 +106,7 @@ class Comparison:
         return {
             "schema": SCHEMA,
             "simulation": self.simulation,
+            "how": self.how,
             "see_m": self.see,
             "explained_percent": self.explained_percent,
             "corrected_see_m": self.rig.see,
@@ -94,8 +119,18 @@ class Comparison:
                 }
                 for one in self.differences
             ],
+            "models": {"rig": _told(self.rig), "simulation": _told(self.theirs)},
+            "missing_force_rms": self.missing_size,
+            "missing_force_depends_on": self.depends_on,
             "warnings": list(self.diagnosis.warnings),
         }  # fmt: skip
+
+
+def _told(one: FitResult) -> dict[str, Any]:
+    """A fitted model for the JSON."""
+    return {
+        "effects": list(one.model.effect_names), "parameters": quantities_dict(one.quantities), "see_m": one.see,
+    }  # fmt: skip
 
 
 def _silent(stage: str, fraction: float) -> None:
@@ -125,8 +160,26 @@ def compare(
     rig, theirs = _explained(found, said)
     sure = {cause.name: cause.probability for cause in found.causes}
     unlike = differences(rig, theirs, found.records, found.noise_floor, sure)
+    progress("smoothing the missing force", 0.9)
+    missing, named = _missing(found, simulated, rig, theirs)
     progress("done", 1.0)
-    return Comparison(simulation.name, found.records, simulated, found, rig, theirs, unlike)
+    how = simulation.how(found.records[0])
+    return Comparison(simulation.name, how, found.records, simulated, found, rig, theirs, unlike, missing, named)
+
+
+def _missing(
+    found: Diagnosis, simulated: Sequence[FloatArray], rig: FitResult, theirs: FitResult
+) -> tuple[tuple[DisturbanceEstimate, ...], tuple[DisturbanceEstimate, ...]]:
+    """The force that the simulation lacks, as measured, and as the rig's model has it."""
+    plant = (theirs.model.mass, theirs.model.damping, theirs.model.stiffness)
+    parts = []
+    for record, positions, left in zip(found.records, simulated, rig.residuals, strict=True):
+        modelled = replace(record, position=record.position + left)
+        parts.append(tuple(
+            lacking_force(one, positions - one.position, plant, found.noise_floor) for one in (record, modelled)
+        ))  # fmt: skip
+    missing, named = zip(*parts, strict=True)
+    return tuple(missing), tuple(named)
 
 
 def _noisy(records: Sequence[Record], simulated: Sequence[FloatArray], floor: float) -> tuple[Record, ...]:

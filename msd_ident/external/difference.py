@@ -52,10 +52,15 @@ class Difference:
         return Quantity(100.0 * (ratio - 1.0), abs(100.0 * ratio * parts), "%")
 
     @property
+    def probability_text(self) -> str:
+        """The probability with one decimal, never a whole 100 %."""
+        return "> 99.9 %" if self.probability > 0.999 else f"{100.0 * self.probability:.1f} %"
+
+    @property
     def sentence(self) -> str:
         """For the terminal."""
         words = self.name.replace("_", " ")
-        sure = f" (probability {_probability(self.probability)})" if math.isfinite(self.probability) else ""
+        sure = f" (probability {self.probability_text})" if math.isfinite(self.probability) else ""
         if self.kind == "lacks":
             return f"It lacks {spoken(self.name)}{sure}: {_told(self.rig)} on the rig"
         if self.kind == "has":
@@ -64,10 +69,6 @@ class Difference:
         size = f"{abs(off.value):.3g} ± {1.96 * off.std:.2g} % " if math.isfinite(off.std) else ""
         side = "too large" if abs(self.simulation.value) > abs(self.rig.value) else "too small"
         return f"Its {words} is {size}{side}: {_told(self.simulation)} against {_told(self.rig)} on the rig"
-
-
-def _probability(value: float) -> str:
-    return "> 99.9 %" if value > 0.999 else f"{100.0 * value:.1f} %"
 
 
 def _told(quantity: Quantity) -> str:

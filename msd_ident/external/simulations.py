@@ -27,6 +27,9 @@ class Simulation(Protocol):
     def check(self, record: Record) -> None:
         """Refuse a record that it cannot be run on, before any work."""
 
+    def how(self, record: Record) -> str:
+        """How it is run on a record, a sentence."""
+
     def positions(self, record: Record, initial: Initial) -> FloatArray:
         """Simulated readings (n,) at the record's samples, from about this start, in the position unit."""
 
@@ -53,10 +56,19 @@ class MujocoSimulation:
         robot.joint(robot.parsed(self.path), self.path, self.joint, record.position_unit)
         mujoco_replay.load(self.path)
 
+    def how(self, record: Record) -> str:
+        """Where the force acts, and the time step."""
+        mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
+        pusher = _pusher(mujoco, model, model.joint(self.joint).id)
+        through = "directly on the joint" if pusher is None else f"through the actuator {model.actuator(pusher).name!r}"
+        own, used = model.opt.timestep, record.period / _steps(model, record)
+        step = f"steps of {1e3 * used:.4g} ms" + ("" if math.isclose(own, used) else f", not {1e3 * own:.4g} ms")
+        return f"The record's force acted {through}, in {step}, from the state that the record begins with."
+
     def positions(self, record: Record, initial: Initial) -> FloatArray:
         """Simulated readings (n,) at the record's samples, in the position unit."""
         mujoco, model = mujoco_replay.library(), mujoco_replay.load(self.path)
-        steps = max(math.ceil(record.period / model.opt.timestep - 1e-6), 1)
+        steps = _steps(model, record)
         model.opt.timestep = record.period / steps
         data = mujoco.MjData(model)
         joint = model.joint(self.joint)
@@ -68,6 +80,11 @@ class MujocoSimulation:
         with mujoco_replay.quiet():
             out = _stepped(mujoco, model, data, (place, dof, pusher), force)
         return mujoco_replay.at_samples(record, _finite(out, self.name))
+
+
+def _steps(model: Any, record: Record) -> int:
+    """Steps of the model in one of the record."""
+    return max(math.ceil(record.period / float(model.opt.timestep) - 1e-6), 1)
 
 
 def _stepped(mujoco: Any, model: Any, data: Any, at: tuple[int, int, int | None], force: FloatArray) -> FloatArray:
@@ -119,6 +136,10 @@ class FunctionSimulation:
     def check(self, record: Record) -> None:
         """Raises UsageError: there is no such function."""
         self._function()
+
+    def how(self, record: Record) -> str:
+        """What it was called with."""
+        return f"{self.target} was called with time and force of the record, and with the state at its first sample."
 
     def _function(self) -> Any:
         module, _, function = self.target.partition(":")
@@ -182,6 +203,10 @@ class TableSimulation:
                 f"{record.time[-1]:.4g} s; expected a simulation of all of it: simulate longer, or cut the record "
                 "with --start and --end"
             )
+
+    def how(self, record: Record) -> str:
+        """That nothing was run."""
+        return f"The simulated positions are those of {self.label}, on the record's clock."
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
         """Simulated readings (n,) at the record's samples, in the position unit."""

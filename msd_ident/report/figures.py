@@ -11,21 +11,25 @@ import numpy as np
 
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
+from msd_ident.external import Comparison
 from msd_ident.report import matplotlib_figure, verdict_figure
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.page import of_diagnosis, of_export, of_identification, of_validation
+from msd_ident.report.page import of_comparison, of_diagnosis, of_export, of_identification, of_validation
 from msd_ident.report.plot import Panel, Plot
 from msd_ident.report.plots import force_panel, identification_curves, line, noise_band
 from msd_ident.workflow.validation import Validation
 
 if TYPE_CHECKING:
+    from msd_ident.report.page import Result
     from msd_ident.workflow.identification import Identification
 
 
-def plots(found: Diagnosis | Identification | Validation | Export) -> tuple[Plot, ...]:
+def plots(found: Result) -> tuple[Plot, ...]:
     """All plots of a result, each with a name of its own."""
     if isinstance(found, Validation):
         return _named([plot for section in of_validation(found).sections for plot in section.papers])
+    if isinstance(found, Comparison):
+        return _named([plot for section in of_comparison(found).sections for plot in section.papers])
     if isinstance(found, Export):
         return _named([plot for section in of_export(found).sections for plot in section.papers])
     if isinstance(found, Diagnosis):
@@ -35,13 +39,13 @@ def plots(found: Diagnosis | Identification | Validation | Export) -> tuple[Plot
     return _named([*paper, *(plot for section in sections for plot in section.papers if plot.slug != "fit")])
 
 
-def paths(found: Diagnosis | Identification | Validation | Export, directory: Path) -> list[Path]:
+def paths(found: Result, directory: Path) -> list[Path]:
     """Where ``save`` writes."""
     first = verdict_figure.paths(directory) if isinstance(found, Diagnosis) else []
     return first + matplotlib_figure.paths(plots(found), directory)
 
 
-def save(found: Diagnosis | Identification | Validation | Export, directory: Path) -> list[Path]:
+def save(found: Result, directory: Path) -> list[Path]:
     """Write all plots as PNG and SVG; returns the paths.
 
     Args:

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.data.provenance import versions
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
+from msd_ident.external import Comparison
 from msd_ident.model.effects import structural
 from msd_ident.model.effects.base import DELAY
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import Calibration
 from msd_ident.report.sections.causes import Causes
+from msd_ident.report.sections.comparison import Differences, LackingForce, Outcome, comparison_columns
 from msd_ident.report.sections.data import Data
 from msd_ident.report.sections.export import Effects, Exported
 from msd_ident.report.sections.fit import Fit
@@ -44,6 +46,9 @@ if TYPE_CHECKING:
     from msd_ident.quantity import Quantity
     from msd_ident.report.plot import Plot, Role
     from msd_ident.workflow.identification import Identification
+
+    #: What a page has an article about.
+    Result = Diagnosis | Identification | Validation | Export | Comparison
 
 #: A page is not larger than this, however many records it is about [bytes].
 LARGEST = 6_000_000
@@ -137,6 +142,26 @@ def of_export(found: Export, provenance: Provenance | None = None, detail: Detai
     return Article("msd export", f"{found.out.name} ({found.target.name})", tuple(sections))
 
 
+def of_comparison(found: Comparison, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+    """The sections of a user's own simulation against a record."""
+    detail = detail or Detail.shared_by(len(found.records))
+    rig = tuple(record.position + left for record, left in zip(found.records, found.rig.residuals, strict=True))
+    curves = (
+        ModelCurve("your simulation", "base", found.simulated, found.residuals),
+        ModelCurve("model of the rig", "extended", rig, found.rig.residuals),
+    )
+    sections: tuple[Section, ...] = (
+        Outcome(found),
+        Differences(found),
+        Fit(found.records, curves, found.diagnosis.noise_floor, detail),
+        LackingForce(found, detail),
+        Parameters(found.records, comparison_columns(found), found.rig.open_directions),
+        Data(found.records, found.diagnosis.findings, provenance, _delay(found.diagnosis)),
+    )
+    name = " + ".join(record.name for record in found.records)
+    return Article("msd validate", f"{found.simulation} on {name}", sections)
+
+
 def _runs(found: Export, name: str) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
     """Readings and residuals of a simulation in the target."""
     assert found.proof is not None
@@ -151,7 +176,7 @@ def _saved_column(found: Validation) -> Column:
 
 
 def articles(
-    results: Sequence[Diagnosis | Identification | Validation | Export], provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Result], provenance: Sequence[Provenance | None] = ()
 ) -> tuple[Article, ...]:
     """An article for each result, all together as detailed as one page can carry."""
     detail = Detail.shared_by(sum(len(found.records) for found in results))
@@ -163,13 +188,15 @@ def articles(
             made.append(of_validation(found, origin, detail))
         elif isinstance(found, Export):
             made.append(of_export(found, origin, detail))
+        elif isinstance(found, Comparison):
+            made.append(of_comparison(found, origin, detail))
         else:
             made.append(of_identification(found, origin, detail))
     return tuple(made)
 
 
 def render(
-    results: Sequence[Diagnosis | Identification | Validation | Export], provenance: Sequence[Provenance | None] = ()
+    results: Sequence[Result], provenance: Sequence[Provenance | None] = ()
 ) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
     from markupsafe import Markup
@@ -195,7 +222,7 @@ def _delay(found: Diagnosis) -> Quantity | None:
 
 
 def save(
-    results: Sequence[Diagnosis | Identification | Validation | Export],
+    results: Sequence[Result],
     path: Path,
     provenance: Sequence[Provenance | None] = (),
 ) -> None:

@@ -158,7 +158,13 @@ def _force(record: Record, points: int) -> Series:
     return Series("force", "force", *thinned(stamps, record.force_at(stamps), points), kind, legend=False)  # type: ignore[arg-type]
 
 
-def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail = Detail()) -> Plot:  # noqa: B008
+def missing_time_plot(
+    beyond: Beyond,
+    record: Record,
+    index: int,
+    detail: Detail = Detail(),  # noqa: B008
+    model: str = "extended model",
+) -> Plot:
     """The missing force of the base model against time, with its band and the force of the extended model.
 
     Args:
@@ -166,6 +172,7 @@ def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail
         record: of the estimate.
         index: number of the record on the page.
         detail: points per curve.
+        model: name of the model that explains it.
     """
     part, unit = beyond.measured[index], record.force_unit
     time, force = thinned(part.time, part.force, detail.curve)
@@ -176,7 +183,7 @@ def missing_time_plot(beyond: Beyond, record: Record, index: int, detail: Detail
     ]
     if beyond.explained:
         other = beyond.explained[index]
-        series.append(line("the same, of the extended model", "extended", other.time, other.force, detail.curve))
+        series.append(line(f"the same, of the {model}", "extended", other.time, other.force, detail.curve))
     return Plot(
         "missing_time",
         "Missing force against time",
@@ -191,6 +198,7 @@ def missing_clouds(
     record: Record,
     index: int,
     detail: Detail = Detail(),  # noqa: B008
+    model: str = "extended model",
 ) -> tuple[Plot, Plot]:
     """The missing force against velocity and against position, with the law of the causes.
 
@@ -199,12 +207,14 @@ def missing_clouds(
         record: of the estimate.
         index: number of the record on the page.
         detail: points per curve.
+        model: name of the model that explains it.
     """
     part, length, force = beyond.measured[index], record.position_unit, record.force_unit
     scale = length_scale(float(np.ptp(part.position)), length)
     velocity = _Axis("velocity", f"velocity [{length}/s]", 1.0)
     position = _Axis("position", f"position from rest [{scale.unit}]", scale.factor)
-    return _cloud(velocity, beyond, index, force, detail), _cloud(position, beyond, index, force, detail)
+    shown = _Cloud(beyond, index, detail, model)
+    return _cloud(velocity, shown, force), _cloud(position, shown, force)
 
 
 @dataclass(frozen=True)
@@ -216,12 +226,23 @@ class _Axis:
     factor: float
 
 
-def _cloud(axis: _Axis, beyond: Beyond, index: int, unit: str, detail: Detail) -> Plot:
-    part, signal = beyond.measured[index], axis.signal
+@dataclass(frozen=True)
+class _Cloud:
+    """The missing force of a record on the page, and the name of the model that explains it."""
+
+    beyond: Beyond
+    index: int
+    detail: Detail
+    model: str
+
+
+def _cloud(axis: _Axis, shown: _Cloud, unit: str) -> Plot:
+    beyond, detail = shown.beyond, shown.detail
+    part, signal = beyond.measured[shown.index], axis.signal
     series = [_points("smoothed from the data", "measured", part, axis, detail)]
     law = next((law for law in beyond.laws if law.signal == signal), None)
     if beyond.explained and not (beyond.whole and law is not None):
-        series.append(_points("extended model", "extended", beyond.explained[index], axis, detail))
+        series.append(_points(shown.model, "extended", beyond.explained[shown.index], axis, detail))
     if law is not None:
         name = " + ".join(words.effect(cause) for cause in law.causes)
         series.append(Series(f"law: {name}", "law", axis.factor * law.over, law.force))

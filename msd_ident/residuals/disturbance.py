@@ -11,7 +11,7 @@ makes the readings likeliest. Nothing is differentiated. (Kalman 1960; Bryson an
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +70,23 @@ class _Law(NamedTuple):
     k: float
     variance: float
     walk: float
+
+
+def lacking_force(
+    record: Record, residual: FloatArray, plant: tuple[float, float, float], noise: float
+) -> DisturbanceEstimate:
+    """The force that a simulation of a record lacks: smoothed from its error, which moves like the bare plant.
+
+    Args:
+        record: the measurement.
+        residual: simulated reading − data (n,) [m].
+        plant: mass [kg], damping [N·s/m], stiffness [N/m] of the simulation.
+        noise: standard deviation of a reading [m].
+    """
+    error = replace(record, position=-residual, force_time=record.time[:1], force=np.zeros(1), upsampled=1)
+    whole = missing_force(record, plant, noise)
+    found = missing_force(error, plant, noise)
+    return replace(found, position=record.position, velocity=whole.velocity, applied=whole.applied)
 
 
 def missing_force(

@@ -22,7 +22,7 @@ from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.dependence import dependences
-from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
+from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import force_hold
 from msd_ident.workflow.identification import initial_dict, quantities_dict
 from msd_ident.workflow.preparation import Prepared, prepared
@@ -200,7 +200,8 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     evidence = noise_model.prepare(used)
     tested = judge(residuals, evidence)
     pairs = () if tested.consistent else tuple(zip(evidence, residuals, strict=True))
-    lacking = tuple(_lacking(saved, part, residual) for part, residual in pairs)
+    plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
+    lacking = tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in pairs)
     left = sum(float(np.sum((residual - residual.mean()) ** 2)) for residual in residuals)
     moved = sum(float(np.sum((record.position - record.position.mean()) ** 2)) for record in used)
     return Validation(
@@ -312,12 +313,3 @@ def _zero_moved(saved: SavedModel, records: tuple[Record, ...], residuals: tuple
     if not moved:
         return ()
     return (f"The encoder's zero has moved since the model's own record ({', '.join(moved)}): use --refit-zero.",)
-
-
-def _lacking(saved: SavedModel, part: noise_model.Readings, residual: FloatArray) -> DisturbanceEstimate:
-    """The force that the model lacks: smoothed from its residual, which moves like the bare plant."""
-    plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
-    error = replace(part.record, position=-residual, force_time=part.record.time[:1], force=np.zeros(1), upsampled=1)
-    found = missing_force(error, plant, part.noise)
-    whole = missing_force(part.record, plant, part.noise)
-    return replace(found, position=part.record.position, velocity=whole.velocity, applied=whole.applied)

@@ -9,7 +9,10 @@ import effect_examples
 import numpy as np
 import pytest
 from badinputs import run
-from exportrigs import measured, pushes, result
+from exportrigs import measured, pushes, result, saved
+
+from msd_ident.export import target
+from msd_ident.export.plan import Plan
 
 
 @pytest.fixture(scope="module")
@@ -100,3 +103,42 @@ def test_validate_is_refused(options: tuple[str, ...], words: str, rig: Path, mo
     monkeypatch.chdir(rig)
     found = run("validate", rig / "rig.csv", *options)
     assert found.code == 2 and words in found.err
+
+
+@pytest.fixture(scope="module")
+def theirs(rig: Path) -> Path:
+    """A MuJoCo model of the rig whose stiffness is a tenth too large."""
+    model = effect_examples.model("coulomb_friction", "cubic_spring")
+    wrong = model.with_values({"stiffness": 1.1 * model.stiffness})
+    for path, content in target("mujoco-xml").files(Plan(saved(wrong), wrong, steps=8), rig / "theirs.xml").items():
+        path.write_bytes(content)
+    return rig / "theirs.xml"
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_a_page_about_somebody_elses_simulation(rig: Path, theirs: Path, tmp_path: Path) -> None:
+    whole = ("validate", rig / "rig.csv", "--mujoco", theirs, "--joint", "x", "--report", tmp_path / "page.html")
+    found = run(*whole, "--require", "99.99", "--json", tmp_path / "told.json")
+    assert found.code == 1 and "Its stiffness is" in found.out and "The simulation lacks a force of" in found.out
+    told = json.loads((tmp_path / "told.json").read_text())
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    sections = ("verdict", "differences", "fit", "lacking_force", "parameters", "data")
+    assert [page.index(f'id="r1-{name}"') for name in sections] == sorted(
+        page.index(f'id="r1-{name}"') for name in sections
+    )
+    assert told["differences"][0]["sentence"] in page and "through the actuator" in told["how"]
+    fitted = told["models"]["simulation"]["parameters"]
+    for key, value in (
+        ("see_m", told["see_m"]), ("missing_force_rms", told["missing_force_rms"]),
+        ("differences.0.rig.value", told["differences"][0]["rig"]["value"]),
+        ("models.simulation.parameters.stiffness.value", fitted["stiffness"]["value"]),
+    ):  # fmt: skip
+        assert f'<data value="{value!r}" data-key="{key}">' in page
+    again = run(*whole)
+    assert again.code == 2 and "exists; expected a new name" in again.err
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_options_of_a_saved_result_are_not_for_a_simulation(rig: Path, theirs: Path) -> None:
+    found = run("validate", rig / "rig.csv", "--mujoco", theirs, "--joint", "x", "--refit-zero")
+    assert found.code == 2 and "expected neither: they are about a saved result" in found.err

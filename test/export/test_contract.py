@@ -13,6 +13,7 @@ from exportrigs import ALL, saved
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial
 from msd_ident.export import TARGETS, Target
+from msd_ident.export.mujoco_replay import imported
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import WORDS, rows
 from msd_ident.export.target import InitialState
@@ -49,11 +50,13 @@ def test_an_effect_without_element_and_law_is_no_secret() -> None:
     assert all(BY_NAME[name].says(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))
 
 
-def _replayed(target: Target, name: str, hold: str, folder: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _replayed(
+    target: Target, name: str, hold: str, folder: Path, *others: str, steps: int = 4
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Readings in the target, here, and here without the effect."""
     record = effect_examples.record(1000.0, hold, duration=1.5)  # type: ignore[arg-type]
-    model, bare = effect_examples.model(name), effect_examples.plant()
-    plan = Plan(saved(model), model, zero=ZERO, steps=4)
+    model, bare = effect_examples.model(name, *others), effect_examples.model(*others)
+    plan = Plan(saved(model), model, zero=ZERO, steps=steps)
     out = folder / f"rig{target.suffixes[0]}"
     for path, content in target.files(plan, out).items():
         path.write_bytes(content)
@@ -73,6 +76,55 @@ def test_exact_is_exact(target: str, effect: str, hold: str, tmp_path: Path) -> 
     does = np.sqrt(np.mean((ours - without) ** 2))
     assert does > 1e-6
     assert np.sqrt(np.mean((got - ours) ** 2)) < CLOSE[target] * does
+
+
+@pytest.mark.parametrize("beside", ["", "actuator_lag", "second_mode", "end_stop", "hysteresis"])
+@pytest.mark.parametrize("law", ["coulomb_friction", "stribeck_friction", "load_dependent_friction"])
+def test_dry_friction_is_exact_at_the_records_own_step(law: str, beside: str, tmp_path: Path) -> None:
+    others = (beside,) if beside else ()
+    got, ours, without = _replayed(BY_NAME["mujoco"], law, "zero", tmp_path, *others, steps=1)
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 5e-4 * np.sqrt(np.mean((ours - without) ** 2))
+
+
+@pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicitfast"])
+def test_the_callback_holds_at_rest_and_gives_the_constraint_back(integrator: str, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = effect_examples.model("coulomb_friction")
+    for path, content in BY_NAME["mujoco"].files(Plan(saved(model), model), tmp_path / "rig.xml").items():
+        path.write_bytes(content.replace(b'"RK4"', f'"{integrator}"'.encode()))
+    read = mujoco.MjModel.from_xml_path(str(tmp_path / "rig.xml"))
+    data = mujoco.MjData(read)
+    callback = imported(tmp_path / "rig_callback.py")
+    callback.install(read)
+    try:
+        data.ctrl[0] = 0.99 * model["coulomb_force"]
+        mujoco.mj_step(read, data, 1000)
+        assert read.dof_frictionloss[0] == 0.0 and abs(data.qpos[0]) < 1e-12
+        data.qvel[0] = 0.05
+        mujoco.mj_step(read, data, 1000)
+        held = float(data.qpos[0])
+        mujoco.mj_step(read, data, 1000)
+        assert held > 1e-4 and abs(data.qpos[0] - held) < 1e-9
+    finally:
+        callback.remove()
+    assert read.dof_frictionloss[0] == model["coulomb_force"]
+
+
+def test_a_buffer_only_pushes_in_mujoco(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = effect_examples.model("buffered_stop")
+    plan = Plan(saved(model), model, zero=ZERO)
+    for path, content in BY_NAME["mujoco-xml"].files(plan, tmp_path / "rig.xml").items():
+        path.write_bytes(content)
+    read = mujoco.MjModel.from_xml_path(str(tmp_path / "rig.xml"))
+    data = mujoco.MjData(read)
+    stop = model.effect("buffered_stop")
+    centre, reach, stiffness, damping = stop.values
+    for depth, speed in ((-1e-4, 0.5), (1e-3, 0.2), (1e-3, -0.2), (1e-3, -0.4)):
+        data.qpos[0], data.qvel[0] = ZERO + centre + reach + depth, speed
+        mujoco.mj_forward(read, data)
+        expected = max(stiffness * depth + damping * speed, 0.0) if depth > 0.0 else 0.0
+        assert -data.qfrc_constraint[0] == pytest.approx(expected, rel=1e-3, abs=2e-3)
 
 
 @pytest.mark.xdist_group("fmu")

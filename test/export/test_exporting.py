@@ -52,13 +52,21 @@ def test_replay_proves_what_is_exact(tmp_path: Path) -> None:
 
 
 def test_steps_are_made_finer_where_the_noise_shows_them(tmp_path: Path) -> None:
-    coarse = made("mujoco", tmp_path, "coulomb_friction", steps=1)
+    coarse = made("mujoco-xml", tmp_path, "coulomb_friction", steps=1)
     model, record = rig("coulomb_friction")
     quiet = replace(saved(model), noise_floor=NOISE / 30.0)
-    fine = export(quiet, target("mujoco"), tmp_path / "fine.xml", Options(), (record,))
+    fine = export(quiet, target("mujoco-xml"), tmp_path / "fine.xml", Options(), (record,))
     assert coarse.plan.steps == 1 and fine.plan.steps > 4
     assert coarse.proof is not None and fine.proof is not None
     assert fine.proof.distance < 0.2 * coarse.proof.distance
+
+
+def test_the_callback_needs_no_finer_steps(tmp_path: Path) -> None:
+    model, record = rig("coulomb_friction")
+    quiet = replace(saved(model), noise_floor=NOISE / 30.0)
+    found = export(quiet, target("mujoco"), tmp_path / "rig.xml", Options(), (record,))
+    assert found.plan.steps == 1 and found.proof is not None
+    assert found.proof.distance < NOISE / 150.0
 
 
 def test_a_stiff_law_gets_steps_that_carry_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
