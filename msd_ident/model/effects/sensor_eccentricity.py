@@ -49,5 +49,8 @@ class SensorEccentricity(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SensorEccentricity, ...]:
-        """The three pitches that best fit the force that the plant leaves unexplained, with amplitude and phase."""
-        return tuple(cls.within_bounds(*found) for found in typical.wobbles(record, plant, count=3))
+        """A hundredth of the amplitude, at several pitches and phases."""
+        size, span = 0.01 * typical.amplitude(record), 2.0 * typical.amplitude(record)
+        phases = (0.0, math.pi / 2.0)
+        pitches = [share * span for share in (0.7, 0.35, 0.17)]
+        return tuple(cls.within_bounds(size, pitch, phase) for pitch in pitches for phase in phases)

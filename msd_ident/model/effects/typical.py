@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from msd_ident.data.record import Record
@@ -51,13 +49,6 @@ def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatAr
     The force that the plant leaves over, mean and slow parts included; velocity and acceleration come from a local
     cubic over about a fortieth of a swing, at least 7 samples.
     """
-    time, x, v, a = _smoothed(record, plant)
-    inertia = plant["mass"] * a + plant["damping"] * v + plant["stiffness"] * x
-    return time, x, np.asarray(record.force_at(time) - inertia, dtype=np.float64)
-
-
-def _smoothed(record: Record, plant: Model) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Time (n,) [s] on an even grid, position [m], velocity [m/s] and acceleration [m/s²] (n,) there."""
     from scipy.signal import savgol_filter
 
     period = record.period
@@ -68,7 +59,8 @@ def _smoothed(record: Record, plant: Model) -> tuple[FloatArray, FloatArray, Flo
     window = int(min(max(7, swing / 40.0 / period), count - 1)) // 2 * 2 + 1
     window = min(window, (count - 1) // 2 * 2 + 1)
     x, v, a = (savgol_filter(position, window, 3, deriv=order, delta=period) for order in range(3))
-    return time, x, v, a
+    inertia = plant["mass"] * a + plant["damping"] * v + plant["stiffness"] * x
+    return time, np.asarray(x, dtype=np.float64), np.asarray(record.force_at(time) - inertia, dtype=np.float64)
 
 
 def lines(record: Record, plant: Model, count: int) -> list[tuple[float, float, float]]:
@@ -101,54 +93,16 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     A harmonic in x with a constant and x itself beside it, tried at 120 pitches from a fiftieth to twice the range.
     """
     _, x, left = unexplained_force(record, plant)
-    keep = _some(x)
-
-    def waves(turns: float) -> list[FloatArray]:
-        return [np.sin(turns * x[keep]), np.cos(turns * x[keep])]
-
-    return _harmonics(x[keep], left[keep], waves, count)
-
-
-def wobbles(record: Record, plant: Model, count: int) -> list[tuple[float, float, float]]:
-    """(amplitude [m], pitch [m], phase [rad]) of an error e(x) of the reading that best fits ``unexplained_force``.
-
-    The reading x + e(x) in place of x leaves -(m e'' + b e' + k e) of the force, with e' = v·de/dx.
-    """
-    time, x, v, a = _smoothed(record, plant)
-    keep = _some(x)
-    x, v, a = x[keep], v[keep], a[keep]
-    mass, damping, stiffness = (plant[name] for name in ("mass", "damping", "stiffness"))
-    left = record.force_at(time[keep]) - (mass * a + damping * v + stiffness * x)
-
-    def waves(turns: float) -> list[FloatArray]:
-        sine, cosine = np.sin(turns * x), np.cos(turns * x)
-        own = stiffness - mass * (turns * v) ** 2
-        across = turns * (mass * a + damping * v)
-        return [-(own * sine + across * cosine), -(own * cosine - across * sine)]
-
-    return _harmonics(x, left, waves, count)
-
-
-def _some(x: FloatArray) -> slice:
-    return slice(None, None, max(1, x.size // 1500))
-
-
-def _harmonics(
-    x: FloatArray, left: FloatArray, waves: Callable[[float], list[FloatArray]], count: int
-) -> list[tuple[float, float, float]]:
-    """Amplitude, pitch and phase of the harmonics of x (n,) that best fit ``left`` (n,), the best first.
-
-    Args:
-        x, left: position [m] and what is fitted.
-        waves: what a sine and a cosine of so many radians a metre do to ``left``, (n,) each.
-        count: how many are wanted.
-    """
+    against = left
+    keep = slice(None, None, max(1, x.size // 1500))
+    x, against = x[keep], against[keep]
     span = max(float(np.ptp(x)), 1e-9)
     fits = []
     for pitch in np.geomspace(0.02 * span, 2.0 * span, 120):
-        basis = np.column_stack([*waves(2.0 * np.pi / pitch), np.ones_like(x), x])
-        solution, *_ = np.linalg.lstsq(basis, left, rcond=None)
-        misfit = float(np.sum((left - basis @ solution) ** 2))
+        angle = 2.0 * np.pi * x / pitch
+        basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(x), x])
+        solution, *_ = np.linalg.lstsq(basis, against, rcond=None)
+        misfit = float(np.sum((against - basis @ solution) ** 2))
         s, c = solution[:2]
         fits.append((misfit, max(float(np.hypot(s, c)), 1e-9), float(pitch), float(np.arctan2(c, s))))
     least = [fit for i, fit in enumerate(fits) if all(fit[0] <= other[0] for other in fits[max(i - 1, 0) : i + 2])]
