@@ -50,7 +50,7 @@ def moved(value: Value, unit: str, side: str) -> Value:
     return value * (2.0 if double else 0.5)
 
 
-class _Loader(SourceFileLoader):
+class _Changing(SourceFileLoader):
     """Loads one module with another value in one of its declarations."""
 
     name_of_constant, value = "", "0"
@@ -67,7 +67,7 @@ class _Loader(SourceFileLoader):
 
 
 class _Changed(MetaPathFinder):
-    """Finds one module, for ``_Loader``."""
+    """Finds one module, for ``_Changing``."""
 
     def __init__(self, module: str, name: str, value: str) -> None:
         self.module, self.name, self.value = module, name, value
@@ -77,7 +77,7 @@ class _Changed(MetaPathFinder):
             return None
         spec = PathFinder.find_spec(fullname, path)
         assert spec is not None and spec.origin is not None
-        loader = _Loader(fullname, spec.origin)
+        loader = _Changing(fullname, spec.origin)
         loader.name_of_constant, loader.value = self.name, self.value
         spec.loader = loader
         return spec

@@ -24,6 +24,10 @@ RIGHT = {
     "msd_ident/io/yaml_text.py: yaml.load()": "by the safe loader, the one in C where there is one",
     "msd_ident/model/kernel/laws.py: exec()": "joins the laws of the effect library, which is source of this package",
     "msd_ident/model/kernel/laws.py: compile()": "the same",
+    "msd_ident/tuning.py: ast.literal_eval()": "reads the constants off the source of this package",
+    "docs/generate/tuning_tables.py: ast.literal_eval()": "the same",
+    "bench/sensitivity.py: ast.literal_eval()": "the same",
+    "bench/sensitivity.py: compile()": "a module of this package with another value of one constant",
 }
 
 
@@ -88,6 +92,6 @@ def test_yaml_is_read_by_loaders_that_make_plain_values() -> None:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ClassDef)
         for base in node.bases
-        if "Loader" in ast.unparse(base) and "Safe" not in ast.unparse(base)
+        if "Loader" in ast.unparse(base) and "Safe" not in ast.unparse(base) and ast.unparse(base) != "SourceFileLoader"
     ]
     assert loaders == []

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from bench.reliability.readers import READERS
 from msd_ident.io import repair
-from msd_ident.ros.recorder.recording import QueueLimits, Recording
+from msd_ident.ros.recorder.recording import Numbered, QueueLimits, Recording
 
 TOPIC, TYPE = "/count", "std_msgs/msg/UInt64"
 #: Messages a second that the recorder is given, and how long it may take until its first [s].
@@ -45,7 +45,7 @@ def record_forever(folder: str, limits: QueueLimits) -> None:
     number = 0
     while True:
         for _ in range(RATE // 100):
-            recording.put(TOPIC, message(number), now := time.monotonic_ns(), now, number)
+            recording.put(TOPIC, message(number), now := time.monotonic_ns(), now, Numbered(number))
             number += 1
         time.sleep(0.01)
 
