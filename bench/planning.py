@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from msd_ident.design import rival_refits
 from msd_ident.design.evaluation import Question
 from msd_ident.design.library import TimeScale, family
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
-from msd_ident.design.rival_refits import refitted
 from msd_ident.design.safety import fitted_in
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.estimate.problem import Initial
@@ -92,12 +92,13 @@ def parted(pair: tuple[str, str], profile: Profile, period: float) -> float:
     left = []
     for share in STARTS if pair[1] else (1.0,):
         rival = Predictor(contender(pair[1], share), 10.0 * SEEN.noise)
-        left.append(refitted(rival, rival.predict(on.record), true, on, SEEN, STEPS).chi)
+        left.append(rival_refits.refitted(rival, rival.predict(on.record), true, on, SEEN).chi)
     return min(left) / profile.duration
 
 
 def main() -> int:
     """Compute and write."""
+    rival_refits.LOOK = STEPS  # to the end, where a design takes a first look
     question = Question.of([contender(name) for name in ("", *SIZES)], np.ones(len(SIZES) + 1).tolist(), SEEN, LIMITS)
     profiles = chosen(question)
     table = np.array([[parted(pair, profile, question.period) for profile in profiles] for pair in PAIRS])

@@ -83,9 +83,7 @@ def each(
     return [results[i] for i in range(len(tasks))]
 
 
-def _one(
-    work: Callable[[_Task], _Done], task: _Task, number: int, told: Callable[[int, _Task], None] | None
-) -> _Done:
+def _one(work: Callable[[_Task], _Done], task: _Task, number: int, told: Callable[[int, _Task], None] | None) -> _Done:
     result = work(task)
     if told is not None:
         told(number, task)

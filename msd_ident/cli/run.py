@@ -136,9 +136,7 @@ class After:
     tried: Callable[[Mapping[str, Any], Console | None], dict[str, Any]] = lambda result, console: {}
 
 
-def work(
-    data: Data, output: Output, solve: Callable[[Sequence[Record], Progress], Result], after: After
-) -> int:
+def work(data: Data, output: Output, solve: Callable[[Sequence[Record], Progress], Result], after: After) -> int:
     """Read, solve and show every path, or all together; exit code 0, or 2 when any path failed.
 
     A path that fails gets its one line on stderr and an object with ``error``; the others go on.

@@ -307,4 +307,4 @@ def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple
         if fitted is not best
     ]
     kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[:evidence.LEADERS]
+    return tuple(kept or found[:3])[: evidence.LEADERS]

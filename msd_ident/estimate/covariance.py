@@ -46,11 +46,7 @@ def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
     still = np.abs(np.diff(position)) < 1e-3 * encoder_step
     edges = np.flatnonzero(np.diff(np.concatenate(([0], still.view(np.int8), [0]))))
     spans = [slice(int(a), int(b) + 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    return [
-        span
-        for span in spans
-        if span.stop - span.start >= FEWEST and np.ptp(position[span]) < 0.25 * encoder_step
-    ]
+    return [span for span in spans if span.stop - span.start >= FEWEST and np.ptp(position[span]) < 0.25 * encoder_step]
 
 
 def rounding_variance(encoder_step: float, noise: float) -> float:

@@ -175,9 +175,7 @@ def _saved_column(found: Validation) -> Column:
     return Column("saved model", "extended", "model", saved.parameters, saved.see, saved.model)
 
 
-def articles(
-    results: Sequence[Result], provenance: Sequence[Provenance | None] = ()
-) -> tuple[Article, ...]:
+def articles(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> tuple[Article, ...]:
     """An article for each result, all together as detailed as one page can carry."""
     detail = Detail.shared_by(sum(len(found.records) for found in results))
     made = []
@@ -195,9 +193,7 @@ def articles(
     return tuple(made)
 
 
-def render(
-    results: Sequence[Result], provenance: Sequence[Provenance | None] = ()
-) -> str:
+def render(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
     from markupsafe import Markup
 

@@ -159,9 +159,7 @@ class _Quantity:
     falling: Reading
 
 
-def _said(
-    amplitude: FloatArray, value: FloatArray, std: FloatArray, quantity: _Quantity
-) -> tuple[Observation, ...]:
+def _said(amplitude: FloatArray, value: FloatArray, std: FloatArray, quantity: _Quantity) -> tuple[Observation, ...]:
     """An observation when the values (n,) ± std go with 1/A or with A far better than with nothing."""
     what, unit, length = quantity.what, quantity.unit, quantity.length
     weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), quantity.least) ** 2

@@ -18,7 +18,6 @@ from msd_ident.selection.hypothesis import Causes, Experiment
 Left = Mapping[Causes, float]
 
 
-
 @dataclass(frozen=True)
 class CauseAssessment:
     """One cause of the library.
