@@ -62,6 +62,18 @@ class Comparison:
     named: tuple[DisturbanceEstimate, ...]
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Those of the diagnosis, and one if the fitted model does not explain the simulation."""
+        left = self.theirs.see / self.diagnosis.noise_floor if self.diagnosis.noise_floor > 0.0 else 0.0
+        if left <= _ALIKE:
+            return self.diagnosis.warnings
+        return (
+            *self.diagnosis.warnings,
+            f"the model fitted to the simulated positions leaves {left:.3g} noise floors of them: the simulation has "
+            "laws that it does not describe, and the corrections are only those of the nearest model.",
+        )
+
+    @property
     def residuals(self) -> tuple[FloatArray, ...]:
         """Simulation − data (n,) of each record, in the position unit."""
         return tuple(found - record.position for found, record in zip(self.simulated, self.records, strict=True))
@@ -122,7 +134,7 @@ class Comparison:
             "models": {"rig": _told(self.rig), "simulation": _told(self.theirs)},
             "missing_force_rms": self.missing_size,
             "missing_force_depends_on": self.depends_on,
-            "warnings": list(self.diagnosis.warnings),
+            "warnings": list(self.warnings),
         }  # fmt: skip
 
 
@@ -201,7 +213,7 @@ def _explained(found: Diagnosis, said: tuple[Record, ...]) -> tuple[FitResult, F
     both = _united(rig.model, other)
     if both.effect_names == rig.model.effect_names:
         return rig, _fitted(both, rig, said, other)
-    return _fitted(both, rig, found.records), _fitted(both, rig, said, other)
+    return _fitted(both, rig, found.records, rig.model), _fitted(both, rig, said, other)
 
 
 def _united(one: Model, other: Model) -> Model:
@@ -213,15 +225,21 @@ def _united(one: Model, other: Model) -> Model:
     return one
 
 
-def _fitted(model: Model, rig: FitResult, records: Sequence[Record], other: Model | None = None) -> FitResult:
-    """A structure fitted near where the rig's parameters are, near the other model's, and without each effect."""
+def _fitted(model: Model, rig: FitResult, records: Sequence[Record], found: Model | None = None) -> FitResult:
+    """A structure fitted near where the rig's parameters are, without each effect, and near what was found.
+
+    From the parameters that a part of the structure was found to have, with all other effects vanishing, no fit ends
+    worse than that part.
+    """
     fixed = {name for name, quantity in rig.quantities.items() if quantity.std == 0.0}
     zero: Zero = "free" if model.stiffness > 0.0 else "known"
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     starts = [model.with_values({**values, **_neutral(effect.name)}) for effect in model.effects]
-    if other is not None:
-        known = {n: v for n, v in zip(other.names, other.values.tolist(), strict=True) if n in values}
-        starts.append(model.with_values({**values, **known}))
+    if found is not None:
+        known = {n: v for n, v in zip(found.names, found.values.tolist(), strict=True) if n in values}
+        absent = [effect.name for effect in model.effects if not found.has(effect.name)]
+        nothing = {n: v for name in absent for n, v in _neutral(name).items()}
+        starts += [model.with_values({**values, **nothing, **known}), model.with_values({**values, **known})]
     return fit(model, records, fixed=fixed, zero=zero, search="near", starts=starts)
 
 

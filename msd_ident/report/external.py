@@ -30,7 +30,7 @@ def print_comparison(found: Comparison, console: Console) -> None:
     console.print(table)
     size = f"{numbers.number(found.missing_size, 3)} {found.records[0].force_unit}"
     console.print(f"The simulation lacks a force of {size} (RMS){_goes_with(found)}.", highlight=False)
-    for warning in found.diagnosis.warnings:
+    for warning in found.warnings:
         say(console, "warning", "yellow", warning)
     console.print()
 

@@ -76,6 +76,32 @@ def test_friction_that_is_not_there(rig: tuple[Model, Record], tmp_path: Path) -
 
 
 @pytest.mark.xdist_group("comparison")
+def test_a_simulation_that_is_wrong_in_all(rig: tuple[Model, Record], tmp_path: Path) -> None:
+    """Far from the rig in every parameter, and without its friction: each is named with an interval that is true."""
+    model, record = rig
+    wrong = {"mass": 1.1, "damping": 1.0, "stiffness": 1500.0}
+    found = against(model.without("coulomb_friction").with_values(wrong), record, tmp_path)
+    named = {one.name: one for one in found.differences}
+    assert set(named) == {"coulomb_friction", "mass", "damping", "stiffness"}
+    assert named["coulomb_friction"].kind == "lacks"
+    for name in ("mass", "stiffness"):
+        assert named[name].simulation.value == pytest.approx(wrong[name], rel=1e-3)
+    assert not any("noise floors of them" in warning for warning in found.warnings)
+
+
+def test_a_simulation_that_no_model_explains(rig: tuple[Model, Record]) -> None:
+    """Positions with an error that no law has: the corrections are called those of the nearest model."""
+    _, record = rig
+    rough = (
+        record.position
+        + 1e-3 * np.repeat(np.random.default_rng(5).standard_normal(record.samples // 40 + 1), 40)[: record.samples]
+    )
+    found = compare(TableSimulation("theirs.csv", record.time, rough), (record,))
+    assert "the corrections are only those of the nearest model" in found.warnings[-1]
+    assert found.to_json_dict()["warnings"][-1] == found.warnings[-1]
+
+
+@pytest.mark.xdist_group("comparison")
 def test_a_stiffness_that_is_off(
     rig: tuple[Model, Record], tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

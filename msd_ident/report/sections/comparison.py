@@ -52,7 +52,7 @@ class Outcome(Section):
             "headline": found.sentence,
             "summary": f"{found.how} {_METHOD}",
             "cards": cards,
-            "warnings": found.diagnosis.warnings,
+            "warnings": found.warnings,
             "open": (),
         }
 
