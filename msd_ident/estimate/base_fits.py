@@ -31,7 +31,15 @@ class Shared:
 
 
 def structure(plant: Model, sprung: bool) -> Model:
-    """The joint fit's model: a plain axis has an offset in place of a spring's zero."""
+    """Model of the joint fit: the plant with Coulomb friction, and without a spring also a force offset.
+
+    Args:
+        plant: starting values of m, b and k.
+        sprung: whether a spring acts. Without one no zero is fitted, and the offset takes its place.
+
+    Returns:
+        The model; friction and offset start at 0 N.
+    """
     rubbing = plant + DryFriction(0.0)
     return rubbing if sprung else rubbing + Offset(0.0)
 
@@ -53,7 +61,16 @@ def joint_fit(
 
 
 def linear_fit(records: tuple[Record, ...], joint: FitResult, loss: Loss = "linear") -> FitResult:
-    """The linear model by simulation error, from the joint fit's values too: a careless start ends anywhere."""
+    """Fit of the linear model (m, b, k) by simulation error.
+
+    Two fits are made, one that only refines the values of the joint fit and one with all starts; the one with the
+    smaller SEE is returned.
+
+    Args:
+        records: the records of the joint fit.
+        joint: the fit with Coulomb friction. Plant parameters that were fixed in it keep their values here.
+        loss: as in ``fit``.
+    """
     start = joint.model.without(DRY_FRICTION, OFFSET)
     fixed = {name: joint.model[name] for name in PLANT if name not in joint.free}
     near = fit(start, records, fixed=fixed, loss=loss, search="near")

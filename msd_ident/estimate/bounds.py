@@ -13,10 +13,21 @@ from msd_ident.model import Model
 def bounds(
     model: Model, free: tuple[int, ...], rest: int, typical: Magnitudes, records: tuple[Record, ...]
 ) -> tuple[FloatArray, FloatArray]:
-    """Lower and upper ones of the free parameters, then of ``rest`` entries that have none.
+    """Bounds of the solver's vector: those of the free parameters, then infinite ones for ``rest`` further entries.
 
-    Each parameter says beyond which sizes no record of the motion could tell (``Parameter.least``, ``most``,
-    ``ceiling``). That keeps a search out of regions where the motion has to be followed in millions of steps.
+    Each parameter declares the sizes beyond which no record of a motion could tell its value (``Parameter.least``,
+    ``most``, ``ceiling``). These bounds keep the search out of regions that the simulation follows only in millions of
+    steps.
+
+    Args:
+        model: gives the parameters and the bounds that physics sets.
+        free: indices of the free parameters in ``model.names``.
+        rest: number of entries after the free parameters (initial states and zeros).
+        typical: typical force, length and time of the records.
+        records: the longest duration and the shortest sample period among them enter.
+
+    Returns:
+        Lower and upper bounds, each (len(free) + rest,).
     """
     duration = max(record.duration for record in records)
     period = min(record.period for record in records)

@@ -74,7 +74,13 @@ class Weighting:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def exact(self, point: FloatArray, steps: FloatArray) -> State:
-        """The point with a Jacobian by forward differences, turned round where a step would leave the bounds."""
+        """Residual and Jacobian at a point by forward differences.
+
+        Args:
+            point: (p,) vector of the problem.
+            steps: (p,) positive finite-difference steps. A step is enlarged where rounding would swallow it, and its
+                sign is changed where it would leave the upper bound.
+        """
         steps = np.maximum(steps, _FELT * np.spacing(np.abs(point)))
         steps = np.where(point + steps > self.problem.upper, -steps, steps)
         residuals, jacobian = [], np.zeros((point.size, sum(root.size for root in self.roots)))
@@ -88,7 +94,14 @@ class Weighting:
         return State(point, np.concatenate(residuals), jacobian, True)
 
     def column(self, point: FloatArray, residual: FloatArray, entry: int, step: float) -> FloatArray:
-        """One row (n,) of the Jacobian by a forward difference."""
+        """Row (n,) of the Jacobian for one entry of the vector, by a forward difference.
+
+        Args:
+            point: (p,) vector of the problem.
+            residual: (n,) weighted residual at ``point``.
+            entry: index of the entry to move.
+            step: positive finite-difference step, enlarged where rounding would swallow it.
+        """
         moved = point.copy()
         step = max(step, _FELT * float(np.spacing(abs(point[entry]))))  # beside a huge phase a small step is none
         moved[entry] += step if point[entry] + step <= self.problem.upper[entry] else -step
@@ -107,7 +120,16 @@ class Weighting:
 
 
 def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, float]:
-    """Damped step inside the bounds and the fall of chi² that it promises; entries at a bound are held there."""
+    """Levenberg–Marquardt step inside the bounds; entries that it would move out of them are held at their bounds.
+
+    Args:
+        problem: gives the bounds.
+        state: point, residual and Jacobian.
+        damping: added to the diagonal of the normal matrix after that is scaled to a unit diagonal.
+
+    Returns:
+        The step (p,), and the decrease of chi² that the linear model predicts for it.
+    """
     matrix, gradient = state.normal, state.gradient
     scaled = state.scaled.copy()
     scaled.reshape(-1)[:: gradient.size + 1] += damping
@@ -148,7 +170,18 @@ def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -> State:
-    """At most so many accepted steps down; ends where less than ``least_gain`` of chi² is promised."""
+    """Levenberg–Marquardt iterations with Broyden updates of the Jacobian.
+
+    Args:
+        weighting: problem and weights of the samples.
+        state: where to start; its Jacobian need not be exact.
+        steps: largest number of accepted steps.
+        least_gain: predicted decrease of chi² below which the search ends. It ends only at an exact Jacobian: an
+            updated one is computed anew first.
+
+    Returns:
+        The last state. Its Jacobian may be an updated one (``exact`` False) if the number of steps ended the search.
+    """
     damping, growth = DAMPING, 4.0
     taken = 0
     while taken < steps and damping < STUCK:

@@ -40,7 +40,16 @@ class Evidence:
 
 
 def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
-    """Stretches in which the model moves less than a quarter of an encoder step."""
+    """Phases of at least ``FEWEST`` samples in which the model rests.
+
+    Args:
+        position: (n,) simulated positions [m].
+        encoder_step: [m]; with 0 (unknown) there are no such phases.
+
+    Returns:
+        Slices of samples within which neighbouring positions differ by less than a thousandth of an encoder step and
+        all positions by less than a quarter of one.
+    """
     if encoder_step <= 0.0:
         return []
     still = np.abs(np.diff(position)) < 1e-3 * encoder_step
@@ -50,9 +59,15 @@ def rest_phases(position: FloatArray, encoder_step: float) -> list[slice]:
 
 
 def rounding_variance(encoder_step: float, noise: float) -> float:
-    """Variance of the rounding error that rest does not average away, given the noise [m] ahead of the encoder.
+    """Variance [m²] of the encoder's rounding error that no averaging over samples at rest removes.
 
-    Fourier series of the saw-tooth q/(πj)·sin, each harmonic damped by the noise's characteristic function.
+    The mean over all positions of the cart. The noise ahead of the encoder is taken as normal; the rounding error is
+    the Fourier series of a saw-tooth with amplitudes q/(πj); the noise damps each harmonic by its characteristic
+    function (Widrow 1961).
+
+    Args:
+        encoder_step: q [m], positive.
+        noise: standard deviation [m] of the noise ahead of the encoder.
     """
     order = np.arange(1, 40)
     damping = np.exp(-((2.0 * np.pi * order * noise / encoder_step) ** 2))
@@ -94,9 +109,14 @@ def _local_size(residual: FloatArray) -> FloatArray:
 
 
 def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
-    """Yule–Walker autoregression, order by BIC: ``([1, a1, …], variance of the innovation)``.
+    """Autoregressive model of a series by the Yule–Walker equations (Levinson–Durbin recursion), its order by BIC.
 
-    ``count`` is the number of values that are not blanked to zero.
+    Args:
+        values: (n,) series of mean 0; samples to be ignored are set to 0.
+        count: number of values that are not ignored.
+
+    Returns:
+        The coefficients ``[1, a1, …]`` of the prediction-error filter, and the variance of the innovation.
     """
     top = min(LAGS, values.size // 10)
     covariance = np.array([values[: values.size - lag] @ values[lag:] for lag in range(top + 1)]) / max(count, 1)
@@ -142,7 +162,15 @@ def unit_diagonal(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def inverse_beside(matrix: FloatArray, null: FloatArray) -> FloatArray:
-    """Inverse of a normal matrix (p, p) on all that is not spanned by the ``null`` directions (p, q)."""
+    """Inverse of a normal matrix on the complement of its null directions.
+
+    Args:
+        matrix: (p, p), symmetric, positive semidefinite.
+        null: (p, q) directions that the data does not determine, as columns; q may be 0.
+
+    Returns:
+        (p, p) matrix without variance along the null directions, in the scaling that gives ``matrix`` a unit diagonal.
+    """
     scaled, size = unit_diagonal(matrix)
     whole, _ = np.linalg.qr(null * size[:, None], mode="complete")
     rest = whole[:, null.shape[1] :]

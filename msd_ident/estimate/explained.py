@@ -21,7 +21,15 @@ LEAST = tuned(
 
 
 def explained_variance(residuals: Sequence[FloatArray], records: Sequence[Record]) -> float:
-    """1 − sum of squares of the residuals over that of the positions about each record's mean; below 0 for worse."""
+    """Share of the position's variance that a model explains.
+
+    1 − (sum of squares of the residuals) / (sum of squares of the positions about each record's mean). The share is
+    negative when the model is worse than a constant.
+
+    Args:
+        residuals: one (n,) for each record [m].
+        records: the records that the residuals belong to.
+    """
     left = sum(float(residual @ residual) for residual in residuals)
     moved = sum(float(np.sum((record.position - np.mean(record.position)) ** 2)) for record in records)
     return 1.0 - left / moved

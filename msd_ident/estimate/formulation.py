@@ -30,7 +30,21 @@ _WIDEST_NOISE = 2.0 * float(ndtri(1.0 - 0.5 * (1.0 - CONFIDENCE) / FEWEST_READIN
 def formulate(
     model: Model, records: tuple[Record, ...], fixed: Mapping[str, float] | Collection[str] = (), zero: Zero = "free"
 ) -> Problem:
-    """The problem that ``fit`` solves: what is free, and each record's own entries."""
+    """The problem that ``fit`` solves: which parameters are free, and the initial states and zeros of the records.
+
+    An initial velocity is free unless the record starts at rest. A zero is free if ``zero`` is ``free`` and a force of
+    the model depends on the position. Infinite limits are not fitted, nor are parameters that an effect only states
+    (``Effect.held``).
+
+    Args:
+        model: structure and starting values.
+        records: one experiment or several, which share the parameters.
+        fixed: parameters to keep: a mapping gives their values, a collection of names keeps the model's.
+        zero: ``free`` if the encoder's zero need not be the relaxed spring, ``known`` if it is.
+
+    Raises:
+        UsageError: no record, an unknown name in ``fixed``, an unknown ``zero``, or nothing left to fit.
+    """
     if not records:
         raise UsageError("no records to fit; expected at least one")
     if isinstance(fixed, Mapping):
@@ -61,7 +75,14 @@ def formulate(
 
 
 def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int]) -> Problem:
-    """The problem with the balance of forces at rest before the first push, as far as this model's friction holds."""
+    """The problem with a ``RestConstraint`` for each record that starts at rest before its first push.
+
+    Args:
+        problem: gets the constraints in place of those that it has.
+        model: values from which the width of each constraint follows: breakaway friction over stiffness, plus play.
+        noise: standard deviation [m] of the position samples.
+        resting: indices of the records that start at rest.
+    """
     held = sum(effect.holding for effect in model.effects)
     holding = held / max(model["stiffness"], 1e-300) / math.sqrt(3.0)
     length = problem.typical.length
@@ -70,7 +91,13 @@ def balanced(problem: Problem, model: Model, noise: float, resting: Iterable[int
 
 
 def starts_unpushed(record: Record, at_rest: bool) -> bool:
-    """Whether the record begins at rest with no force on the cart, or at the very instant of its first push."""
+    """Whether a record starts at rest without a force, before its first push or just as it comes.
+
+    Args:
+        record: a record without any force does not count.
+        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period and the
+            velocity at the first sample must be zero within its uncertainty.
+    """
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
@@ -116,7 +143,16 @@ def regressed(problem: Problem) -> list[Start]:
 
 
 def wide_vectors(problem: Problem, models: Sequence[Model], starts: Sequence[Start]) -> list[FloatArray]:
-    """Vectors to start from: each model's values, those that are linear as each of the regressions tells."""
+    """Starting vectors: the values of each model, with the linear parameters of each regression put in.
+
+    Args:
+        problem: says which entries the vector has.
+        models: models of the problem's structure.
+        starts: results of ``regressed``.
+
+    Returns:
+        len(models) · len(starts) vectors (p,).
+    """
     vectors = []
     for model in models:
         own = _values_of(model)
@@ -125,7 +161,16 @@ def wide_vectors(problem: Problem, models: Sequence[Model], starts: Sequence[Sta
 
 
 def own_vectors(problem: Problem, model: Model, starts: Sequence[Start]) -> list[FloatArray]:
-    """A model's very own values, with the states and zeros of each regression, and with the first readings."""
+    """Starting vectors with the values of a model as they are.
+
+    Args:
+        problem: says which entries the vector has.
+        model: a model of the problem's structure.
+        starts: results of ``regressed``, of which the initial states and zeros are taken.
+
+    Returns:
+        One vector (p,) for each regression, and a last one that starts at the first readings with no velocity.
+    """
     states = [*(start.initial for start in starts), _first_readings(problem)]
     return [_vector(problem, Start(_values_of(model), initial)) for initial in states]
 
@@ -139,7 +184,15 @@ def _own(effect: Effect) -> dict[str, float]:
 
 
 def guess_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
-    """``best`` with each effect of the model in turn replaced by the guesses that it makes from the data."""
+    """Starting vectors from the guesses of the model's effects (``Effect.guess``).
+
+    Args:
+        problem: model and records.
+        best: (p,) best vector so far, around which the guesses are made.
+
+    Returns:
+        ``best`` with the free parameters of one effect replaced, for each guess of each effect from each record.
+    """
     model = problem.model.with_values(problem.values(best))
     vectors = []
     for effect in model.effects:
@@ -161,8 +214,17 @@ def _linear(problem: Problem, start: Start) -> dict[str, float]:
 
 
 def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start]) -> list[FloatArray]:
-    """``best`` with an effect in a valley next to its own, each record begun anew: in a wrong one their states went
-    along.
+    """Starting vectors in valleys of the error next to that of ``best`` (``Effect.neighbours``).
+
+    The initial states are taken from the regression, because those of a fit in a wrong valley are wrong too.
+
+    Args:
+        problem: model and records.
+        best: (p,) vector in the valley to leave.
+        starts: results of ``regressed``; if empty, records start at their first readings with no velocity.
+
+    Returns:
+        Different vectors (p,); none if no free effect knows such valleys.
     """
     model = problem.model.with_values(problem.values(best))
     values, states = _values_of(model), _states(problem, starts)
@@ -191,10 +253,19 @@ def _vector(problem: Problem, start: Start) -> FloatArray:
 
 
 def regression_start(records: Record | Sequence[Record], model: Model, *, fixed: Collection[str] = ()) -> Model:
-    """The model with starting values by linear regression on smoothed derivatives with sign(v).
+    """The model with starting values from a linear regression (``regression_init``), which simulates nothing to fit.
 
-    Several smoothing widths are tried and the one whose simulation fits best is kept. Parameters that do not enter
-    linearly, or stand in ``fixed``, keep the model's values; so do all when the regression makes no sense.
+    Several smoothing widths are tried, and the one whose simulation fits best is kept. Parameters that do not enter
+    linearly, or stand in ``fixed``, keep the model's values. All parameters keep them if the regression gives no
+    plausible result, such as a negative mass.
+
+    Args:
+        records: one record or several, which share the parameters.
+        model: structure, and values of what the regression does not estimate.
+        fixed: names of parameters that keep their values.
+
+    Raises:
+        UsageError: no record, an unknown name in ``fixed``, or nothing left to fit.
     """
     group = (records,) if isinstance(records, Record) else tuple(records)
     problem = formulate(model, group, fixed)

@@ -38,7 +38,16 @@ class _Term:
 
 
 def harmonic_vectors(problem: Problem, best: FloatArray) -> list[FloatArray]:
-    """Starts around ``best`` for each harmonic term of the model whose three parameters are free."""
+    """Starting vectors for the harmonic terms of a model, found by a scan over frequency or pitch.
+
+    Args:
+        problem: model and records.
+        best: (p,) best vector so far; it gives all other entries.
+
+    Returns:
+        At most ``KEPT`` vectors (p,) for each harmonic term whose amplitude, frequency (or pitch) and phase are all
+        free.
+    """
     vectors = []
     for over, trials in ((TIME, _frequencies), (PLACE, _pitches)):
         for harmonic in (effect.harmonic for effect in problem.model.effects):

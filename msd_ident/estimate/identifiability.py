@@ -37,10 +37,16 @@ class OpenDirection:
 
 
 def null_directions(matrix: FloatArray, reference: FloatArray, pinned: FloatArray) -> list[FloatArray]:
-    """Exactly null directions (p,) of a Gauss–Newton matrix, in units of ``reference``, each with few entries.
+    """Null directions of a Gauss–Newton matrix: combinations of parameters that change no residual.
 
-    ``pinned`` is the information (p, p) that comes from elsewhere than the samples; a direction along which it
-    fixes the parameters to better than their size is not null.
+    Args:
+        matrix: (p, p) Gauss–Newton matrix.
+        reference: (p,) natural sizes of the parameters, positive.
+        pinned: (p, p) information from elsewhere than the samples, such as rest at the start. A direction along which
+            it fixes the parameters to better than their natural size does not count.
+
+    Returns:
+        Directions (p,) in units of ``reference``, each with as few entries as possible and a largest entry of size 1.
     """
     scaled, size = unit_diagonal(matrix)
     values, vectors = np.linalg.eigh(scaled)
@@ -135,7 +141,14 @@ def _common_factor(change: FloatArray, values: FloatArray, names: tuple[str, ...
 
 
 def loose(names: tuple[str, ...], values: FloatArray, std: FloatArray, reference: FloatArray) -> list[OpenDirection]:
-    """Single parameters that the data decides so badly that even their size is open."""
+    """Single parameters whose standard deviation is larger than both their value and their natural size.
+
+    Args:
+        names: (p,) parameter names; a record's own entries contain `` of `` and are left out.
+        values: (p,) fitted values.
+        std: (p,) standard deviations.
+        reference: (p,) natural sizes.
+    """
     found = []
     for name, value, deviation, size in zip(names, values, std, reference, strict=True):
         if " of " not in name and deviation > max(abs(value), size):

@@ -80,7 +80,16 @@ _SETTLED = "Converged: the error settled."
 
 
 def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> Solution:
-    """Least squares from ``start``, inside the bounds."""
+    """Bounded nonlinear least squares by Levenberg–Marquardt.
+
+    Args:
+        objective: cost and normal equations, finite at every point inside the bounds.
+        start: (p,) first point; it is moved to the bounds if it lies outside.
+        limits: bounds, sizes of the entries and stopping rules.
+
+    Returns:
+        Where the iterations ended; ``converged`` is False if their number ran out.
+    """
     point = np.clip(start, limits.lower, limits.upper)
     normal = objective.linearise(point)
     damping, growth = _DAMPING_START, 2.0

@@ -35,7 +35,12 @@ _JUMPS = (ALIKE**-3, 1.0 / ALIKE, ALIKE, ALIKE**3)
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
-    """Bounds and sizes of a problem for the solver."""
+    """Solver options with the bounds and sizes of a problem.
+
+    Args:
+        problem: gives bounds and sizes (p,).
+        iterations: largest number of iterations.
+    """
     return SolverOptions(problem.lower, problem.upper, problem.scale, iterations)
 
 
@@ -201,7 +206,12 @@ def _deeper(one: Solution, other: Solution) -> Solution:
 
 
 def valleys(problem: Problem, floor: float) -> Valleys:
-    """The search over a problem's valleys."""
+    """Search with several starts: the plain error, one with rests weighted down, and the same on thinned records.
+
+    Args:
+        problem: what to fit.
+        floor: noise floor of the records [m]; NaN if unknown.
+    """
     steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
     plain, weighted = SquaredError(problem), _weighted(problem, steps)
     thin = problem.thinned(SAMPLES)
@@ -222,5 +232,11 @@ def _part_of_a_swing(problem: Problem, record: Record) -> int:
 
 
 def robust(problem: Problem, start: Solution, softness: float) -> Solution:
-    """Refine with soft-L1 loss: residuals beyond ``softness`` [m] count by their size, not its square."""
+    """Refine a solution with the soft-L1 loss, which reduces the influence of outliers.
+
+    Args:
+        problem: what to fit.
+        start: where the search with plain squares ended.
+        softness: residual [m] beyond which the loss grows linearly instead of quadratically.
+    """
     return minimise(SquaredError(problem, soft=softness), start.point, limits(problem))

@@ -82,7 +82,15 @@ class SquaredError:
 
 
 def gram(jacobian: FloatArray, weight: FloatArray | None = None) -> FloatArray:
-    """J W Jᵀ (p, p) of a Jacobian (p, n), block by block so that no second Jacobian is made."""
+    """Weighted Gram matrix J W Jᵀ, computed in blocks of samples so that no second Jacobian is in memory.
+
+    Args:
+        jacobian: (p, n), one row for each parameter.
+        weight: (n,) diagonal of W; None for 1.
+
+    Returns:
+        (p, p).
+    """
     total = np.zeros((jacobian.shape[0], jacobian.shape[0]))
     for start in range(0, jacobian.shape[1], _BLOCK):
         block = jacobian[:, start : start + _BLOCK]
@@ -91,14 +99,18 @@ def gram(jacobian: FloatArray, weight: FloatArray | None = None) -> FloatArray:
 
 
 def motion_weights(position: FloatArray, step: float, block: int) -> FloatArray:
-    """Weights (n,) that let a rest count like a short stretch of motion, however long it lasts.
+    """Weights (n,) of samples that give a rest phase the weight of one short block, however long it lasts.
 
-    A thousand samples at rest hold hardly more than one, but pull so hard on the place where the cart stops that the
-    surface gets a valley for every number of half-swings.
+    A thousand samples at rest hold little more information than one. With full weight they pull the fit to the place
+    where the cart stops, which gives the error a local minimum for every number of half-swings.
 
     Args:
-        step: the encoder's step [m].
-        block: samples of a short part of a swing, the least that can be told to be at rest.
+        position: (n,) measured positions [m].
+        step: encoder step [m], 0 if unknown.
+        block: length [samples] of a short part of a swing, the shortest stretch in which rest can be detected.
+
+    Returns:
+        1 in motion; ``block`` divided by the length of the phase at rest.
     """
     weights = np.ones(position.size)
     for start, stop in _rests(position, block, step):

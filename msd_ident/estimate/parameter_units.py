@@ -59,13 +59,29 @@ class Magnitudes:
 
 
 def in_force_unit(model: Model, factor: float) -> dict[str, float]:
-    """The model's finite parameters by name, all that is measured in newtons times ``factor``."""
+    """Finite parameters of a model, converted to another unit of force.
+
+    Args:
+        model: its values are in newtons.
+        factor: new units of force per newton. Each parameter is multiplied by the power of it that its unit contains.
+
+    Returns:
+        Values by name; infinite limits are left out.
+    """
     values = {p.name: model[p.name] * factor ** exponents(p.unit).get("N", 0) for p in model.parameters}
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
 def magnitudes(records: tuple[Record, ...], mass: float) -> Magnitudes:
-    """Yardsticks from the data; ``mass`` stands in where no force acts at all."""
+    """Typical force, length and time of a set of records.
+
+    Length is the largest standard deviation of a position. Time is length over the largest root mean square speed.
+    Force is the largest force of all records.
+
+    Args:
+        records: the records.
+        mass: [kg], gives the typical force as mass · length / time² if no force acts in any record.
+    """
     length = max(float(np.std(record.position)) for record in records) or 1e-9
     speed = max(_typical_speed(record) for record in records) or length
     time = length / speed
@@ -86,7 +102,15 @@ def _typical_speed(record: Record) -> float:
 
 
 def unit_in(unit: str, record: Record) -> str:
-    """A library unit (kg, N·s/m, …) as it reads on this rig: rotary, or with an unknown force or length unit."""
+    """Unit of a parameter on the rig of a record.
+
+    Args:
+        unit: SI unit of the library for a linear axis, such as ``kg`` or ``N·s/m``.
+        record: gives the units of force and position: N and m, N·m and rad, or unknown ones such as V and count.
+
+    Returns:
+        For example ``kg·m²`` for ``kg`` on a revolute joint, or ``V·s²/count``.
+    """
     force, length = record.force_unit, record.position_unit
     if (force, length) == ("N", "m"):
         return unit

@@ -121,7 +121,15 @@ class Problem:
         return tuple(self.model.parameters[i] for i in self.free)
 
     def vector(self, values: Mapping[str, float], initial: Sequence[Initial]) -> FloatArray:
-        """The vector for these parameter values and initial states."""
+        """The solver's vector for given parameters and initial states.
+
+        Args:
+            values: values by name, at least of all free parameters.
+            initial: one for each record.
+
+        Returns:
+            (p,): the free parameters, then the free initial positions, velocities and zeros.
+        """
         shared = [values[self.model.names[i]] for i in self.free]
         return np.array(shared + [_get(initial[n.record], n.kind) for n in self.nuisances])
 
@@ -154,13 +162,25 @@ class Problem:
         return tuple(np.array([*shared, *(entry for _, entry in own)], dtype=np.intp) for own in self._own)
 
     def residual(self, vector: FloatArray, record: int) -> FloatArray:
-        """Model − data (n,) of one record; large but finite where the simulation blows up."""
+        """Model − data (n,) [m] of one record; large but finite where the simulation diverges.
+
+        Args:
+            vector: (p,) whole vector of the problem.
+            record: index of the record.
+        """
         return np.asarray(self.residuals(vector[None, :], record)[0])
 
     def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual (n,) and Jacobian (p, n) of one record by forward differences with ``steps`` (whole vector's).
+        """Residual and Jacobian of one record by forward differences.
 
-        The Jacobian is the simulation's own buffer, so that a million samples need it once and no more.
+        Args:
+            vector: (p,) whole vector of the problem.
+            record: index of the record.
+            steps: (p,) finite-difference steps of the whole vector; a negative step makes a backward difference.
+
+        Returns:
+            Residual (n,) and Jacobian (q, n) for the q entries that the record depends on (``entries``). The Jacobian
+            is the simulation's own buffer, so that a million samples need it only once.
         """
         entries = self.entries(record)
         points = np.repeat(vector[None, :], 1 + entries.size, axis=0)
@@ -178,7 +198,18 @@ class Problem:
         return rows[0], jacobian
 
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residual and Jacobian by central differences (one-sided at a bound, and for very long records)."""
+        """Residual and Jacobian of one record by central differences.
+
+        A difference is one-sided at a bound, and for records of more than ``LONG_RECORD`` samples.
+
+        Args:
+            vector: (p,) whole vector of the problem.
+            record: index of the record.
+            steps: (p,) positive finite-difference steps of the whole vector.
+
+        Returns:
+            Residual (n,) and Jacobian (q, n), as ``linearised`` gives them.
+        """
         residual, ahead = self.linearised(vector, record, np.where(vector + steps > self.upper, -steps, steps))
         if self.records[record].samples > LONG_RECORD:
             return residual, ahead
@@ -188,7 +219,11 @@ class Problem:
         return residual, ahead
 
     def shortened(self, share: float) -> Problem:
-        """The same problem over the first part of each record (at least 40 samples)."""
+        """The same problem over the first part of each record.
+
+        Args:
+            share: part of each record's samples to keep, in (0, 1]; at least 40 samples are kept.
+        """
         records = tuple(
             record.window(record.time[0], record.time[min(max(int(share * record.samples), 40), record.samples) - 1])
             for record in self.records
@@ -197,9 +232,14 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def thinned(self, enough: int) -> Problem:
-        """The same problem on every n-th sample, with the mean force in between; itself where that would lose much.
+        """The same problem on every n-th sample; the problem itself where thinning would lose too much.
 
-        At least ``enough`` samples stay, and so many a swing that a step of the solver is still a small part of it.
+        A record with few force values keeps them all. Where force and position share their stamps and the force is
+        held, each kept sample gets the mean force of the samples that it stands for. Other records are not thinned.
+
+        Args:
+            enough: samples of all records together that should remain. A record keeps at least ``FEWEST_READINGS``
+                samples and about ``A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
         records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
@@ -225,7 +265,15 @@ class Problem:
         return np.asarray(np.minimum(np.maximum(steps, first / NATURAL_RANGE), NATURAL_RANGE * first))
 
     def imbalance(self, vector: FloatArray, balance: RestConstraint) -> tuple[float, FloatArray]:
-        """``x0 + F0/k`` [m] of a record at rest, and its gradient (p,)."""
+        """Deviation x0 + F0/k [m] of a record from the balance of spring and offset force at rest.
+
+        Args:
+            vector: (p,) whole vector of the problem.
+            balance: names the record, whose initial position must be free.
+
+        Returns:
+            The deviation and its gradient (p,).
+        """
         gradient = np.zeros(vector.size)
         start = len(self.free) + self.nuisances.index(Nuisance(balance.record, "initial position"))
         gradient[start] = 1.0
@@ -239,7 +287,15 @@ class Problem:
         return float(vector[start]) + offset / stiffness, gradient
 
     def residuals(self, points: FloatArray, record: int) -> FloatArray:
-        """Residuals (q, n) of one record at several points (q, p)."""
+        """Residuals of one record at several points, simulated together.
+
+        Args:
+            points: (q, p) whole vectors of the problem.
+            record: index of the record.
+
+        Returns:
+            (q, n) model − data [m]; large but finite where a simulation diverges.
+        """
         values = np.empty((len(points), self.model.values.size))
         values[:] = self.model.values
         values[:, self._places] = points[:, : len(self.free)]
@@ -299,9 +355,14 @@ def build(
     nuisances: tuple[Nuisance, ...],
     typical: Magnitudes | None = None,
 ) -> Problem:
-    """A problem with every parameter free that is not in ``fixed``; entries of a record that are not free are 0.
+    """A problem in which every parameter that is not in ``fixed`` is free.
 
-    ``typical`` are the yardsticks of these records, where they are known already.
+    Args:
+        model: structure, and the values of the fixed parameters.
+        records: the records that the parameters are fitted to.
+        fixed: names of the parameters to keep.
+        nuisances: initial positions, velocities and zeros to fit; all others are 0.
+        typical: typical force, length and time of these records; computed if None.
 
     Raises:
         UsageError: a fixed name that the model does not have.

@@ -98,7 +98,16 @@ class Regression:
 
 
 def candidates(records: tuple[Record, ...], regression: Regression) -> list[Start]:
-    """One start for each bump width that the records allow; empty when the regression has nothing to say."""
+    """Starting values by linear regression, one start for each width of the bump.
+
+    Args:
+        records: the records, which share the parameters.
+        regression: what to estimate and what is given.
+
+    Returns:
+        At most as many starts as there are widths. A width is left out if the bump is longer than a third of the
+        shortest record, or if the regression fails (too few rows, or a mass or stiffness that is not positive).
+    """
     shortest = min(record.samples for record in records)
     steady = regression.zero_free and all(_steady(record) for record in records)
     # Under one constant force an unknown zero takes all of it; only rest at the start can tell the two apart.
@@ -197,7 +206,12 @@ class _Means:
         return np.asarray(windows @ np.stack(weights, axis=1))
 
     def column(self, name: str, given: Mapping[str, float]) -> FloatArray:
-        """Of what a parameter's force is proportional to, where its law has these inner parameters."""
+        """Column (r,) of the regression: the smoothed signal that a parameter's force is proportional to.
+
+        Args:
+            name: parameter that enters the equation of motion linearly.
+            given: values by name; they give the inner parameters of the law, if it has any.
+        """
         inner = () if name in PLANT else tuple(argument for argument in _arguments(name) if argument not in _SIGNALS)
         key = name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
@@ -207,7 +221,12 @@ class _Means:
         return self._columns[key]
 
     def rows(self, names: Collection[str], given: Mapping[str, float]) -> _Rows:
-        """The rows of a regression on these parameters."""
+        """The rows of a regression.
+
+        Args:
+            names: parameters whose columns are needed beside those of the plant and the offset.
+            given: values by name, for the inner parameters of the laws.
+        """
         return _Rows({name: self.column(name, given) for name in (*_MOTION, *names)}, self.constant, self.force)
 
 
@@ -264,7 +283,12 @@ def _zeros(values: Mapping[str, float], count: int) -> list[float]:
 
 
 def starting_state(record: Record, count: int = 15) -> tuple[float, float]:
-    """Position and velocity at the first sample, from a parabola through the first ``count`` samples."""
+    """Position [m] and velocity [m/s] at the first sample, from a parabola through the first samples.
+
+    Args:
+        record: the measurement.
+        count: number of samples of the parabola; all if the record has fewer.
+    """
     count = min(count, record.samples)
     time = record.time[:count] - record.time[0]
     _, velocity, position = np.polyfit(time / time[-1], record.position[:count], 2)

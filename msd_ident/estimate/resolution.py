@@ -19,13 +19,30 @@ from msd_ident.model.effects.base import RecordScales
 
 
 def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
-    """Range of each inner parameter by name, in the records' units; ``plant`` is roughly the base model."""
+    """Ranges of the effects' inner parameters that the samples can resolve.
+
+    Args:
+        records: the records of one experiment.
+        plant: a model whose mass and stiffness are roughly known.
+
+    Returns:
+        Lower and upper limit by parameter name, in the records' units, over all effects of the library.
+    """
     shown = seen(records, plant)
     return {name: limits for effect in LIBRARY for name, limits in effect.resolvable(shown).items()}
 
 
 def seen(records: Sequence[Record], plant: Model) -> RecordScales:
-    """What the records show of a plant that is roughly the given one."""
+    """Scales of a set of records: duration, sample period, range, top speed, largest force.
+
+    Args:
+        records: the records of one experiment.
+        plant: a model whose mass and stiffness are roughly known.
+
+    Returns:
+        The scales. The rate is the natural frequency of the plant, but at least that of five swings in the longest
+        record. Without a force, the force is mass · span · rate².
+    """
     mass, stiffness = plant.mass, plant.stiffness
     span = max(float(np.ptp(record.position)) for record in records)
     duration = max(record.duration for record in records)
@@ -52,7 +69,12 @@ def _top_speed(record: Record) -> float:
 
 
 def within(problem: Problem, limits: dict[str, tuple[float, float]]) -> Problem:
-    """The problem with its bounds narrowed to these ranges."""
+    """The problem with its bounds narrowed.
+
+    Args:
+        problem: its bounds of parameters without a limit stay.
+        limits: lower and upper limit by parameter name, as ``ranges`` gives them.
+    """
     lower, upper = problem.lower.copy(), problem.upper.copy()
     for place, index in enumerate(problem.free):
         low, high = limits.get(problem.model.names[index], (-np.inf, np.inf))

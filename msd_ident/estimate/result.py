@@ -62,10 +62,14 @@ class FitResult:
         return np.asarray(self.covariance / np.outer(size, size))
 
     def derived(self, formula: Callable[[Mapping[str, float]], float], unit: str) -> Quantity:
-        """A quantity computed from the parameters, with the interval that follows (first order).
+        """A quantity computed from the parameters, with its standard deviation by linear error propagation.
 
-        ``formula`` takes the values by name, e.g. ``lambda p: p["stiffness"] / p["mass"]``. What changes along an
-        open direction is itself open (std NaN); a ratio that does not is known even where its parts are not.
+        A quantity that changes along an open direction is open too (std NaN). A ratio that does not change along it is
+        known, even if its numerator and denominator are not.
+
+        Args:
+            formula: takes the values by name, e.g. ``lambda p: p["stiffness"] / p["mass"]``.
+            unit: unit of the result.
         """
         values = {name: quantity.value for name, quantity in self.quantities.items()}
         value = formula(values)

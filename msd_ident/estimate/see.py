@@ -14,7 +14,11 @@ from msd_ident.errors import UsageError
 def see(residual: FloatArray | Iterable[FloatArray]) -> float:
     """SEE = √(Σ(model − data)²/(n − 2)), eq. 14, in the residual's unit.
 
-    Takes one residual (n,) or several, which are pooled as if they were one record.
+    Args:
+        residual: one residual (n,), or several, which are pooled as if they were one record.
+
+    Raises:
+        UsageError: fewer than 3 samples.
     """
     parts = [residual] if isinstance(residual, np.ndarray) else list(residual)
     samples = sum(part.size for part in parts)
@@ -24,7 +28,11 @@ def see(residual: FloatArray | Iterable[FloatArray]) -> float:
 
 
 def see_reduction(original: float, refined: float) -> float:
-    """Reduction of the SEE by a refinement in per cent, eq. 15; negative when it got worse."""
+    """Reduction of the SEE [%] by a refinement, 100·(original − refined)/original, eq. 15; negative if the SEE grew.
+
+    Raises:
+        UsageError: the original SEE is not positive.
+    """
     if not original > 0.0:
         raise UsageError(f"original SEE is {original}; expected a positive number to reduce")
     return 100.0 * (original - refined) / original

@@ -35,9 +35,13 @@ class _Sandwich:
 
 
 def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float = 0.0) -> FitResult:
-    """The result of a fit that ended at ``outcome``.
+    """The result of a fit: values, covariance, open directions and SEE.
 
-    ``floor`` is the records' noise floor, ``soft`` the residual [m] where soft-L1 loss takes over (0: plain squares).
+    Args:
+        problem: what was fitted.
+        outcome: where the solver ended.
+        floor: noise floor of the records [m]; NaN if unknown.
+        soft: residual [m] beyond which the soft-L1 loss grows linearly; 0 for plain squares.
     """
     sums = _sandwich(problem, outcome, soft)
     found, null = _open(problem, outcome.point, sums)
