@@ -1,6 +1,6 @@
-"""The two fits that every look at a record begins with: all parameters beside dry friction, and the linear model.
+"""The two fits that identification and diagnosis start from: the plant with Coulomb friction, and the linear model.
 
-``identify`` hands them over and ``diagnose`` starts from them, so that neither ends worse than the other.
+``identify`` reports them and ``diagnose`` starts from them, so that neither ends with a worse fit than the other.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Levenberg–Marquardt with few simulations: the Jacobian is updated after Broyden and renewed when it misleads.
+"""Levenberg–Marquardt with few simulations: the Jacobian is updated by Broyden's formula and computed anew when needed.
 
-``fit`` renews its Jacobian at every step, which is the safest way to one answer. Here some fifty models are fitted to
-one record, most of them wrong, and each starts from a smaller model whose Jacobian is known: its columns are taken
-over, and later steps update them by what each simulation teaches (Broyden 1965). Whatever ends here ends with a
-Jacobian that was computed anew.
+``fit`` computes its Jacobian at every step, which is the most reliable way to one result. The search over causes fits
+some fifty models to one record, most of them wrong, and each starts from a smaller model whose Jacobian is known. The
+columns of that Jacobian are reused, and later steps update them from the simulations that are made anyway (Broyden
+1965). It is computed anew where a step with an updated Jacobian fails or gains little.
 """
 
 from __future__ import annotations
@@ -24,9 +24,13 @@ _FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the
 
 @dataclass(frozen=True)
 class State:
-    """A point, its weighted residual (n,) over all records in units of the noise, and the Jacobian (p, n) there.
+    """A point of the search with its residual and Jacobian.
 
-    ``exact`` says whether the Jacobian belongs to this very point.
+    Attributes:
+        point: (p,) vector of the problem.
+        residual: (n,) weighted residual of all records, in units of the noise.
+        jacobian: (p, n) derivatives of ``residual``.
+        exact: whether the Jacobian was computed at this point; False after an update.
     """
 
     point: FloatArray
@@ -63,7 +67,13 @@ class State:
 
 @dataclass(frozen=True)
 class Weighting:
-    """A problem with the root of the weight of each sample: what turns metres into units of the noise."""
+    """A problem with weighted samples.
+
+    Attributes:
+        problem: model and records.
+        roots: for each record the (n,) square roots of its samples' weights [1/m]; they turn metres into units of the
+            noise.
+    """
 
     problem: Problem
     roots: tuple[FloatArray, ...]
@@ -220,12 +230,13 @@ def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:
 
 
 def extended(weighting: Weighting, parent: Problem, known: State, point: FloatArray) -> State:
-    """A start next to a smaller model's end: its Jacobian taken over, the new entries' rows computed.
+    """A start for a model from the end of a smaller one: its Jacobian rows are reused, those of new entries computed.
 
     Args:
-        parent: the smaller model's problem, whose entries all stand in this one's under the same names.
+        weighting: problem and weights of the larger model.
+        parent: the smaller model's problem, all entries of which stand in the larger one under the same names.
         known: the smaller model's state.
-        point: start of this problem.
+        point: (p,) start of the larger problem.
     """
     names = weighting.problem.names
     place = {name: i for i, name in enumerate(parent.names)}

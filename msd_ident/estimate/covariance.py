@@ -23,7 +23,14 @@ from msd_ident.estimate.windows import breadths
 
 @dataclass(frozen=True)
 class Linearisation:
-    """One record's part: residual (n,), its Jacobian (p, n), model positions (n,), encoder step [m] (0: unknown)."""
+    """Residual and Jacobian of one record at the solution.
+
+    Attributes:
+        residual: (n,) model − data [m], weighted if the loss is robust.
+        jacobian: (p, n) derivatives of the residual.
+        position: (n,) simulated positions [m].
+        encoder_step: [m], 0 if unknown.
+    """
 
     residual: FloatArray
     jacobian: FloatArray
@@ -33,7 +40,12 @@ class Linearisation:
 
 @dataclass(frozen=True)
 class Evidence:
-    """JᵀΓJ (p, p) of one record and the number of independent residuals that its samples are worth."""
+    """What one record contributes to the covariance.
+
+    Attributes:
+        meat: (p, p) JᵀΓJ, the middle of the sandwich.
+        effective_samples: number of independent samples that carry the same information as the correlated ones.
+    """
 
     meat: FloatArray
     effective_samples: float
@@ -75,7 +87,11 @@ def rounding_variance(encoder_step: float, noise: float) -> float:
 
 
 def evidence(sensed: Linearisation) -> Evidence:
-    """The middle of the sandwich for one record. Uses the Jacobian up, to keep to one of them in memory."""
+    """The middle of the sandwich for one record.
+
+    Args:
+        sensed: residual and Jacobian. The Jacobian is overwritten, so that only one of its size is in memory.
+    """
     residual, step = sensed.residual, sensed.encoder_step
     rests = [span for span in rest_phases(sensed.position, step) if abs(float(np.mean(residual[span]))) < step]
     moving = np.ones(residual.size, dtype=bool)

@@ -1,4 +1,4 @@
-"""What the data leaves open: directions of the parameter space along which no residual changes, in words.
+"""Open directions: combinations of parameters that the data does not determine, as vectors and as sentences.
 
 Directions come from the scaled Jacobian (its Gram matrix and the covariance), not from a table of known cases; each
 parameter only supplies the advice on what to measure.
@@ -25,7 +25,12 @@ _DEFAULT_ADVICE = "add an experiment in which this effect is stronger"
 
 @dataclass(frozen=True)
 class OpenDirection:
-    """Parameters that only hang together: by how much each moves (in its unit) along the direction, and a sentence."""
+    """A combination of parameters that the data does not determine.
+
+    Attributes:
+        shares: names of the parameters, and by how much each changes along the direction, in its unit.
+        sentence: what is open, and what to measure instead.
+    """
 
     shares: tuple[tuple[str, float], ...]
     sentence: str
@@ -94,7 +99,7 @@ def describe(
 
 
 def motionless(names: tuple[str, ...]) -> OpenDirection:
-    """All parameters, where nothing moves."""
+    """The open direction of data without motion, in which all parameters are open."""
     sentence = f"Nothing moves in this data, so {', '.join(names)} are open: push hard enough to move the cart."
     return OpenDirection(tuple((name, 1.0) for name in names), sentence)
 

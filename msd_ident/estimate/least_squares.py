@@ -24,7 +24,13 @@ from msd_ident.tuning import tuned
 
 @dataclass(frozen=True)
 class Normal:
-    """Half the sum of squares at a point, its gradient (p,) and the Gauss–Newton matrix (p, p)."""
+    """Normal equations at a point.
+
+    Attributes:
+        cost: half the sum of squares.
+        gradient: (p,) gradient of the cost.
+        matrix: (p, p) Gauss–Newton matrix.
+    """
 
     cost: float
     gradient: FloatArray
@@ -43,9 +49,15 @@ class Objective(Protocol):
 
 @dataclass(frozen=True)
 class Solution:
-    """Where the solver ended. A bad end is a value too: ``converged`` False and a sentence.
+    """Where the solver ended. A search that does not converge is a result too: ``converged`` is False.
 
-    ``matrix`` (p, p) is the last Gauss–Newton matrix, at the point or one small step before it.
+    Attributes:
+        point: (p,) last point.
+        cost: half the sum of squares there.
+        iterations: number of iterations.
+        converged: whether a stopping rule was met before the iterations ran out.
+        message: one sentence on how the search ended.
+        matrix: (p, p) last Gauss–Newton matrix, at the point or one small step before it.
     """
 
     point: FloatArray
@@ -58,7 +70,15 @@ class Solution:
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Bounds (p,) of the point, typical size (p,) of its entries, and when to stop."""
+    """Bounds, sizes and stopping rules of the solver.
+
+    Attributes:
+        lower, upper: (p,) bounds of the point.
+        scale: (p,) typical size of its entries.
+        iterations: largest number of iterations.
+        cost_tolerance: relative decrease of the cost below which the search ends.
+        step_tolerance: relative step below which the search ends.
+    """
 
     lower: FloatArray
     upper: FloatArray

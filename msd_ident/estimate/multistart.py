@@ -1,13 +1,14 @@
-"""Where to start, and which of several valleys to believe.
+"""Search over several starts for the deepest minimum of the error.
 
 Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
-whatever else the caller offers (an effect's guesses, a grid over a delay). All are simulated once and the best refined,
-first with rests weighted down, then on all samples alike. That reaches the noise floor when the model is right and the
-valley too, and is then the end. If not, the other starts are explored; then kinked parameters (``Parameter.kinked``)
-jump, for their surface has a valley for every number of half-swings, and hop to the next where these lie close; and
-where even the best fits badly, the horizon is grown: over the first few swings a wrong frequency cannot yet slip by a
-whole cycle. Exploring is rough: long records are thinned for it, and a valley that others undercut is not followed to
-its bottom.
+what else the caller offers (the guesses of an effect, a grid over a delay). All are simulated once. The best is
+refined, first with rests weighted down, then with all samples alike. The search ends if that reaches the noise floor.
+
+If not, the other starts are explored. Then parameters whose error has a local minimum for every number of half-swings
+(``Parameter.kinked``) are changed by fixed factors, and minima next to the best one are tried (``Effect.neighbours``).
+Where even the best fits badly, the fit begins with the first swings of each record, in which a wrong frequency cannot
+slip by a whole cycle, and goes on with longer and longer parts. These searches are rough: long records are thinned, and
+a start is not followed to its minimum if others fit better already.
 """
 
 from __future__ import annotations
@@ -46,7 +47,15 @@ def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
 
 @dataclass(frozen=True)
 class Valleys:
-    """Search over the valleys of one problem; ``floor`` is the records' noise floor [m], NaN when unknown."""
+    """Search over the local minima of one problem's error.
+
+    Attributes:
+        problem: what to fit.
+        plain: error with all samples alike.
+        weighted: error with rests weighted down.
+        rough: the same on thinned records.
+        floor: noise floor of the records [m]; NaN if unknown.
+    """
 
     problem: Problem
     plain: SquaredError
@@ -61,14 +70,14 @@ class Valleys:
         guesses: Callable[[FloatArray], Sequence[FloatArray]],
         neighbours: Callable[[FloatArray], Sequence[FloatArray]],
     ) -> Solution:
-        """The deepest valley found.
+        """The deepest minimum found.
 
         Args:
-            starts: vectors to start from, of which only the most likely are followed.
-            given: for each model that the caller gave, its values with several initial states, the best of which is
-                always followed.
-            guesses: further starts around the best found so far.
-            neighbours: where the valleys next to the best are looked for.
+            starts: vectors (p,) to start from, of which only those with the smallest errors are followed.
+            given: for each model that the caller gave, vectors with its values and several initial states. The best of
+                each model is always followed.
+            guesses: makes further starts from the best vector so far.
+            neighbours: makes starts in minima next to that of the best vector.
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
         likely = sorted([*starts, *own], key=self.weighted.cost)[:KEPT]
@@ -107,7 +116,7 @@ class Valleys:
         return minimise(self.plain, down.point, until)
 
     def at_floor(self, outcome: Solution) -> bool:
-        """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
+        """Whether the residual is measurement noise: as small as the noise floor, and without a slow pattern."""
         if not (math.isfinite(self.floor) and self._spread(outcome) <= AT_FLOOR * self.floor):
             return False
         weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)

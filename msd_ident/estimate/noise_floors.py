@@ -11,10 +11,10 @@ from msd_ident.data.record import FloatArray, Record
 
 
 def noise_floor(records: tuple[Record, ...]) -> float:
-    """Pooled standard deviation [m] of the measurement noise of several records; NaN when none tells.
+    """Pooled standard deviation [m] of the measurement noise of several records; NaN if no record shows it.
 
-    From rest phases and the encoder step, and where the same experiment was run twice, from the scatter between
-    the runs, which also holds whatever of the rig does not repeat.
+    It comes from rest phases and the encoder step. If the same experiment was run twice, the scatter between the runs
+    is used where it is larger; it also contains what the rig does not repeat.
     """
     own = [(floor_of(record), record.samples) for record in records]
     told = [(floor, samples) for floor, samples in own if math.isfinite(floor) and floor > 0.0]
@@ -26,9 +26,9 @@ def noise_floor(records: tuple[Record, ...]) -> float:
 
 
 def repeat_scatter(records: tuple[Record, ...]) -> float:
-    """Standard deviation [m] between records of the very same force on the same stamps; NaN without repeats.
+    """Standard deviation [m] between records with the same force at the same stamps; NaN without such repeats.
 
-    Each record's mean is taken out first: the zero may differ from run to run.
+    Each record's mean is subtracted first, because the zero may differ from run to run.
     """
     squares, freedom = 0.0, 0
     for group in _repeats(records):

@@ -42,7 +42,13 @@ def exponents(unit: str) -> Mapping[str, int]:
 
 @dataclass(frozen=True)
 class Magnitudes:
-    """Typical force, length and time of a set of records: the yardsticks for scaling."""
+    """Typical force, length and time of a set of records, from which parameters get their natural sizes.
+
+    Attributes:
+        force: [N].
+        length: [m].
+        time: [s].
+    """
 
     force: float
     length: float

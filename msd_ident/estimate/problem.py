@@ -40,7 +40,7 @@ _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation co
 
 @dataclass(frozen=True)
 class Nuisance:
-    """One free entry that belongs to one record."""
+    """A free initial position, initial velocity or zero of one record."""
 
     record: int
     kind: NuisanceKind
@@ -48,7 +48,13 @@ class Nuisance:
 
 @dataclass(frozen=True)
 class Initial:
-    """State of a record at its first sample, and the reading at which the spring is relaxed."""
+    """State of a record at its first sample.
+
+    Attributes:
+        position: [m] from the relaxed spring.
+        velocity: [m/s].
+        zero: reading [m] at which the spring is relaxed.
+    """
 
     position: float = 0.0
     velocity: float = 0.0
@@ -57,10 +63,15 @@ class Initial:
 
 @dataclass(frozen=True)
 class RestConstraint:
-    """What rest before the first push says: the spring's force and the offset cancel, within what friction holds.
+    """Balance of forces of a record that rests before its first push: spring and offset cancel, within the friction.
 
-    A pseudo-observation ``x0 + F0/k = 0 ± spread`` [m] of one record, beside samples with ``noise`` [m]. It decides
-    nothing but what the samples leave open: the scale of a record with one constant force and an unknown zero.
+    A pseudo-observation ``x0 + F0/k = 0 ± spread``. Its weight is small, so that it decides only what the samples leave
+    open: the scale of a record with one constant force and an unknown zero.
+
+    Attributes:
+        record: index of the record.
+        spread: standard deviation [m] of the balance.
+        noise: standard deviation [m] of a position sample.
     """
 
     record: int
@@ -75,16 +86,18 @@ class RestConstraint:
 
 @dataclass(frozen=True)
 class Problem:
-    """A model, records, and what may move.
+    """A model, records, and what is fitted.
 
     Attributes:
         model: structure, and the values of the parameters that are fixed.
+        records: the records that share the model's parameters.
+        simulators: one for each record.
         free: indices of the free parameters in ``model.names``.
         nuisances: the free entries of single records, after the free parameters in the vector.
         initial: per record, the values of the entries that are not free.
-        typical: yardsticks of force, length and time.
+        typical: typical force, length and time.
         scale, lower, upper: natural size and bounds (p,) of the vector's entries.
-        balances: what rest at the start of a record says besides its samples.
+        balances: rest at the start of records, as observations beside their samples.
     """
 
     model: Model

@@ -65,7 +65,12 @@ _WIDTHS = tuned(
 
 @dataclass(frozen=True)
 class Start:
-    """Values by parameter name, and for each record its initial position, velocity and zero."""
+    """Result of a regression.
+
+    Attributes:
+        values: parameter values by name.
+        initial: for each record its position [m], velocity [m/s] and zero [m] at the first sample.
+    """
 
     values: Mapping[str, float]
     initial: tuple[tuple[float, float, float], ...]

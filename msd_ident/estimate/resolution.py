@@ -1,7 +1,8 @@
-"""Where a law's inner parameters make sense on given data: within what its samples can resolve.
+"""Ranges of the effects' inner parameters that a record's samples can resolve.
 
-A pitch finer than the noise, a frequency above half the sampling rate or a stop out of reach can be anything; a search
-that wanders there finds nothing and pays for it with very short solver steps. Each effect knows its own ranges.
+A pitch finer than the noise, a frequency above half the sampling rate or a stop out of reach changes nothing in the
+data. A search that gets there finds nothing, and its simulations need very short solver steps. Each effect knows its
+own ranges.
 """
 
 from __future__ import annotations

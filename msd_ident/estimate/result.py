@@ -17,22 +17,23 @@ from msd_ident.quantity import Quantity
 
 @dataclass(frozen=True)
 class FitResult:
-    """A fitted model with honest intervals.
+    """A fitted model with 95 % intervals.
 
     Attributes:
         model: the model with the fitted values.
-        quantities: every parameter of the model by name: value, standard deviation, unit on this rig. Fixed ones
-            have std 0, those that the data leaves open NaN.
+        quantities: every parameter of the model by name: value, standard deviation, unit on this rig. Fixed ones have
+            std 0, those that the data leaves open NaN.
         free: names of the fitted parameters, in the order of ``covariance``.
         covariance: (p, p) of the free parameters; along open directions it holds no information (see ``open``).
         residuals: model − data (n,) of each record, in the position unit.
         see: standard error of estimate over all records, eq. 14.
-        noise_floor: what no model can beat, in the position unit; NaN when the records do not tell.
+        noise_floor: rms that noise and encoder step leave with the true model, in the position unit; NaN when the
+            records do not tell.
         initial: state and zero of each record at its first sample.
-        effective_samples: independent pieces of evidence that the residuals are worth.
+        effective_samples: number of independent samples that carry the same information as the residuals.
         open: directions of the parameter space that the data leaves open.
         open_directions: the same as sentences, with what to measure instead.
-        converged: whether the solver settled and the result is finite.
+        converged: whether the solver converged and the result is finite.
         message: one sentence on how the fit ended.
     """
 

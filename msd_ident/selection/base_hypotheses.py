@@ -1,4 +1,4 @@
-"""The first fits of a diagnosis: the base model, and the one with Coulomb friction, from the fits of ``identify``."""
+"""The first two hypotheses of a diagnosis, base model and Coulomb friction, from the fits of ``identify``."""
 
 from __future__ import annotations
 
@@ -25,10 +25,17 @@ def shared_fits(experiment: Experiment, plant: Model) -> Shared:
 
 
 def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypothesis]:
-    """The base model, and the one with Coulomb friction, each the best from several starts.
+    """The base model and the one with Coulomb friction, each fitted from several starts.
 
-    Both start where an identification of the same records ends. The base also starts from what is left of the fit with
-    friction, and from a regression on few samples: a careless start ends anywhere.
+    Both start where an identification of the same records ends. The base model also starts from the fit with friction
+    without its friction, and from a regression on few samples.
+
+    Args:
+        experiment: readings with their weights, and what is fixed in the base model.
+        shared: the fits of an identification of the same records.
+
+    Returns:
+        The base model with the least chi², and the model with Coulomb friction.
     """
     fixed, few = tuple(experiment.fixed), experiment.thinned(SAMPLES).records
     rubbing, sprung = shared.joint, _sprung(experiment)

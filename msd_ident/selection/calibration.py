@@ -128,8 +128,16 @@ class Calibration:
 
 
 def odds(lead: Row, rival: Row, cause: str) -> float:
-    """Odds of a rival without the cause against the leading set, given that the cause was named; 0 where no copy was
-    called so.
+    """Odds of a rival against the leading set, given that the cause was named.
+
+    Args:
+        lead: copies of the leading set.
+        rival: copies of the rival, in which the cause does not act.
+        cause: one of the leading set.
+
+    Returns:
+        The ratio of the shares of copies in which the cause was named. It is larger than 1 only if Fisher's exact test
+        confirms that the rival's share is the larger one. 0 if the cause was named in no copy of the rival.
     """
     if not rival.named(cause):
         return 0.0

@@ -44,7 +44,13 @@ class CandidateModel:
 
 
 def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]) -> tuple[CandidateModel, ...]:
-    """The leading explanation first, then the others that come near it, by falling evidence."""
+    """The explanations from which the next experiment is designed: at most ``LEADERS``, by falling evidence.
+
+    Args:
+        ranking: its leading set is included, whatever its evidence, and all sets within half of ``NEAR`` of the best.
+        scale: variance in which the information about the parameters is stated.
+        readings: the records with their weights.
+    """
     top = max(ranking.evidence)
     found = []
     for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
@@ -75,7 +81,15 @@ def _contender(
 
 
 def marginal(information: FloatArray, count: int) -> FloatArray:
-    """Information (count, count) about the first entries when all others are unknown (Schur complement)."""
+    """Information about some parameters when all others are unknown (Schur complement).
+
+    Args:
+        information: (p, p) information matrix.
+        count: number of parameters to keep, the first ones.
+
+    Returns:
+        (count, count).
+    """
     rest = information[count:, count:]
     cross = information[:count, count:]
     return np.asarray(information[:count, :count] - cross @ np.linalg.pinv(rest, hermitian=True) @ cross.T)

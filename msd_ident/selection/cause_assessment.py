@@ -48,7 +48,14 @@ class CauseAssessment:
 
 
 def noted(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:
-    """The ranking with what every set leaves, those of earlier rankings on a part of the data too."""
+    """The ranking with the residual that every fitted set leaves, in noise floors (``Ranking.left``).
+
+    Args:
+        ranking: sets that were fitted to ``experiment``.
+        experiment: the records.
+        before: earlier rankings, each with the part of the data that it was made on. A set that occurs again keeps the
+            value of the later ranking.
+    """
     left: dict[Causes, float] = {}
     for found, data in (*before, (ranking, experiment)):
         left |= {fitted.causes: math.sqrt(fitted.chi / data.evidence) for fitted in found.sets}

@@ -32,16 +32,22 @@ def search(
     progress: Progress,
     remembered: Sequence[Remembered] = (),
 ) -> Ranking:
-    """All sets by evidence: searched on every few samples, and what leads there refined and judged on all.
+    """Search for sets of causes on thinned samples, then refine and judge the leading sets on all samples.
 
-    A set far behind on a part of the data is further behind on all of it; but where mean forces between few samples
-    keep all sets from the noise, another cause may only have helped against them, and what is simpler is judged too.
-    Where the part saw nothing wrong any more and the whole does, or the part can not tell, the search goes on with the
-    whole.
+    A set that is far behind on a part of the data is further behind on all of it. If the part was simulated with the
+    mean force between its few samples, a cause may have helped only against the error of that; so simpler sets are
+    judged on all samples too. The search goes on with all samples if these show a misfit that the part does not show,
+    or if the part cannot tell.
 
     Args:
+        experiment: all samples.
         known: the base model and the one with Coulomb friction, fitted to all samples.
-        remembered: what explained less data, and is tried again.
+        progress: told about each set.
+        remembered: sets that explained a part of the data, each with its model and initial states; they are tried
+            again.
+
+    Returns:
+        All sets that were fitted to all samples, by evidence.
     """
     thin = experiment.thinned(SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):

@@ -36,7 +36,13 @@ _WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Errors on left-out data: SEE [m] of both models, reduction in per cent (eq. 15) and its 95 % interval."""
+    """Errors on left-out data.
+
+    Attributes:
+        see_base, see_extended: SEE of both models [m].
+        reduction_percent: SEE reduction [%], eq. 15.
+        interval_percent: its 95 % interval.
+    """
 
     see_base: float
     see_extended: float
@@ -90,7 +96,16 @@ def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> H
 
 
 def left_out(experiment: Experiment, fitted: Hypothesis, cuts: Sequence[FloatArray]) -> tuple[FloatArray, ...]:
-    """For each record the (n,) error [m] of predictions by fits that did not see the sample."""
+    """Errors of predictions of samples by fits that did not use them.
+
+    Args:
+        experiment: readings with their weights.
+        fitted: the set, fitted to all samples.
+        cuts: for each record the (n,) segment numbers that ``segments`` gives.
+
+    Returns:
+        For each record the (n,) errors model − data [m]; 0 for the samples that every fit uses.
+    """
     problem = fitted.problem
     errors = tuple(np.zeros(record.samples) for record in problem.records)
     for fold in range(FOLDS):
@@ -104,16 +119,31 @@ def left_out(experiment: Experiment, fitted: Hypothesis, cuts: Sequence[FloatArr
 
 
 def training(cut: FloatArray, fold: int) -> FloatArray:
-    """1 where a sample is fitted, 0 where it is predicted; the first hundredth of a record is always fitted."""
+    """Mask (n,) of a fold: 1 where a sample is fitted, 0 where it is predicted.
+
+    Args:
+        cut: (n,) segment number of each sample.
+        fold: number of the fold, 0 to ``FOLDS`` − 1. It predicts every ``FOLDS``-th segment. The first hundredth of the
+            record (at least 10 samples) is always fitted.
+    """
     mask = np.asarray(cut % FOLDS != fold, dtype=np.float64)
     mask[: max(10, cut.size // 100)] = 1.0
     return mask
 
 
 def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatArray]) -> FloatArray:
-    """Vector (p,) of the fit to the samples with mask 1, from where the fit to all samples ended.
+    """Fit to a part of the samples, from where the fit to all samples ended.
 
-    All entries move. What these samples do not tell at all (a stop that they do not reach) stays as it was.
+    All entries of the vector are free. What these samples do not determine (a stop that they do not reach) keeps its
+    value.
+
+    Args:
+        experiment: readings with their weights.
+        fitted: the set, fitted to all samples.
+        masks: for each record (n,): 1 where a sample is fitted, else 0.
+
+    Returns:
+        (p,) vector of the set's problem.
     """
     weighting = weigh(fitted.problem, experiment.readings, masks)
     kept = np.concatenate(masks)

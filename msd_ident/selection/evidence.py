@@ -86,12 +86,12 @@ CALLED = tuned(
 
 @dataclass(frozen=True)
 class NoiseScale:
-    """How what is left is counted.
+    """How the chi² of a set is turned into a likelihood.
 
     Attributes:
-        noise: chi² of nothing but noise.
+        noise: chi² that noise alone leaves.
         variance: v of the best set, in which information about parameters is stated.
-        shapes: ν; a search that looks for what helps at all counts more of them.
+        shapes: ν, the number of independent features of a model's error.
     """
 
     noise: float = 0.0
@@ -103,10 +103,12 @@ class NoiseScale:
         return 1.0 + max(chi - self.noise, 0.0) / self.shapes
 
     def log_likelihood(self, chi: float, stirred: float = 0.0) -> float:
-        """Log likelihood [nats] of a set that leaves ``chi``, but for a constant.
+        """Log likelihood [nats] of a set, except for a constant.
 
-        A model's error in motion says nothing of its error at rest: what the set makes of a cart that stands still,
-        ``stirred``, counts by itself.
+        Args:
+            chi: sum of squares that the set leaves in motion, in units of the noise.
+            stirred: the same at rest. It counts by itself, because a model's error in motion says nothing about its
+                error at rest.
         """
         at_rest = 1.0 + stirred / self.shapes
         return -0.5 * self.shapes * (math.log(self.spread(chi)) + math.log(at_rest))
@@ -125,7 +127,17 @@ class NoiseScale:
 
 
 def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes: float = SHAPES) -> NoiseScale:
-    """The scale of an experiment: the noise's chi², as it was estimated, or the least that a set leaves near it."""
+    """The noise scale of an experiment.
+
+    The chi² of the noise is the number of pieces of evidence. Where the best set leaves little more than that, or less,
+    it is the chi² of that set. Where the best set leaves less than half of it, the noise is overestimated and counts as
+    unknown (0).
+
+    Args:
+        sets: fitted sets.
+        readings: the records with their weights.
+        shapes: ν, the number of independent features of a model's error.
+    """
     pieces = sum(part.evidence for part in readings)
     least = min(fitted.chi for fitted in sets)
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
@@ -135,15 +147,28 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
 
 
 def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:
-    """Log evidence [nats] of a set, prior included."""
+    """Log evidence [nats] of a set: log likelihood, Occam factor and log prior.
+
+    Args:
+        fitted: the set.
+        scale: noise and number of features of the error.
+    """
     return scale.of(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
 
 
 def occam(fitted: Hypothesis, variance: float) -> float:
-    """What the parameters of a set's causes cost [nats], those of the plant and of the records unknown beside them.
+    """Occam factor of a set: what the parameters of its causes cost [nats], with those of plant and records unknown.
 
-    -½ log det C, with C their covariance in units of their prior widths. To each is added what a real rig's parameter
-    wanders by, as no law is exact (``LEAST_SPREAD``); but frequencies, pitches and phases are what they are.
+    It is −½ log det C, where C is the covariance of the causes' parameters in units of their prior widths (MacKay
+    1992). As no law is exact, ``LEAST_SPREAD``² is added to each variance, except for frequencies, pitches and phases
+    (``Effect.exact``).
+
+    Args:
+        fitted: the set.
+        variance: v, the variance of the model's error in units of the noise's.
+
+    Returns:
+        At least 0; 0 for a set without causes.
     """
     names = np.array(fitted.problem.names)
     own = np.isin(names, _own(fitted))
@@ -192,11 +217,16 @@ def prior_widths(fitted: Hypothesis) -> FloatArray:
 
 @dataclass(frozen=True)
 class Ranking:
-    """Sets by falling evidence, with their posterior probability (each in the order of ``sets``).
+    """Sets of causes by falling evidence.
 
-    ``left`` is what every set that was fitted leaves, in noise floors, those too that were searched on a part of the
-    data alone. ``further`` has the causes of a set that may be another form of its other laws, each with the part of
-    what those explain that it explains.
+    Attributes:
+        sets: the fitted sets.
+        evidence: log evidence [nats] of each.
+        probability: posterior probability of each.
+        left: residual that every fitted set leaves, in noise floors, also of those that were fitted to a part of the
+            data alone.
+        further: causes of a set that may be another form of its other laws, each with the part of what those explain
+            that it explains (``further_parts``).
     """
 
     sets: tuple[Hypothesis, ...]
@@ -271,9 +301,14 @@ def _simpler(causes: Causes) -> Iterator[Causes]:
 
 
 def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
-    """What each cause of a set explains beyond the others, as a part of what they explain (rms of the position).
+    """What each cause of a set explains beyond the other causes, as a part of what these explain.
 
-    Causes without which no set was fitted, and those whose others explain nothing, are left out.
+    For a set S and a cause c it is √((χ²(S − c) − χ²(S)) / (χ²(base) − χ²(S − c))). A cause is left out if the set
+    without it was not fitted or explains no more than the base model does.
+
+    Args:
+        causes: the set.
+        sets: all fitted sets by their causes.
     """
     base, found = sets.get(frozenset()), {}
     for name in causes if base is not None else ():
@@ -358,7 +393,16 @@ def _forms(causes: Causes) -> int:
 
 
 def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
-    """Causes that could stand for ``name`` in the leading set without the data objecting, likeliest first."""
+    """Causes that could replace one cause of the leading set, by falling evidence of the sets that contain them.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        name: a cause of the leading set.
+
+    Returns:
+        Causes of sets within ``DECISIVE`` of the leading one that lack ``name`` in any law but contain all its other
+        causes.
+    """
     kind, rest = by_name(name).cause(), kinds(ranking.best.causes - {name})
     found: list[str] = []
     for fitted in ranking.within(DECISIVE):

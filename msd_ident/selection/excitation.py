@@ -36,7 +36,13 @@ def poor(records: Sequence[Record], swing: float) -> bool:
 
 
 def changes(record: Record, swing: float) -> FloatArray:
-    """Quick rises (> 0) and falls (< 0) of a record's force, in its unit."""
+    """Quick changes of a record's force: rises > 0 and falls < 0, in its unit.
+
+    Args:
+        record: the measurement.
+        swing: period of the plant's oscillation [s]. A change is quick if it is larger than a tenth of the force's
+            range within a fixed part of this period.
+    """
     quick = _QUICK * swing
     count = min(int(np.ceil(record.duration / quick * _LOOKS)) + 1, 4 * record.samples)
     time = np.linspace(record.time[0], record.time[-1], count)

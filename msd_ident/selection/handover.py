@@ -1,8 +1,9 @@
 """The final model of a diagnosis: its causes, refitted to the least simulation error.
 
 Causes are found with each run of equal readings counted once, and each record in units of its own noise. A model is
-used to simulate, and is compared by its plain error (SEE, eq. 14), as an identification's is; so it is refitted by
-that: from where the diagnosis ended and, where this leaves more than an identification of the same records, from there.
+used for simulation and is compared by its SEE (eq. 14), as that of an identification is. So it is refitted to the least
+SEE, starting from the end of the diagnosis. If this leaves more than an identification of the same records does, a
+second fit starts from the identification.
 """
 
 from __future__ import annotations
@@ -21,7 +22,15 @@ from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Hypothesis
 
 
 def simulating(fitted: Hypothesis, shared: Shared) -> Solution:
-    """Where the plain sum of squares is least (half of it [m²]), near where a set ended or near the shared fit."""
+    """Refit of a set to the least plain sum of squares, from its own values and, where needed, from the shared fit.
+
+    Args:
+        fitted: the set as the diagnosis fitted it.
+        shared: the fits of an identification of the same records.
+
+    Returns:
+        The solution with the smaller SEE; its cost is half the sum of squares [m²].
+    """
     problem, objective = fitted.problem, SquaredError(fitted.problem)
     best = minimise(objective, fitted.point, limits(problem))
     known = _comparable(fitted, shared)

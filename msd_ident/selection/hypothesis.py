@@ -75,11 +75,14 @@ NOISE_ERROR = 2.0 * FLOOR_ERROR
 
 @dataclass(frozen=True)
 class Experiment:
-    """The data and what the base model is: what every candidate shares.
+    """The data and the base model, which all candidate sets share.
 
-    ``fixed`` are the base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
-    ``rests`` are stretches of the records in which the cart stands still, and which the fits leave out. ``asked`` are
-    the only causes in question, where not all of the library are.
+    Attributes:
+        readings: the records with their weights.
+        base: the base model.
+        fixed: base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
+        rests: stretches of the records in which the cart stands still, which the fits leave out.
+        asked: the only causes in question; None for all of the library.
     """
 
     readings: tuple[Readings, ...]
@@ -94,16 +97,21 @@ class Experiment:
         return sum(part.evidence for part in self.readings)
 
     def worse(self, chi: float, times: float) -> float:
-        """The chi² whose error along ``SOUGHT`` shapes has so many times the variance of that which leaves ``chi``.
+        """The chi² of a set whose error has ``times`` the variance of another set's, along ``SOUGHT`` features.
 
-        What is left above the noise by less than the noise's own error is noise.
+        Args:
+            chi: chi² of the other set. What it leaves above the noise by less than the uncertainty of the noise counts
+                as noise.
+            times: factor on the variance.
         """
         above = max(chi - (1.0 + NOISE_ERROR) * self.evidence, 0.0)
         return chi + (times - 1.0) * (SOUGHT + above)
 
     def thinned(self, keep: int) -> Experiment:
-        """The same with about ``keep`` samples in all: every few, but ``A_SWING`` of them or more in each swing, and
-        where that are too many still, a stretch of a record that goes on in the same way.
+        """The same experiment with about ``keep`` samples in all.
+
+        Every n-th sample is kept, but at least ``A_SWING`` samples in each swing. If these are still too many, only a
+        stretch of a record that goes on in the same way is kept.
         """
         total = sum(part.record.samples for part in self.readings)
         swing = 2.0 * math.pi * self.typical.time
@@ -164,7 +172,12 @@ class Experiment:
         return magnitudes(self.records, self.base.mass)
 
     def problem(self, model: Model, held: frozenset[str] = frozenset()) -> Problem:
-        """The fitting problem of a model on these records, the parameters ``held`` as the model has them."""
+        """The fitting problem of a model on these records.
+
+        Args:
+            model: structure, and the values of what is not fitted.
+            held: further parameters that keep the model's values.
+        """
         fixed = self.fixed | held | switched_off(model)
         return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
 
@@ -189,7 +202,13 @@ def formulated(
 
 
 def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
-    """A problem in units of the noise, each run of equal readings counted once; samples with mask 0 left out."""
+    """A problem in units of the noise, with each run of equal readings counted once.
+
+    Args:
+        problem: model and records.
+        readings: the same records with their weights.
+        masks: for each record (n,): 0 for samples to leave out, else 1; None for all samples.
+    """
     if masks is None:
         return Weighting(problem, tuple(part.root for part in readings))
     factors = [part.factor * mask for part, mask in zip(readings, masks, strict=True)]
@@ -198,9 +217,15 @@ def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatA
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A set of causes, fitted: the model, its problem, and the state in which the descent ended.
+    """A fitted set of causes.
 
-    ``readings`` are those it was fitted to, ``rests`` those of the cart at rest.
+    Attributes:
+        causes: names of the set.
+        model: the fitted model.
+        problem: the fitting problem.
+        state: point, residual and Jacobian where the search ended.
+        readings: what it was fitted to.
+        rests: stretches in which the cart stands still, which the fit left out.
     """
 
     causes: Causes
@@ -288,10 +313,15 @@ def imitated(model: Model, *, alike: bool = False) -> dict[Causes, Model]:
 
 @dataclass(frozen=True)
 class StartingPoint:
-    """Where a set may start, and the chi² that the first Gauss–Newton step from there promises.
+    """A start of a set.
 
-    A start is judged by its promise, not by where it stands: a guess of the wrong size but the right shape is a good
-    one. ``beside`` is the chi² of the smaller set next to which it stands.
+    A start is judged by the chi² that its first Gauss–Newton step predicts, not by its own: a guess of the right shape
+    but the wrong size is a good one.
+
+    Attributes:
+        promise: the predicted chi².
+        fitted: the set at the start.
+        beside: chi² of the smaller set from which the start was made.
     """
 
     promise: float
@@ -310,8 +340,15 @@ class StartingPoint:
 
 
 def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
-    """A few steps down from the most promising start of a set, and from others that promise less than ``reach``; the
-    best first.
+    """A few steps down from the most promising starts of a set.
+
+    Args:
+        experiment: readings with their weights.
+        found: starts by rising ``promise``; the first one is always followed.
+        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``).
+
+    Returns:
+        The sets as they are after these steps, by rising chi².
     """
     kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
     ahead = [_lower(experiment, fitted, LOOK) for fitted in kept]
@@ -322,7 +359,9 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     """The best of a set's beginnings, refined.
 
     Args:
-        least: chi² of the best set so far: a set that stays far above it is not refined to the last digit.
+        experiment: readings with their weights.
+        begun: result of ``begin``.
+        least: chi² of the best set so far; a set that stays far above it is not refined to full precision.
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
@@ -406,7 +445,12 @@ def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
-    """The same with a Jacobian computed at its very point, after a last step with it."""
+    """The same set with a Jacobian that is computed at its point, after a last step with it.
+
+    Args:
+        experiment: readings with their weights.
+        fitted: returned as it is if its Jacobian is exact already.
+    """
     if fitted.state.exact:
         return fitted
     weighting = weigh(fitted.problem, experiment.readings)
@@ -433,10 +477,17 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
 
 
 def without(fitted: Hypothesis, name: str) -> tuple[Model, tuple[Initial, ...]]:
-    """A fitted model without one of its effects, the other parameters moved as the effect fades.
+    """A fitted model without one of its effects; the other parameters are moved so that the residual changes least.
 
-    With sensitivities J of the residual, the strengths r go to their neutral values by Δr, and the others o follow by
-    Δo = -(Jo Jo')⁻¹ Jo Jr' Δr, which keeps the residual as it is as far as they can.
+    With the sensitivities J of the residual, the removed parameters r go to their neutral values by Δr, and the others
+    o follow by Δo = −(Jo Joᵀ)⁻¹ Jo Jrᵀ Δr.
+
+    Args:
+        fitted: the set.
+        name: one of its effects.
+
+    Returns:
+        The model, and the initial state and zero of each record.
     """
     problem, point = fitted.problem, fitted.point
     fade = np.zeros(point.size)

@@ -6,7 +6,13 @@ from msd_ident.model import Model
 
 
 def sentences(model: Model, forced: bool, gain_known: bool) -> tuple[str, ...]:
-    """The identities that concern a model's causes."""
+    """Sentences on what no data of this kind can tell apart in a model.
+
+    Args:
+        model: its effects give their own sentences.
+        forced: whether any force acts in the data.
+        gain_known: whether the force is known in newtons.
+    """
     said = [effect.same_as_beside(model) for effect in model.effects] + [e.same_as(model) for e in model.effects]
     said = [sentence for sentence in said if sentence]
     if not forced:

@@ -40,10 +40,19 @@ def leading(ranking: Ranking) -> Ranking:
 
 
 def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tuple[Ranking, Hypothesis, HeldOut]:
-    """The leading set that predicts left-out data better than the base, or the base itself, and the ranking then.
+    """The leading set that predicts left-out data better than the base model, or the base model.
 
-    A set that does not is no explanation: the ranking is without it. Where the base leads, only because few
-    independent samples are left to speak against it, the likeliest set stands when it predicts better beyond doubt.
+    A set that does not is dropped from the ranking, and the next one is tried, ``KEPT`` times at most. If the base
+    model leads, the likeliest set with causes replaces it when the interval of its gain is above 0.
+
+    Args:
+        experiment: readings with their weights.
+        base: the fitted base model.
+        ranking: sets by evidence, the leading one first.
+
+    Returns:
+        The ranking without the dropped sets (as it was, if the base model is chosen), the chosen set, and its
+        prediction of left-out data.
     """
     if not ranking.best.causes and len(ranking.sets) > 1:
         likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
@@ -65,14 +74,24 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
 
 
 def margin(ranking: Ranking, named: Causes) -> float:
-    """Least probability of a named cause, less the greatest of one that is not; infinite where none is named."""
+    """Least probability of a named cause, minus the greatest probability of a cause that is not named.
+
+    Args:
+        ranking: sets with their probabilities.
+        named: the named causes; the result is infinite if there are none.
+    """
     others = evidence.kinds(_all(ranking.sets)) - evidence.kinds(named)
     least = min((ranking.of_cause(name) for name in named), default=math.inf)
     return least - max((ranking.of_cause(name) for name in others), default=0.0)
 
 
 def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
-    """The ranking without one of its sets, the probabilities those given that it is not the right one."""
+    """The ranking without one of its sets; the other probabilities are scaled to the sum 1.
+
+    Args:
+        ranking: sets with their probabilities.
+        refused: the set to drop, the very object of the ranking.
+    """
     kept = [i for i, one in enumerate(ranking.sets) if one is not refused]
     total = sum(ranking.probability[i] for i in kept)
     return replace(
@@ -84,9 +103,14 @@ def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
 
 
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
-    """Causes that could stand for ``name`` of the leading set: with its other causes, or in a set of their own.
+    """Causes that could stand for a cause of the leading set: with its other causes, or in a set of their own.
 
-    The latter count where ``name`` is not certain; a cause that is left out though it is more probable always does.
+    Those in a set of their own count only if ``name`` is not certain. A cause that is left out although it is more
+    probable always counts.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        name: a cause of the leading set.
     """
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(evidence.alternatives(ranking, name))

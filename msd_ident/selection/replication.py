@@ -46,14 +46,14 @@ class Explanation:
 
 @dataclass(frozen=True)
 class Study:
-    """What all copies share.
+    """What all copies of an experiment share.
 
     Attributes:
         experiment: the measured one, asked about the causes of the leading explanations alone.
-        thin: a part of its samples, on which strengths by lot are brought to the record.
+        thin: a part of its samples, on which strengths drawn by lot are adjusted to the record.
         lead: the leading set.
         plain: the base model and the one with Coulomb friction, fitted: where a copy's diagnosis begins.
-        scale: in which parameters are known.
+        scale: gives the variance in which parameters are known.
         disturbed: what is added to a copy's motion.
     """
 
@@ -65,7 +65,16 @@ class Study:
     disturbed: Disturbed
 
     def copy(self, of: Explanation, number: tuple[int, int]) -> tuple[Imagined, tuple[Record, ...]]:
-        """One copy of an explanation: the rig that is imagined, and its records."""
+        """One copy of an explanation.
+
+        Args:
+            of: the explanation; its parameters are drawn from their posterior, or its strengths by lot if it was not
+                fitted.
+            number: index of the explanation and of the copy, from which the random numbers follow.
+
+        Returns:
+            The drawn set and its simulated records.
+        """
         rng = np.random.default_rng([seeds.CALIBRATION, *number])
         if of.fitted is not None:
             found = drawn(of.fitted, self.scale, rng)
@@ -92,8 +101,14 @@ def _silent(stage: str, fraction: float, cause: str) -> None:
 
 
 def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
-    """The leading set; for each of its causes what comes near without it, other laws of its family, and nothing in its
-    place.
+    """The explanations to copy: the leading set, and for each of its causes the sets that could stand in its place.
+
+    Those are the best sets within ``NEAR`` without the cause, the leading set with another law of the cause's family in
+    its place, and the leading set without it.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        library: names of the causes that can act in the experiment.
     """
     lead = ranking.best
     fitted = {one.causes: one for one in ranking.sets}
@@ -126,10 +141,20 @@ def _family(cause: str, library: Sequence[str]) -> list[str]:
 def checked(
     experiment: Experiment, base: Hypothesis, ranking: Ranking, asked: bool, progress: Progress
 ) -> tuple[Ranking, Calibration | None]:
-    """The ranking as copies of the experiment correct it, and their matrix.
+    """The ranking as corrected by copies of the experiment, and their confusion matrix.
 
-    The ranking is left as it is, without a matrix, where no cause is named; and unless ``asked`` where the experiment
-    is not poor or the copies would cost more than ``_CHEAP``.
+    No copies are made if no cause is named. Unless ``asked``, none are made either if the experiment is not poor or if
+    they cost more than ``_CHEAP``.
+
+    Args:
+        experiment: the measured records.
+        base: the fitted base model.
+        ranking: sets by evidence, the leading one first.
+        asked: whether the user asked for copies.
+        progress: told about each copy.
+
+    Returns:
+        The corrected ranking and the matrix; the ranking as it was and None if no copies were made.
     """
     if not ranking.best.causes:
         return ranking, None
@@ -170,9 +195,15 @@ def _poor(experiment: Experiment, base: Hypothesis) -> bool:
 
 
 def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[int]) -> float:
-    """Samples simulated for each trial of a set, times sets, of all copies' searches: counted, never measured.
+    """Estimated work of the searches of all copies: samples simulated for each trial of a set, times number of sets.
 
-    A search tries each cause alone and beside the leaders: about the square of how many are asked for.
+    A search tries each cause alone and beside the leading ones, which is about the square of the number of causes asked
+    about.
+
+    Args:
+        experiment: the measured records.
+        rows: the explanations.
+        counts: copies of each.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
     samples = SAMPLES + sum(part.record.samples for part in experiment.readings)

@@ -1,8 +1,8 @@
 """Rest before the first push as a constraint, for models that the samples alone do not determine.
 
-After one step from an unknown zero, all forces and the zero may grow together without a sample objecting: the cart
-swings about where the step leaves it, and what that is to the relaxed spring nobody sees. That it stood at rest before
-says it (``estimate.formulation``: spring and offset cancelled, within what friction holds).
+After one step from an unknown zero, all forces and the zero can be scaled together without changing a sample: the cart
+swings about the place where the step leaves it, and the distance from there to the relaxed spring is not measured. Rest
+before the step determines it: spring and offset cancelled, within what friction holds (``estimate.formulation``).
 """
 
 from __future__ import annotations
@@ -33,7 +33,13 @@ def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
 
 
 def information(problem: Problem, point: FloatArray, known: Sequence[RestConstraint]) -> FloatArray:
-    """(p, p) information that rest adds."""
+    """Information (p, p) that rest at the start of records adds.
+
+    Args:
+        problem: model and records.
+        point: (p,) vector at which it is computed.
+        known: the constraints, as ``rest_constraints`` gives them.
+    """
     added = np.zeros((problem.size, problem.size))
     for balance in known:
         _, slope = problem.imbalance(point, balance)
@@ -42,11 +48,16 @@ def information(problem: Problem, point: FloatArray, known: Sequence[RestConstra
 
 
 def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequence[RestConstraint]) -> Hypothesis:
-    """The same set where rest at the start agrees too, as far as the samples let it.
+    """The same set, moved so that it also agrees with rest at the start, as far as the samples allow it.
 
-    On the very edge of sticking a start may gain a little from the noise, and seems sharp: one step further the cart
-    would creep. Inside, all starts are as good, and there are many more of them: the middle is taken unless the samples
-    object.
+    At the edge of sticking a start may fit the noise a little better and seem sharply determined. Inside the range of
+    sticking all starts are equally good, and there are many more of them. So the middle of that range is taken unless
+    its chi² is larger by twice ``DECISIVE``.
+
+    Args:
+        fitted: the set.
+        readings: the records with their weights.
+        known: the constraints, as ``rest_constraints`` gives them.
     """
     problem = fitted.problem
     if _pull(problem, fitted.point, known) < MOST_OF**2:

@@ -43,9 +43,17 @@ _WEAK = tuned(
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
-    """Models to start from: the parent's values, with guesses for the effects that it lacks.
+    """Models to start a set from: the values of a smaller fitted set, with guesses for the effects that it lacks.
 
-    A parent's Coulomb friction that is not among the causes becomes the law that holds it as a limit.
+    Coulomb friction of the parent that is not among the causes is replaced by the law that holds it as a limit.
+
+    Args:
+        experiment: readings with their weights.
+        causes: names of the set.
+        parent: a fitted set.
+
+    Returns:
+        A model for each combination of guesses; none if a cause needs a spring and the parent has none.
     """
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
@@ -81,10 +89,12 @@ def _hung(model: Model, name: str, start: SecondMass) -> Model:
 
 
 def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis]) -> list[StartingPoint]:
-    """Starts of a set, the most promising first; empty when there is none.
+    """Starts of a set, the most promising first: the best few next to smaller fitted sets, and those by regression.
 
-    The best few next to the parents, and those by regression beside them: neither kind's promises may crowd out the
-    other's.
+    Args:
+        experiment: readings with their weights.
+        causes: names of the set.
+        parents: smaller fitted sets, at least one.
     """
     found = []
     near = [starts(experiment, causes, parent) for parent in parents]
@@ -129,9 +139,17 @@ def _weakened(model: Model, names: Causes) -> Model:
 def regressions(
     experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis], models: Sequence[Model]
 ) -> list[StartingPoint]:
-    """Starts by linear regression on the equation of motion, where the base model is so far off that no start next to
-    it leads anywhere; the two that simulate best. Nearer to the noise only where one regression gives them all.
-    What does not come linear is tried as ``models`` next to the first parent have it.
+    """The two best starts by linear regression on the equation of motion.
+
+    They are made only next to the base model and only if it is so far from the data that a start next to it leads
+    nowhere. Nearer to the noise they are made only if all parameters enter linearly. Parameters that do not enter
+    linearly have the values of ``models``.
+
+    Args:
+        experiment: readings with their weights.
+        causes: names of the set.
+        parents: fitted sets; there are no regressions if the first one has causes.
+        models: models of the set, from ``starts`` with the first parent.
     """
     beside = min(parent.chi for parent in parents)
     left = math.sqrt(beside / experiment.evidence)

@@ -61,7 +61,12 @@ class FittedRecord:
 
 
 def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
-    """Starting values of the effect with this name, beside a fitted model."""
+    """Starting values of an effect beside a fitted model.
+
+    Args:
+        name: of the effect.
+        fitted: a record and the residual that the fitted model leaves in it.
+    """
     effect, plant, record = by_name(name), fitted.plant, fitted.record
     if effect.harmonic is not None and not effect.form_of:
         over_time = effect.harmonic.over == TIME
@@ -79,10 +84,19 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
 
 
 def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> list[Term]:
-    """Ripples along the way at the pitches that explain most of the force which the fitted model lacks.
+    """Starting values of a harmonic force over position, at the pitches that explain most of the missing force.
 
-    That force is smoothed from the residual, and taken clean of what mass, spring, damper, friction and offset could
-    still take up. One regression on sine and cosine for each pitch.
+    The missing force is smoothed from the residual. What mass, spring, damper, friction and offset could take up is
+    projected out. Then sine and cosine are regressed on it for each pitch.
+
+    Args:
+        record: positions from the relaxed spring.
+        plant: mass, damping and stiffness of the fitted model.
+        residual: (n,) model − data [m].
+        noise: standard deviation of a reading [m].
+
+    Returns:
+        At most ``KEPT`` triples of amplitude [N], pitch [m] and phase [rad].
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
     lacking = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
@@ -111,9 +125,18 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
 
 
 def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
-    """Disturbances at the strongest lines of a residual, as large as the plant's impedance says.
+    """Starting values of a harmonic force over time, at the strongest lines of a residual's spectrum.
 
-    What a model without the disturbance leaves is the plant's response to it: A·sin(ωt + φ) / (k − mω² + ibω).
+    The residual is the plant's response to the disturbance, A·sin(ωt + φ) / (k − mω² + ibω), so the amplitude follows
+    from the plant's impedance.
+
+    Args:
+        record: gives the stamps.
+        plant: mass, damping and stiffness of the fitted model.
+        residual: (n,) model − data [m].
+
+    Returns:
+        At most ``KEPT`` triples of amplitude [N], angular frequency [rad/s] and phase [rad].
     """
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)

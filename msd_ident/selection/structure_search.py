@@ -77,7 +77,17 @@ class Search:
     told: float = 0.0
 
     def run(self, base: Hypothesis, known: Sequence[Hypothesis] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
-        """Search from the base model, from sets that are fitted already, and from what stood on less data."""
+        """Search from the base model.
+
+        Args:
+            base: the base model, fitted.
+            known: further fitted sets.
+            remembered: sets that explained a part of the data, each with its model and initial states; they are refined
+                on all of it.
+
+        Returns:
+            All fitted sets by evidence.
+        """
         for fitted in (base, *known):
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)

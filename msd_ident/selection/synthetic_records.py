@@ -45,7 +45,13 @@ class Imagined:
 
 
 def drawn(fitted: Hypothesis, scale: NoiseScale, rng: np.random.Generator) -> Imagined:
-    """A fitted set with parameters from their posterior (Laplace's, inside the bounds)."""
+    """A fitted set with parameters drawn from their posterior (Laplace's approximation, clipped to the bounds).
+
+    Args:
+        fitted: the set.
+        scale: gives the variance of the model's error.
+        rng: draws the parameters.
+    """
     size, variance = prior_widths(fitted), scale.spread(fitted.chi)
     information = fitted.information * np.outer(size, size) / variance + np.eye(size.size)
     values, frame = np.linalg.eigh(information)
@@ -125,7 +131,12 @@ def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -
 
 
 def whole(experiment: Experiment, found: Imagined) -> Imagined:
-    """The same on all samples, where it was found on a part of them."""
+    """The same set on all samples of the experiment.
+
+    Args:
+        experiment: all samples.
+        found: the set, drawn on a part of them.
+    """
     model = found.problem.model.with_values(found.problem.values(found.point))
     initial: Sequence[Initial] = found.problem.initials(found.point)
     problem, _, point = formulated(experiment, model, initial)
@@ -147,12 +158,22 @@ class Disturbed:
 
     @classmethod
     def by(cls, lead: Hypothesis, readings: tuple[Readings, ...]) -> Disturbed:
-        """As the leading explanation says."""
+        """The disturbance of copies, from what the leading explanation leaves.
+
+        Args:
+            lead: the leading set. Its residual is used unless it is no more than white noise.
+            readings: the records with their weights.
+        """
         residuals = lead.residuals()
         return cls(readings, None if judge(residuals, readings).consistent else residuals)
 
     def copy(self, imagined: Imagined, rng: np.random.Generator) -> tuple[Record, ...]:
-        """The records as they might have been; ``rng`` draws noise and phases."""
+        """Simulated records with noise, rounded as the encoder does.
+
+        Args:
+            imagined: the set whose motion is simulated.
+            rng: draws the noise, or the phases of the residual.
+        """
         made = []
         for index, (part, off) in enumerate(zip(self.readings, imagined.residuals(), strict=True)):
             if self.left is None:
@@ -180,7 +201,12 @@ def _unrounded(error: FloatArray, step: float) -> FloatArray:
 
 
 def shuffled(error: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """A signal (n,) with the same spectrum, its mean square too, and random phases."""
+    """A phase-randomised surrogate of a signal: the same amplitude spectrum, random phases (Theiler et al. 1992).
+
+    Args:
+        error: (n,) signal.
+        rng: draws the phases.
+    """
     lines = np.fft.rfft(error)
     phases = rng.uniform(0.0, 2.0 * np.pi, lines.size)
     turned = lines * np.exp(1j * phases)
