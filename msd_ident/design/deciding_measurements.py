@@ -1,4 +1,4 @@
-"""What no profile can part, and the measurement that would."""
+"""The measurement that distinguishes explanations which no force profile can distinguish."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ WEIGH = "weigh the cart, or add a known mass and repeat: mass, damping, stiffnes
 
 
 def measurement(one: CandidateModel, other: CandidateModel) -> str:
-    """What to measure to tell two explanations apart that no profile parts."""
+    """What to measure to distinguish two explanations that no profile distinguishes, in words.
+
+    Args:
+        one, other: the explanations; the causes in which they differ say how they are measured
+            (``Effect.measured_by``).
+    """
     apart = sorted({*one.causes} ^ {*other.causes})
     if Offset.name in apart:
         return Offset.measured_by

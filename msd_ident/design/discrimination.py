@@ -1,4 +1,4 @@
-"""How well a profile parts rivals: what is left of their difference when each may refit what it does not know.
+"""How well a profile distinguishes rivals: what is left of their difference when each refits its unknown parameters.
 
 Rival A predicts the readings y_A, rival B the readings y_B with Jacobian J_B. If A is true, B's parameters will be
 refitted to A's readings, held back only by what the measured data says about them (information P_B), so that what is
@@ -35,12 +35,12 @@ _UNKNOWN = fixed(
 
 @dataclass(frozen=True)
 class Discrimination:
-    """How well a profile parts rivals.
+    """How well a profile distinguishes r rivals.
 
     Attributes:
         chi: (r, r) mean chi² left when the row is true and the column refitted.
         decided: (r,) probability that each rival, if true, beats all others decisively.
-        probability: of a decision, over what is true.
+        probability: of a decision, over the probabilities of the rivals.
     """
 
     chi: FloatArray
@@ -53,12 +53,23 @@ class Discrimination:
 
 
 def weights(prediction: Prediction, on: Grid, seen: Sensing) -> FloatArray:
-    """(n,) weight over noise squared of each instant, for the real samples that it stands for."""
+    """Weights (n,) [1/m²] of the instants of a grid: weight over noise squared, for the samples that each stands for.
+
+    Args:
+        prediction: gives the speeds.
+        on: the grid.
+        seen: noise, encoder step and sample period of the rig.
+    """
     return np.asarray(seen.weight(prediction.speed) * (on.each / seen.noise**2))
 
 
 def prior(predictor: Predictor, noise: float) -> FloatArray:
-    """(p + 2, p + 2) information before the profile is played."""
+    """Information (p + 2, p + 2) about a rival's parameters, start position and zero before the profile is played.
+
+    Args:
+        predictor: the rival; its p free parameters have the information from the measured data.
+        noise: standard deviation of a reading [m], from which the large uncertainty of start position and zero follows.
+    """
     count = predictor.point.size
     matrix = np.zeros((count + NUISANCES,) * 2)
     matrix[:count, :count] = predictor.precision
@@ -68,13 +79,13 @@ def prior(predictor: Predictor, noise: float) -> FloatArray:
 
 @dataclass(frozen=True)
 class Refit:
-    """A rival's refit to readings with weights (n,): what it hides.
+    """A linear refit of a rival, which removes a part of the difference between readings.
 
     Attributes:
         jacobian: (p + 2, n) of the rival.
-        weight: (n,).
+        weight: (n,) weight over noise squared [1/m²].
         factor: lower Cholesky factor of its information after the profile, in units of ``size``.
-        size: (p + 2,).
+        size: (p + 2,) roots of the diagonal of that information.
     """
 
     jacobian: FloatArray
@@ -91,7 +102,13 @@ class Refit:
 
 
 def refit(jacobian: FloatArray, weight: FloatArray, before: FloatArray) -> Refit:
-    """A refit held back by the information ``before`` (p + 2, p + 2)."""
+    """Linear refit of a rival to readings.
+
+    Args:
+        jacobian: (p + 2, n) of the rival's readings with its free parameters, start position and zero.
+        weight: (n,) weight over noise squared [1/m²].
+        before: (p + 2, p + 2) information before the profile is played.
+    """
     matrix = (jacobian * weight) @ jacobian.T + before
     size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scaled = matrix / np.outer(size, size)
@@ -100,7 +117,12 @@ def refit(jacobian: FloatArray, weight: FloatArray, before: FloatArray) -> Refit
 
 
 def occam(predictor: Predictor, information: FloatArray) -> float:
-    """Log of the share of the plausible parameter space that is left [nats], below 0 (``evidence.log_evidence``)."""
+    """Logarithm of the share of the plausible parameter space that is left [nats]; below 0.
+
+    Args:
+        predictor: the rival, which gives the natural sizes of its p free parameters.
+        information: (p, p) about these parameters.
+    """
     scale = predictor.contender.scale
     matrix = information * np.outer(scale, scale)
     matrix[np.diag_indices_from(matrix)] += 1.0
@@ -109,7 +131,13 @@ def occam(predictor: Predictor, information: FloatArray) -> float:
 
 
 def sharpened(predictor: Predictor, prediction: Prediction, weight: FloatArray) -> FloatArray:
-    """(p, p) information about the free parameters after a profile, start position and zero eliminated."""
+    """Information (p, p) about the free parameters after a profile, with unknown start position and zero.
+
+    Args:
+        predictor: the explanation, with its information from the measured data.
+        prediction: its readings on the profile's grid, with their Jacobian.
+        weight: (n,) weight over noise squared [1/m²].
+    """
     rows = prediction.jacobian
     matrix = (rows * weight) @ rows.T
     count = predictor.point.size
@@ -126,14 +154,14 @@ def discriminate(
     seen: Sensing,
     shares: FloatArray | None = None,
 ) -> Discrimination:
-    """How well readings on a grid part rivals, as long as nobody says how probable each is (``asked``).
+    """How well readings on a grid distinguish rivals; for their own probabilities see ``Discrimination.asked``.
 
     Args:
         predictors: the r rivals.
         predictions: of each, on the grid.
         on: the instants of the readings.
-        seen: what the encoder sees.
-        shares: (r, r) part of chi² that a real refit leaves of what the linear one does; 1 where not given.
+        seen: noise, encoder step and sample period of the rig.
+        shares: (r, r) part of the chi² of a linear refit that a real refit leaves; 1 if None.
     """
     count = len(predictors)
     kept = np.ones((count, count)) if shares is None else shares
@@ -159,7 +187,12 @@ def discriminate(
 
 
 def differences(true: Prediction, rival: Prediction) -> FloatArray:
-    """(1 + p, n) difference of the readings, and how it goes with the true one's free parameters."""
+    """Difference (1 + p, n) between the readings of two rivals, and its derivatives by the true one's free parameters.
+
+    Args:
+        true: prediction of the rival that is taken as true, with p free parameters.
+        rival: prediction of the other one.
+    """
     return np.concatenate([(true.position - rival.position)[None, :], true.jacobian[:-NUISANCES]])
 
 

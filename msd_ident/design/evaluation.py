@@ -1,4 +1,4 @@
-"""Judging profiles of a family: made as strong as the limits allow, predicted by every rival, and compared."""
+"""Evaluation of profiles: scaled to the limits, predicted by every rival, and compared."""
 
 from __future__ import annotations
 
@@ -31,9 +31,16 @@ ENOUGH = tuned(
 
 @dataclass(frozen=True)
 class Option:
-    """A profile, what each rival predicts for it, and how well it parts them.
+    """A profile, the readings that each of r rivals predicts for it, and how well it distinguishes them.
 
-    ``shares`` (r, r) is the part of chi² that real refits leave; 1 as long as nobody looked.
+    Attributes:
+        profile: scaled to the limits.
+        grid: instants of the predictions.
+        predictions: of each rival.
+        parting: how well the profile distinguishes the rivals.
+        travel: least and greatest reading from the start [m].
+        peak_speed: [m/s].
+        shares: (r, r) part of the chi² of a linear refit that a real refit leaves; 1 where no real refit was made.
     """
 
     profile: Profile
@@ -61,7 +68,13 @@ class Option:
 class Question:
     """What is to be decided, on which rig.
 
-    ``cautions`` are no rivals; but what is played must be safe under them too.
+    Attributes:
+        predictors: the r rivals.
+        truths: (r,) probability of each.
+        sensing: noise, encoder step and sample period of the rig.
+        limits: what the rig allows.
+        period: the plant's period [s].
+        cautions: models that are no rivals, but under which a profile must stay within the limits too.
     """
 
     predictors: tuple[Predictor, ...]
@@ -76,7 +89,15 @@ class Question:
         contenders: Sequence[CandidateModel], truths: Sequence[float], seen: Sensing, limits: Limits,
         records: Sequence[Record] = (),
     ) -> Question:  # fmt: skip
-        """The question which of these is true, each with its probability, after ``records`` were measured."""
+        """The question which of several explanations is true.
+
+        Args:
+            contenders: the explanations, the leading one first.
+            truths: probability of each.
+            seen: noise, encoder step and sample period of the rig.
+            limits: what the rig allows.
+            records: what was measured; with them, profiles must be safe for an actuator that saturated there too.
+        """
         predictors = tuple(Predictor(one, 10.0 * seen.noise) for one in contenders)
         stronger = safety.worst_case_actuator(contenders[0], records) if records else None
         cautions = () if stronger is None else (Predictor(stronger, 10.0 * seen.noise),)
@@ -94,7 +115,12 @@ class Question:
 
 
 def period_of(contender: CandidateModel, limits: Limits) -> float:
-    """The plant's own period [s]; of an axis without spring, a part of what its damping or the limits allow."""
+    """Period of the plant [s]; without a spring twice m/b, or a tenth of the longest experiment if that is shorter.
+
+    Args:
+        contender: gives mass, damping and stiffness.
+        limits: give the longest experiment.
+    """
     model = contender.model
     if model.stiffness > 0.0:
         return 2.0 * math.pi * math.sqrt(model.mass / model.stiffness)
@@ -103,12 +129,22 @@ def period_of(contender: CandidateModel, limits: Limits) -> float:
 
 
 def options(question: Question, profiles: Sequence[Profile]) -> list[Option]:
-    """Every profile that has room within the limits, made as strong as they allow, and judged."""
+    """Profiles that fit within the limits, scaled to them and evaluated.
+
+    Args:
+        question: rivals and limits.
+        profiles: of unit force; those that do not fit are left out.
+    """
     return [found for found in each(partial(_option, question), profiles) if found is not None]
 
 
 def family_of(question: Question, unit: str = "N") -> list[Profile]:
-    """The family in the plant's own time, the shortest first."""
+    """The family of profiles for a plant, the shortest first.
+
+    Args:
+        question: gives the plant's period and the longest experiment.
+        unit: of the force.
+    """
     made = family(TimeScale(question.period, question.limits.duration), unit)
     return sorted(made, key=lambda profile: profile.duration)
 
@@ -129,7 +165,12 @@ def _option(question: Question, unit: Profile) -> Option | None:
 
 
 def judge(question: Question, profile: Profile) -> Option:
-    """What the rivals predict for a profile, and how well it parts them."""
+    """Predictions of the rivals for a profile, and how well it distinguishes them by linear refits.
+
+    Args:
+        question: the rivals with their probabilities.
+        profile: as it would be played.
+    """
     on = grid(profile, question.period, question.sensing)
     predictions = tuple(one.predict(on.record) for one in question.predictors)
     parting = discrimination.discriminate(question.predictors, predictions, on, question.sensing)
@@ -139,7 +180,13 @@ def judge(question: Question, profile: Profile) -> Option:
 
 
 def judge_again(question: Question, option: Option, kept: FloatArray) -> Option:
-    """The same option when real refits leave only this part (r, r) of what linear ones do."""
+    """The option evaluated with real refits of the rivals.
+
+    Args:
+        question: the rivals with their probabilities.
+        option: the option as ``judge`` gave it.
+        kept: (r, r) part of the chi² of a linear refit that a real refit leaves (``rival_refits.shares``).
+    """
     parting = discrimination.discriminate(
         question.predictors, option.predictions, option.grid, question.sensing, kept
     ).asked(question.truths)

@@ -1,8 +1,8 @@
-"""What could still hide: effects that the measured data would not show, as rivals of the explanation that stands.
+"""Effects that the measured data would not show, as rivals of the leading explanation.
 
-One step of one amplitude fits perfectly although the actuator's gain bends, the spring has play or a force offset acts:
-the plant's parameters take the blame. For each effect of the library this finds the size at which the data would just
-begin to object, with the plant refitted around it; those that may be of any size worth knowing become rivals.
+A step of one amplitude is fitted perfectly although the actuator's gain is nonlinear, the spring has play or a force
+offset acts: the plant's parameters take up the difference. For each effect of the library this finds the largest size
+that the data does not contradict, with the plant refitted. Effects that may have a size worth knowing become rivals.
 """
 
 from __future__ import annotations
@@ -35,7 +35,12 @@ _PLAYS = tuple(0.5**n for n in range(KEPT + 1))
 
 
 def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
-    """The explanation that stands first, then one rival for each effect that may hide behind it; alone if none may."""
+    """The leading explanation, then one rival for each effect that the data may hide.
+
+    Args:
+        diagnosis: its first contender is the leading explanation; the result is empty without contenders.
+        seen: noise, encoder step and sample period of the rig.
+    """
     if not diagnosis.contenders:
         return ()
     lead = diagnosis.contenders[0]
@@ -45,10 +50,16 @@ def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
 
 
 def beside(diagnosis: Diagnosis, effect: Effect) -> CandidateModel:
-    """The explanation that stands with one more effect, of the size given, the rest refitted around it.
+    """The leading explanation with one more effect of given size, its other parameters refitted.
+
+    The readings of the leading explanation stand for the data.
+
+    Args:
+        diagnosis: its first contender is the leading explanation.
+        effect: with its values, which are kept.
 
     Raises:
-        UsageError: the effect does not go with it.
+        UsageError: the effect does not go with the explanation.
     """
     seen = sensing(diagnosis.records, diagnosis.noise_floor)
     return _refitted(diagnosis.contenders[0], effect, _measured(diagnosis, seen))[0]

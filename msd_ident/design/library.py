@@ -26,10 +26,14 @@ class TimeScale:
 
 
 def family(pace: TimeScale, unit: str = "N") -> list[Profile]:
-    """All experiments that are not longer than allowed, of at most 1 unit of force either way.
+    """All experiments that are not longer than allowed, with forces between −1 and 1 unit.
 
     Steps of several sizes in both directions, releases from a held force, ramps with dwell, sweeps, staircases, small
     reversals, pseudo-random trains, a ring-down after resonance, and rest.
+
+    Args:
+        pace: period of the plant and longest experiment.
+        unit: of the force.
     """
     rest = max(REST * pace.period, LEAST_REST)
     made: list[Profile] = []
@@ -67,7 +71,12 @@ def _shapes(pace: TimeScale, rest: float) -> Iterator[Shape]:
 
 
 def levels(values: tuple[float, ...], hold: float) -> tuple[Segment, ...]:
-    """Steps to these forces, each held; a force of 0 is a release."""
+    """Segments that step to given forces and hold them; a force of 0 is a release.
+
+    Args:
+        values: forces [N].
+        hold: duration of each [s].
+    """
     return tuple(Segment("step", hold, force=v) if v else Segment("release", hold) for v in values)
 
 

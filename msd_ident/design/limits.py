@@ -54,11 +54,19 @@ class Limits:
         return max(self.force[1], -self.force[0])
 
     def room(self, low: float, high: float) -> float:
-        """Factor by which readings from ``low`` to ``high`` [m] may still grow before they leave the travel."""
+        """Factor by which readings may still grow before they leave the travel.
+
+        Args:
+            low, high: least and greatest reading [m] from where the cart is at the start.
+        """
         return min(_growth(high, self.travel[1]), _growth(-low, -self.travel[0]))
 
     def force_room(self, low: float, high: float) -> float:
-        """The same for forces."""
+        """Factor by which forces may still grow before they leave the limits.
+
+        Args:
+            low, high: least and greatest force [N].
+        """
         return min(_growth(high, self.force[1]), _growth(-low, -self.force[0]))
 
     def check(self, profile: Profile) -> None:

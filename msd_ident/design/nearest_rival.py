@@ -1,6 +1,6 @@
-"""A rival moved to where its readings are nearest to those of the explanation that stands.
+"""A rival, refitted so that its readings are as close as possible to those of the leading explanation.
 
-The lead's own readings stand for the data, so that what is left is the difference of the two, without the noise.
+The readings of the leading explanation stand for the data, so that the difference contains no noise.
 """
 
 from __future__ import annotations
@@ -27,7 +27,14 @@ SILENT = NEAR
 
 @dataclass(frozen=True)
 class Measured:
-    """Records, thinned; the lead's readings (n,) of each; what an encoder sees; typical magnitudes."""
+    """What was measured, for refits of rivals.
+
+    Attributes:
+        records: thinned.
+        readings: (n,) readings of the leading explanation in each [m].
+        seen: noise, encoder step and sample period of the rig.
+        typical: typical force, length and time.
+    """
 
     records: tuple[Record, ...]
     readings: tuple[FloatArray, ...]
@@ -66,16 +73,18 @@ def nearest(
     data: Measured,
     hopeless: float = math.inf,
 ) -> tuple[CandidateModel, float, FloatArray]:
-    """A trial moved to where it leaves least: the trial there, the rise of chi² over the lead's own, information.
-
-    Damped steps (Levenberg–Marquardt), each from the best place so far: the valley of rest and samples is bent.
+    """Refit of a trial to the readings of the leading explanation, by Levenberg–Marquardt.
 
     Args:
-        lead: whose readings stand for the data.
-        trial: to begin with.
-        moving: what of it is fitted.
+        lead: the leading explanation, whose readings stand for the data.
+        trial: the rival to start from.
+        moving: which of its entries are fitted.
         data: what was measured.
-        hopeless: rise beyond which the trial is of no use: given up where no step so far promises less.
+        hopeless: increase of chi² beyond which the trial is useless; the search ends when no step predicts less.
+
+    Returns:
+        The refitted trial, its increase of chi² over that of the leading explanation, and the information (p, p) about
+        its free parameters.
     """
     resting, own = data.resting(trial), data.resting(lead)
     base = sum((_imbalance(lead, r)[0] / spread) ** 2 for r, spread in own.items())
@@ -131,7 +140,15 @@ class _System:
     information: FloatArray
 
     def step(self, damping: float, held: Sequence[int]) -> tuple[FloatArray, float]:
-        """(s,) step, damped in units of each diagonal entry, some entries held; the squares that it should leave."""
+        """Damped step of all entries that are not held.
+
+        Args:
+            damping: added to the diagonal of the normal matrix after that is scaled to a unit diagonal.
+            held: indices of the entries that stay.
+
+        Returns:
+            The step (s,), and the weighted sum of squares that it should leave.
+        """
         unit = np.sqrt(np.maximum(np.diag(self.normal), 1e-300))
         scaled = self.normal / np.outer(unit, unit) + damping * np.eye(unit.size)
         moved = np.setdiff1d(np.arange(unit.size), held)
@@ -175,7 +192,7 @@ def _system(
 
 
 def _beside_rest(trial: CandidateModel, row: _Row, index: int, resting: Mapping[int, float]) -> _Row:
-    """The same with one pseudo-reading more: the cart began where spring and offset cancel (``fit.Balance``)."""
+    """The same with one more pseudo-reading: the cart began where spring and offset cancel (``RestConstraint``)."""
     difference, jacobian, weight = row
     if index not in resting:
         return row

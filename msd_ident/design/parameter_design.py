@@ -79,11 +79,12 @@ class Sharpened:
 
 
 def sharpen(diagnosis: Diagnosis, targets: Sequence[str], limits: Limits) -> Sharpened:
-    """The profile within the limits that most reduces the intervals of these parameters.
+    """The profile within the limits that most reduces the intervals of some parameters.
 
     Args:
-        targets: names of parameters of the model that stands, ``friction_coefficient``, ``natural_frequency`` or
-            ``damping_ratio``.
+        diagnosis: its leading explanation is the model.
+        targets: names of its parameters, or ``friction_coefficient``, ``natural_frequency`` or ``damping_ratio``.
+        limits: what the rig allows.
 
     Raises:
         UsageError: a name that the model does not know, or limits without room.
@@ -110,7 +111,12 @@ def sharpen(diagnosis: Diagnosis, targets: Sequence[str], limits: Limits) -> Sha
 
 
 def compared(duration: float, period: float) -> tuple[Profile, Profile]:
-    """A single step, and random steps, of unit force and this duration [s]."""
+    """A single step and random steps, of unit force, to compare a design with.
+
+    Args:
+        duration: of each profile [s].
+        period: of the plant [s]; it sets the rest at the start and the number of random steps.
+    """
     rest = min(max(REST * period, LEAST_REST), 0.2 * duration)
     lead = Segment("hold", rest)
     step = Profile((lead, Segment("step", duration - rest, force=1.0)), "single step")

@@ -31,7 +31,7 @@ DRAWS = THOROUGH
 
 @dataclass(frozen=True)
 class Sensing:
-    """How well the rig's encoder sees.
+    """Measurement of the rig's encoder.
 
     Attributes:
         noise: standard deviation of a reading, rounding included [m].
@@ -61,7 +61,12 @@ class Sensing:
 
 
 def sensing(records: Sequence[Record], noise: float) -> Sensing:
-    """What the records show, and the noise that a diagnosis found [m]."""
+    """Encoder step and sample period of the records, with a known noise.
+
+    Args:
+        records: the largest encoder step and the shortest period among them count.
+        noise: standard deviation of a reading [m].
+    """
     step = max(quality.encoder_step(record) for record in records)
     return Sensing(noise, step, min(record.period for record in records))
 
@@ -80,14 +85,26 @@ class Grid:
 
 
 def instants(profile: Profile, period: float, seen: Sensing) -> int:
-    """Instants that are fine enough for the plant's period [s] and the profile's swings."""
+    """Number of instants at which a profile is predicted.
+
+    Args:
+        profile: its sweeps need fine steps too.
+        period: of the plant [s].
+        seen: its sample period is the finest step.
+    """
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
     step = max(min(period, 2.0 * swing) / A_SWING, seen.period)
     return int(np.clip(profile.duration / step, FEWEST_READINGS, 4 * SAMPLES)) + 1
 
 
 def grid(profile: Profile, period: float, seen: Sensing) -> Grid:
-    """A grid of so many instants, evenly over the profile."""
+    """Evenly spaced instants over a profile.
+
+    Args:
+        profile: gives duration and force.
+        period: of the plant [s].
+        seen: its sample period is the finest step.
+    """
     count = instants(profile, period, seen)
     time = np.linspace(0.0, profile.duration, count)
     at, force = profile.commands
@@ -181,7 +198,14 @@ class Predictor:
         return np.asarray(np.where(self.point + steps > upper, -steps, steps))
 
     def readings(self, on: Record, points: FloatArray, start: FloatArray, velocity: float = 0.0) -> FloatArray:
-        """Readings (q, n) [m] for free parameters (q, p) and start positions and zeros (q, 2), one start velocity."""
+        """Simulated readings (q, n) [m] for several points.
+
+        Args:
+            on: record with stamps and force.
+            points: (q, p) values of the free parameters.
+            start: (q, 2) start position from the relaxed spring, and zero [m].
+            velocity: at the start [m/s], the same for all.
+        """
         model = self.contender.model
         values = np.repeat(model.values[None, :], len(points), axis=0)
         values[:, self.places] = points
@@ -196,7 +220,17 @@ class Predictor:
     def linearised(
         self, on: Record, point: FloatArray, start: FloatArray, velocity: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Readings (n,) and their Jacobian (p + 2, n) at free parameters (p,) and start position and zero (2,)."""
+        """Readings and their Jacobian by forward differences.
+
+        Args:
+            on: record with stamps and force.
+            point: (p,) values of the free parameters.
+            start: (2,) start position from the relaxed spring, and zero [m].
+            velocity: at the start [m/s].
+
+        Returns:
+            Readings (n,) [m] and Jacobian (p + 2, n); its last two rows belong to start position and zero.
+        """
         count = point.size
         points = np.repeat(point[None, :], count + 2, axis=0)
         points[1 + np.arange(count), np.arange(count)] += self.steps

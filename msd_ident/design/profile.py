@@ -97,7 +97,15 @@ class Segment:
         return {"kind": self.kind, "duration": self.duration, **{k: _plain(v) for k, v in found.items()}}
 
     def commands(self, before: float, rate: float) -> tuple[FloatArray, FloatArray]:
-        """Instants (n,) from the segment's start [s] and forces (n,) [N], each held; ``before`` is the force so far."""
+        """Commands of a segment, each of which is held until the next.
+
+        Args:
+            before: force at the end of the segment before [N].
+            rate: commands per second in ramps and sweeps [Hz].
+
+        Returns:
+            Instants (n,) from the segment's start [s] and forces (n,) [N].
+        """
         if self.kind in ("step", "hold", "release"):
             return np.zeros(1), np.array([{"step": self.force, "hold": before, "release": 0.0}[self.kind]])
         if self.kind == "table":

@@ -48,7 +48,12 @@ def _text(path: Path) -> str:
 
 
 def to_yaml(profile: Profile, remarks: tuple[str, ...] = ()) -> str:
-    """The profile as YAML; ``remarks`` come first, as comments."""
+    """The profile as YAML.
+
+    Args:
+        profile: the profile.
+        remarks: sentences that become comments at the top.
+    """
     head = "".join(f"# {line}\n" for remark in remarks for line in textwrap.wrap(remark, 108))
     return head + str(
         yaml.safe_dump(to_tree(profile), sort_keys=False, default_flow_style=None, allow_unicode=True, width=110)
@@ -153,10 +158,15 @@ def _from_table(text: str, name: str) -> Profile:
 
 
 def write_profile(profile: Profile, path: Path, remarks: tuple[str, ...] = ()) -> None:
-    """Write a ``.csv``, or else a YAML file.
+    """Write a profile as CSV if the name ends in ``.csv``, else as YAML.
+
+    Args:
+        profile: the profile.
+        path: of the file.
+        remarks: comments of the YAML file; a CSV file has none.
 
     Raises:
-        SetupError: the disk does not take it.
+        SetupError: the file cannot be written.
     """
     try:
         path.write_text(to_csv(profile) if path.suffix == ".csv" else to_yaml(profile, remarks), encoding="utf-8")

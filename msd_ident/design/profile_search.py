@@ -1,4 +1,4 @@
-"""The search through the family: from short to long, until one experiment decides as well as anybody needs."""
+"""Search through the family of profiles, from short to long, until one decides well enough."""
 
 from __future__ import annotations
 
@@ -41,9 +41,14 @@ class Found:
 
 
 def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
-    """The first profile, in the order given, that decides well enough with rivals really refitted; else the best.
+    """The first profile that decides well enough with rivals really refitted; else the best one.
 
-    ``None`` when no profile has room within the limits.
+    Args:
+        question: rivals and limits.
+        profiles: in the order in which they are tried.
+
+    Returns:
+        None if no profile fits within the limits.
     """
     work = 0.0
     seen: list[Option] = []

@@ -230,5 +230,10 @@ def _sentence(option: Option, called: Sequence[str], verb: str, hardest: str, un
 
 
 def with_limits(found: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
-    """``next_experiment`` with the limits that it was designed for."""
+    """``next_experiment`` of the JSON contract, with the limits that it was designed for.
+
+    Args:
+        found: result of ``Proposal.to_json_dict``.
+        limits: the limits.
+    """
     return {**found, "limits": limits.to_dict()}

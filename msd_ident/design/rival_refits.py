@@ -1,4 +1,4 @@
-"""Rivals refitted for good: what is left when B's parameters really move, as far as the measured data lets them."""
+"""Real (nonlinear) refits of rivals to each other's readings, held back by what the measured data says about them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,13 @@ from msd_ident.parallel import each
 
 @dataclass(frozen=True)
 class Refitted:
-    """B refitted to A's readings: what is left of chi², the readings (n,) [m] of both."""
+    """Rival B refitted to A's readings.
+
+    Attributes:
+        chi: weighted sum of squares that is left, the change of B's parameters against the measured data included.
+        true: (n,) readings of A [m].
+        rival: (n,) readings of B after the refit [m].
+    """
 
     chi: float
     true: FloatArray
@@ -30,7 +36,15 @@ class Refitted:
 
 
 def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen: Sensing) -> Refitted:
-    """Levenberg–Marquardt on the rival's parameters, start position and zero; the measured data holds it back."""
+    """Refit of a rival's parameters, start position and zero to another one's readings, by Levenberg–Marquardt.
+
+    Args:
+        rival: the rival; the measured data holds its parameters back.
+        own: its prediction before the refit.
+        true: prediction of the one that is taken as true.
+        on: the instants.
+        seen: noise, encoder step and sample period of the rig.
+    """
     weight = weights(true, on, seen)
     before = prior(rival, seen.noise)
     origin = np.concatenate([rival.point, [rival.start.position, rival.start.zero]])
@@ -75,7 +89,18 @@ def _cost(readings: FloatArray, true: Prediction, weight: FloatArray, moved: Flo
 def shares(
     predictors: Sequence[Predictor], predictions: Sequence[Prediction], on: Grid, seen: Sensing
 ) -> tuple[FloatArray, list[list[Refitted | None]]]:
-    """(r, r) part of chi² that real refits leave of what linear ones do (at most 1), and the refits themselves."""
+    """Refits of every rival to every other one's readings.
+
+    Args:
+        predictors: the r rivals.
+        predictions: of each, on the grid.
+        on: the instants.
+        seen: noise, encoder step and sample period of the rig.
+
+    Returns:
+        (r, r) part of the chi² of a linear refit that the real one leaves (at most 1), the row true and the column
+        refitted; and the refits.
+    """
     count = len(predictors)
     kept = np.ones((count, count))
     found: list[list[Refitted | None]] = [[None] * count for _ in range(count)]

@@ -1,4 +1,4 @@
-"""How hard a profile may push: within the limits under every rival, the worst one included."""
+"""Scaling of profiles so that every rival, the worst one included, stays within the limits."""
 
 from __future__ import annotations
 
@@ -30,10 +30,17 @@ _STRONGER = tuned(
 
 
 def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:
-    """The explanation with an actuator that was at its limit in all that was measured, and is stronger below.
+    """The explanation with an actuator that saturated at the measured force and is stronger below it.
 
-    One amplitude says nothing of the gain at another, so that no rival needs to know of it; ``None`` where smaller
-    forces were measured too.
+    One amplitude of the force tells nothing about the gain at another, so no rival need contain this.
+
+    Args:
+        lead: the leading explanation.
+        records: what was measured.
+
+    Returns:
+        None if forces of less than half the largest one were measured, if none was, or if the explanation has this
+        effect.
     """
     limit = saturation()
     forces = np.abs(np.concatenate([record.force for record in records]))
@@ -45,7 +52,12 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
 
 
 def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction]) -> tuple[float, float, float]:
-    """Least and greatest reading from the start [m] and greatest speed [m/s], whichever rival is right."""
+    """Least and greatest reading from the start [m] and greatest speed [m/s] over all rivals.
+
+    Args:
+        predictors: the rivals.
+        predictions: of each.
+    """
     spans = [p.span(one.draws) for one, p in zip(predictors, predictions, strict=True)]
     speed = max(float(np.max(p.speed)) for p in predictions)
     return min(low for low, _ in spans), max(high for _, high in spans), speed
@@ -54,8 +66,18 @@ def extremes(predictors: Sequence[Predictor], predictions: Sequence[Prediction])
 def fitted_in(
     profile: Profile, predictors: Sequence[Predictor], limits: Limits, period: float, seen: Sensing
 ) -> Profile | None:
-    """A profile of unit force made as strong as the limits allow under every rival; ``None`` when it has no room, or
-    neither pushes nor sees anything move."""
+    """A profile of unit force, scaled up as far as the limits allow under every rival.
+
+    Args:
+        profile: of unit force.
+        predictors: the rivals, and models that must be safe too.
+        limits: force, travel and speed of the rig; a margin of travel and speed is kept.
+        period: of the plant [s].
+        seen: noise, encoder step and sample period of the rig.
+
+    Returns:
+        None if no useful force fits, or if the profile has no force and no rival moves by itself.
+    """
     room = limits.force_room(*profile.extremes)
     if not np.isfinite(room):  # no force at all: worth playing where some rival moves by itself
         rest = grid(profile, period, seen).record

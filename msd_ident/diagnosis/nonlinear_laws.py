@@ -36,7 +36,14 @@ _INSTANT = frozenset({"t", "x", "v", "speed", "direction", "spring_force", "u"})
 
 @dataclass(frozen=True)
 class LawCurve:
-    """A force [N] on the left-hand side over one signal, each (k,): the sum of the named causes' laws."""
+    """Sum of the laws of named causes that depend on one signal alone.
+
+    Attributes:
+        causes: their names.
+        signal: the signal.
+        over: (k,) its values.
+        force: (k,) force [N] on the left-hand side of the equation of motion.
+    """
 
     causes: tuple[str, ...]
     signal: Signal
@@ -82,7 +89,15 @@ def beyond(diagnosis: Diagnosis) -> Beyond:
 
 
 def law_curves(model: Model, motion: Sequence[DisturbanceEstimate]) -> tuple[LawCurve, ...]:
-    """Curves of all effects that depend on one signal alone, over the range that the motion covers."""
+    """Curves of all effects that depend on one signal alone.
+
+    Args:
+        model: the extended model.
+        motion: smoothed motion of each record, which gives the range of the signals.
+
+    Returns:
+        One curve for each signal, the sum over the effects that depend on it.
+    """
     found: dict[Signal, list[Effect]] = {}
     for effect in model.effects:
         signal = _signal(effect)

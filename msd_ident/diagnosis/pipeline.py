@@ -51,7 +51,7 @@ _RIVAL = fixed(1e-4, "interface", "probability below which a rival is not worth 
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:
-    """Report to nobody."""
+    """Progress callback that reports nothing."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ class Task:
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
         rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
-        calibrate: whether copies of the records are diagnosed too; else only where ``replicating`` finds it worth it.
+        calibrate: whether copies of the records are diagnosed too; if False, only where ``selection.replication`` finds
+            it worth the cost.
     """
 
     records: tuple[Record, ...]

@@ -45,7 +45,13 @@ class Cause:
 
 @dataclass(frozen=True)
 class Rival:
-    """A set of causes that was fitted: its probability and what it leaves, in noise floors."""
+    """Another set of causes that was fitted.
+
+    Attributes:
+        causes: names of the set.
+        probability: of the set.
+        floors: residual that it leaves, in noise floors.
+    """
 
     causes: tuple[str, ...]
     probability: float

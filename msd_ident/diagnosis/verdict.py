@@ -14,11 +14,15 @@ from msd_ident.selection.naming import CERTAIN
 
 
 def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
-    """Which verdict, by the first rule that holds.
+    """The verdict, by the first rule that holds.
 
     1. No cause is named: ``unexplained`` where more than the tolerance is left, else ``adequate``.
     2. A named cause is tied, or is named with less probability than ``CERTAIN``: ``ambiguous``, whatever is left.
     3. More than the tolerance is left: ``mostly_explained``. Else ``explained``.
+
+    Args:
+        causes: named causes with their probabilities and ties.
+        left: unexplained motion of base and extended model.
     """
     if not causes:
         return "unexplained" if left.exceeds else "adequate"

@@ -28,13 +28,13 @@ FLOOR_ERROR = tuned(0.05, unit="1", why="relative error that the noise floor its
 
 @dataclass(frozen=True)
 class Adequacy:
-    """What a model leaves.
+    """Result of the residual tests.
 
     Attributes:
         ratio: residual over noise, both as root mean squares over pieces of evidence.
-        size: probability that noise alone is as large, over all records or in the worst of them.
-        whiteness: probability that noise alone is as correlated.
-        independence: probability that noise alone goes so well with force, position, velocity and time.
+        size: probability that noise alone leaves a residual of this size, over all records or in the worst of them.
+        whiteness: probability that noise alone is as strongly correlated with itself.
+        independence: probability that noise alone is as strongly correlated with force, position, velocity and time.
     """
 
     ratio: float

@@ -34,10 +34,17 @@ _SETTLED = fixed(
 
 @dataclass(frozen=True)
 class DisturbanceEstimate:
-    """What the smoother found for one record, each (n,): time [s], position [m], velocity [m/s], the force applied [N].
+    """The smoothed missing force of one record; all arrays are (n,).
 
-    ``force`` stands on the left-hand side of the equation, so friction has the sign of the velocity; ``std`` is the
-    standard deviation of ``force``. ``walk`` is the likeliest strength of the random walk [N²/s].
+    Attributes:
+        time: [s].
+        position: smoothed [m].
+        velocity: smoothed [m/s].
+        applied: force of the record [N].
+        force: missing force [N]. It stands on the left-hand side of the equation, so friction has the sign of the
+            velocity.
+        std: standard deviation of ``force`` [N].
+        walk: likeliest strength of the random walk [N²/s].
     """
 
     time: FloatArray
@@ -75,7 +82,7 @@ class _Law(NamedTuple):
 def lacking_force(
     record: Record, residual: FloatArray, plant: tuple[float, float, float], noise: float
 ) -> DisturbanceEstimate:
-    """The force that a simulation of a record lacks: smoothed from its error, which moves like the bare plant.
+    """Missing force of a simulation: smoothed from its residual, which moves like the plant without effects.
 
     Args:
         record: the measurement.
@@ -92,7 +99,7 @@ def lacking_force(
 def missing_force(
     record: Record, plant: tuple[float, float, float], noise: float, zero: float = 0.0
 ) -> DisturbanceEstimate:
-    """Smooth one record.
+    """Missing force of a record, estimated from its readings by a Kalman smoother.
 
     Args:
         record: the measurement.

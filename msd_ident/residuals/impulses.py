@@ -39,7 +39,7 @@ class Push:
 
 
 def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Push, ...]:
-    """Pushes of a record of which a model is known that explains it but for them; none when they are many.
+    """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many.
 
     Args:
         record: the measurement.
@@ -76,7 +76,13 @@ def _is_seen(record: Record, begin: int, end: int) -> bool:
 
 
 def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tuple[str, ...]:
-    """What the pushes that a fit shows mean to its reader."""
+    """A warning for each push that a fit shows.
+
+    Args:
+        records: the records of the fit.
+        fitted: the fit; it gives the model and the zero of each record.
+        noise: standard deviation of a reading [m].
+    """
     said = []
     for record, initial in zip(records, fitted.initial, strict=True):
         for push in pushes(record, fitted.model, noise, initial.zero):

@@ -1,9 +1,8 @@
 """Noise of the readings, and how much independent evidence they contain.
 
-An encoder that repeats the same number for a hundred samples has said one thing, not a hundred: its rounding error is
-the same in all of them, and a model that moves within the same count is contradicted by none. So a run of equal
-readings counts as one piece of evidence, shared between its samples. Where noise dithers the encoder runs are short,
-and without an encoder every sample is a run of its own.
+The rounding error of an encoder is the same in all samples of a run of equal readings, so these contain no more
+information than one of them. So a run of equal readings counts as one piece of evidence, which its samples share. Where
+noise dithers the encoder, runs are short; without an encoder step, every sample is a run of its own.
 """
 
 from __future__ import annotations
@@ -36,14 +35,14 @@ _TURNS = tuned(
 
 @dataclass(frozen=True)
 class Readings:
-    """A record as evidence.
+    """A record with the weights of its samples.
 
     Attributes:
         record: the record.
         noise: standard deviation of a reading [m].
         weight: (n,) share of a piece of evidence that each sample holds, in (0, 1].
-        runs: (n,) number of the run that each sample belongs to.
-        step: one step of the encoder [m], 0 where none shows.
+        runs: (n,) number of the run of equal readings that each sample belongs to.
+        step: encoder step [m], 0 where none is visible.
     """
 
     record: Record
@@ -59,7 +58,7 @@ class Readings:
 
     @property
     def rounded(self) -> bool:
-        """Whether rounding rules: readings repeat far more often than noise would let them, or it is all the noise."""
+        """Whether rounding dominates: readings repeat more often than noise lets them, or the noise is all rounding."""
         return self.evidence < 0.8 * self.record.samples or self.noise < _ALL_ROUNDING * self.step
 
     @cached_property

@@ -33,7 +33,13 @@ _KNOTS = tuned(5, unit="knots", why="of the damper's and the spring's curve on e
 
 @dataclass(frozen=True)
 class Curve:
-    """A force [N] over position [m] or velocity [m/s]: (k,) knots, values and standard deviations."""
+    """A characteristic curve; all arrays are (k,).
+
+    Attributes:
+        over: knots, position [m] or velocity [m/s].
+        force: [N] at the knots.
+        std: standard deviation of ``force`` [N].
+    """
 
     over: FloatArray
     force: FloatArray
@@ -46,8 +52,14 @@ class Curve:
 
 @dataclass(frozen=True)
 class Characteristics:
-    """Both curves, the mass [kg], the SEE [m] that they reach, and their gain over the base model in per cent, eq.
-    15.
+    """Both curves, fitted together.
+
+    Attributes:
+        spring: spring force over position.
+        damper: damping force over velocity.
+        mass: [kg].
+        see: SEE of the fit [m], eq. 14.
+        see_reduction_percent: SEE reduction over the base model [%], eq. 15.
     """
 
     spring: Curve
@@ -93,7 +105,12 @@ class _Curves:
     applied: tuple[FloatArray, ...]
 
     def residual(self, point: FloatArray, record: int) -> FloatArray:
-        """Model − data (n,)."""
+        """Model − data (n,) [m] of one record; bounded where the simulation diverges.
+
+        Args:
+            point: vector of the fitting problem.
+            record: index of the record.
+        """
         own = 1 + self.places.size + self.speeds.size
         spring, damper = point[1 : 1 + self.places.size], point[1 + self.places.size : own]
         data = self.readings[record].record

@@ -1,10 +1,10 @@
-"""What a model leaves, octave by octave.
+"""The residual's sum of squares, octave by octave of frequency.
 
-The error of a law has a shape that nobody knows, slow or fast, and it repeats with the motion. So what is left is
-looked at in octaves of frequency, counted from the motion's own: in each there are a few independent features of that
-error, however many swings were recorded. A law that is right takes what is left away in all of them. One that only
-resembles it does so where most of the error is, mostly at the frequency of the motion, and leaves or adds some in the
-others, which the sum over all frequencies does not show.
+The error of a law has an unknown shape, slow or fast, and it repeats with the motion. So the residual is split into
+octaves of frequency, counted from the frequency of the motion. Each octave holds a few independent features of that
+error, however many swings were recorded. A right law reduces the residual in all octaves. A law that only resembles it
+does so where most of the error is, mostly at the frequency of the motion, and leaves or adds some in the others; the
+sum over all frequencies does not show that.
 """
 
 from __future__ import annotations

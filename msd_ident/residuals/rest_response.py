@@ -1,7 +1,7 @@
 """The motion that a cause would give a cart at rest, compared with the rest that the record shows before it moves.
 
-A disturbance that rings a free decay rings the cart before the decay too. That stretch cannot be a part of a fit, since
-a hand moves the cart between the two; but what it says of the causes that act by themselves counts.
+A disturbance that acts during a free decay acts on the cart before the decay too. That part of the record cannot be
+fitted, since a hand moves the cart between the two. But it tells of the causes that act without a force.
 """
 
 from __future__ import annotations
@@ -15,12 +15,18 @@ from msd_ident.residuals.noise_model import Readings
 
 
 def chi(model: Model, rest: Readings) -> float:
-    """Sum of squares, in units of the noise, by which a model moves a cart that stands still.
+    """Misfit of a model to a cart at rest, in units of the noise; 0 if nothing in the model acts by itself.
 
-    It is 0 where nothing in the model acts by itself.
+    The model is simulated from rest at its balance, without a force, with those of its effects that depend on time and
+    those that dissipate energy. The other effects only shift the balance.
 
-    From rest at the plant's balance, with what acts by itself and what takes energy out of the motion; all else only
-    says where the balance is.
+    Args:
+        model: the model.
+        rest: a stretch of readings in which the cart rests.
+
+    Returns:
+        Sum of squares of the simulated motion about the readings, minus that of the readings about their mean; at least
+        0.
     """
     if all(effect.steady for effect in model.effects):
         return 0.0

@@ -114,7 +114,15 @@ class RingDown:
 
 
 def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | None:
-    """All swings of all responses; ``None`` from fewer than three. ``length`` is the unit of positions."""
+    """ζ(A) and ωn(A) of all swings of all responses.
+
+    Args:
+        features: of each record.
+        length: unit of the positions, for sentences.
+
+    Returns:
+        None if there are too few swings.
+    """
     swings = [swing for found in features for response in found.responses for swing in response.swings]
     if len(swings) < _FEWEST:
         return None

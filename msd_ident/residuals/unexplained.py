@@ -1,8 +1,8 @@
 """What a model leaves unexplained: the missing force, and the motion that it makes.
 
-The force is what the smoother of ``missing`` finds in the residual. Its mean square is that of the smoothed force plus
-the smoother's variance: what is too fast or too faint for the readings is a part of the missing force too. The interval
-is a bootstrap over swings: how far the mean square moves when other swings of this experiment are drawn.
+The missing force is smoothed from the residual (``disturbance``). Its mean square is that of the smoothed force plus
+the smoother's variance, because what is too fast or too faint for the readings is a part of the missing force too. The
+interval is a bootstrap over swings: how far the mean square moves when other swings of this experiment are drawn.
 """
 
 from __future__ import annotations
