@@ -1,7 +1,7 @@
-"""Likelihood of a residual whose samples hang together: one-step errors of an autoregressive process.
+"""Likelihood of a residual with correlated samples: one-step prediction errors of an autoregressive process.
 
-The residual of a model that lacks something is large and slow. Its sum of squares hides what happens at high
-frequencies; its one-step errors count every frequency alike (Box & Jenkins 1970).
+The residual of an incomplete model is large and slow. Its sum of squares hides what happens at high frequencies; its
+one-step prediction errors weigh all frequencies alike (Box & Jenkins 1970).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ORDER = 20
 
 
 def log_likelihood(residual: FloatArray) -> float:
-    """Of a residual (n,) as a Gaussian autoregressive process, but for what is the same for every residual."""
+    """Log likelihood of a residual (n,) as a Gaussian autoregressive process, except for a constant."""
     centred = residual - residual.mean()
     count = centred.size
     past = np.stack([centred[ORDER - lag : count - lag] for lag in range(1, ORDER + 1)], axis=1)

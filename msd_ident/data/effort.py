@@ -1,9 +1,9 @@
-"""Whether what a joint tells as its effort can be the force that moves it.
+"""Whether the effort of a joint can be the force that moves it.
 
-A drive that measures its torque tells a force: the effort follows acceleration, speed and position as mechanics wants.
-A geared position servo tells the load of its motor, which friction in the gear decides: nothing of the mass is in it,
-and a fit finds any mass. The inverse dynamics are regressed, linear in their parameters: effort on acceleration, speed,
-the sign of the speed, position, its sine and cosine, all filtered alike.
+A drive that measures its torque reports a force: the effort follows acceleration, speed and position as mechanics
+requires. A geared position servo reports the load of its motor, which is dominated by friction in the gear and tells
+nothing about the mass, so that a fit finds any mass. The inverse dynamics, linear in their parameters, are regressed:
+effort on acceleration, speed, sign of the speed, position, its sine and cosine, all filtered alike.
 """
 
 from __future__ import annotations

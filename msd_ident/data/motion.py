@@ -73,7 +73,13 @@ class Motion:
 
 
 def observe(record: Record, step: float, floor: float) -> Motion:
-    """Look at a record whose encoder step and noise floor are known."""
+    """Motion of a record.
+
+    Args:
+        record: the measurement.
+        step: encoder step, 0 if there is none.
+        floor: noise floor.
+    """
     position = record.position
     span = float(np.ptp(position))
     turns = turning_points(position, max(12 * floor, 3.5 * step, 0.02 * span))
@@ -96,7 +102,12 @@ def observe(record: Record, step: float, floor: float) -> Motion:
 
 
 def turning_points(position: FloatArray, swing: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Indices at which the position turns around, every swing between them being at least ``swing``."""
+    """Indices at which the position turns around.
+
+    Args:
+        position: (n,).
+        swing: least distance between neighbouring turning points, in the position's unit.
+    """
     change = np.flatnonzero(np.diff(position))
     rising = np.diff(position)[change] > 0
     extremes = change[1:][rising[1:] != rising[:-1]]

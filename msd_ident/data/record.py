@@ -41,7 +41,15 @@ def _frozen(values: npt.ArrayLike, what: str) -> FloatArray:
 
 
 def check_finite(array: FloatArray, what: str) -> None:
-    """Refuse values that are not finite (DataError)."""
+    """Refuse values that are not finite.
+
+    Args:
+        array: (n,).
+        what: name of the values for the message.
+
+    Raises:
+        DataError: a value is NaN or infinite.
+    """
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise DataError(
@@ -200,7 +208,15 @@ class Record:
         return self.time.size == self.force_time.size and bool(np.array_equal(self.time, self.force_time))
 
     def kept(self, name: Hashable, make: Callable[[], _Made], *, small: bool = False) -> _Made:
-        """What ``make`` finds out about this record, which never changes; kept where it is small or there is room."""
+        """Result of ``make``, kept with the record so that it is computed once.
+
+        Results of a record with many samples are not kept, for the sake of memory.
+
+        Args:
+            name: key of the result.
+            make: computes the result from this record alone.
+            small: the result is small, and kept whatever the number of samples.
+        """
         if self.samples > _ROOM and not small:
             return make()
         if name not in self._kept:
@@ -224,10 +240,13 @@ class Record:
         return np.where(index < 0, 0.0, self.force[np.maximum(index, 0)])
 
     def window(self, start: float, end: float) -> Record:
-        """The part with start <= time <= end [s], the force that acts at its start kept.
+        """The part of the record between two instants, with the force that acts at its start. Its clock stays the same.
+
+        Args:
+            start, end: [s]; samples at both instants are included.
 
         Raises:
-            DataError: when fewer than ``MINIMUM_SAMPLES`` samples lie inside.
+            DataError: fewer than ``MINIMUM_SAMPLES`` samples lie inside.
         """
         keep = (self.time >= start) & (self.time <= end)
         if np.count_nonzero(keep) < MINIMUM_SAMPLES:
@@ -254,8 +273,11 @@ def from_samples(
         time: stamps [s] (n,), rising.
         force: force [N] (n,) at the stamps.
         position: position [m] (n,) at the stamps.
-        hold: force between the stamps: ``zero``, ``linear`` or ``band_limited``.
+        hold: force between the stamps, ``zero`` (held) or ``linear``; for a band-limited one see ``resampling``.
         name: of the record, for sentences and files.
+
+    Raises:
+        DataError: as for ``Record``.
     """
     return Record(
         time=np.asarray(time),

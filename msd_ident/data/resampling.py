@@ -33,7 +33,11 @@ def is_even(time: FloatArray) -> bool:
 
 
 def band_limited(record: Record, factor: int = FACTOR) -> Record:
-    """The record with its force interpolated to ``factor`` values per measured one.
+    """The record with its force interpolated as a band-limited signal.
+
+    Args:
+        record: with an evenly sampled force.
+        factor: values of the force for each measured one.
 
     Raises:
         DataError: the force has too few samples, or uneven ones.

@@ -27,11 +27,18 @@ def from_stamps(
     notes: tuple[str, ...] = (),
     origins: tuple[Origin, ...] = (),
 ) -> Record:
-    """Record from two streams with absolute stamps [ns], in order of arrival: the one way from messages.
+    """Record from two streams with absolute stamps, as messages have them.
 
-    A live buffer and a bag with the same samples give the same record to the last bit. Time 0 is the first
-    position stamp. A few late samples are put in their place and of samples with one stamp the first is kept,
-    both with a note.
+    A live buffer and a bag with the same samples give exactly the same record. Time 0 is the first position stamp. A
+    few late samples are sorted in, and of samples with one stamp the first is kept, both with a note.
+
+    Args:
+        position_ns: (n,) stamps of the positions [ns], in order of arrival.
+        position: (n,), in ``position_unit``.
+        force_ns: (p,) stamps of the forces [ns] on the same clock, in order of arrival.
+        force: (p,), in ``force_unit``.
+        hold: force between its stamps, ``zero`` (held) or ``linear``.
+        force_unit, position_unit, name, notes, origins: as in ``Record``.
 
     Raises:
         DataError: as for ``Record``, and when the stamps of a stream run backwards.
@@ -71,7 +78,17 @@ def from_seconds(
 ) -> Record:
     """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``.
 
-    ``hold_known`` is False where ``hold`` is a guess.
+    Args:
+        position_time: (n,) stamps of the positions [s].
+        position: (n,), in ``position_unit``.
+        force_time: (p,) stamps of the forces [s] on the same clock.
+        force: (p,), in ``force_unit``.
+        hold: force between its stamps, ``zero`` (held) or ``linear``.
+        hold_known: False if ``hold`` is a guess.
+        force_unit, position_unit, name, notes: as in ``Record``.
+
+    Raises:
+        DataError: as for ``from_stamps``.
     """
     found: list[str] = list(notes)
     t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
@@ -91,7 +108,13 @@ def from_seconds(
 
 
 def batch_stamps(first_ns: int, period_ns: int, count: int) -> npt.NDArray[np.int64]:
-    """Stamps [ns] of ``count`` samples that were taken at a fixed period and sent as one message."""
+    """Stamps (count,) [ns] of samples that were taken at a fixed period and sent as one message.
+
+    Args:
+        first_ns: stamp of the first sample [ns].
+        period_ns: period [ns].
+        count: number of samples.
+    """
     return np.asarray(first_ns + period_ns * np.arange(count, dtype=np.int64), dtype=np.int64)
 
 

@@ -24,9 +24,16 @@ _CLEAR = 20.0
 
 
 def free_decay(record: Record, noise: Noise) -> Response | None:
-    """Features of a release without force; ``None`` when nothing swings.
+    """Features of a release without force.
 
-    What comes before the free motion (a hand that pulls, holds and lets go) is left out.
+    The part before the free motion (a hand that pulls, holds and lets go) is left out.
+
+    Args:
+        record: without a force that varies.
+        noise: noise floor and encoder step of the record.
+
+    Returns:
+        None if nothing swings.
     """
     turns = _swinging(_shrinking(extremes(record.time, record.position, noise.floor)))
     tail = record.position[-max(SHORTEST, int(_TAIL * record.samples)) :]

@@ -81,7 +81,11 @@ def gain_unit(position_unit: str, force_unit: str) -> str:
 
 
 def combine(quantities: Sequence[Quantity]) -> Quantity:
-    """Weighted mean of estimates of one thing; where they scatter more than their intervals say, the scatter counts."""
+    """Weighted mean of estimates of one quantity.
+
+    If they scatter more than their standard deviations allow, the standard deviation of the mean is increased
+    accordingly.
+    """
     if len(quantities) == 1:
         return quantities[0]
     values = np.array([quantity.value for quantity in quantities])
@@ -95,7 +99,12 @@ def combine(quantities: Sequence[Quantity]) -> Quantity:
 
 
 def combine_chain(quantities: Sequence[Quantity], links: Sequence[float]) -> Quantity:
-    """As ``combine``, where neighbours share a part of their error: ``links`` are their covariances, (n − 1,)."""
+    """Weighted mean as in ``combine``, of estimates of which neighbours share a part of their error.
+
+    Args:
+        quantities: n estimates of one quantity.
+        links: (n − 1,) covariances of neighbours.
+    """
     std = np.array([quantity.std for quantity in quantities])
     covariance = np.diag(std**2) + np.diag(links, 1) + np.diag(links, -1)
     scale = float(np.mean(std**2))

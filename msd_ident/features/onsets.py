@@ -24,7 +24,13 @@ _RISE_SAMPLES, _RISE_SHARE = 3.0, 0.01
 
 @dataclass(frozen=True)
 class Level:
-    """A force that was held: from ``start`` to ``end`` [s] at ``force``, known to ``std`` where it was measured."""
+    """A held force.
+
+    Attributes:
+        start, end: [s].
+        force: in the record's unit.
+        std: its standard deviation; 0 for a command.
+    """
 
     start: float
     end: float
@@ -34,10 +40,13 @@ class Level:
 
 @dataclass(frozen=True)
 class Onset:
-    """A jump of the force at ``time`` [s] from one level to the next.
+    """A step of the force.
 
-    The stamp of a command is exact. A force sampled with the position stepped at some instant around its sample:
-    ``time_std`` [s] is that of an instant within one interval to either side.
+    Attributes:
+        time: [s].
+        time_std: its standard deviation [s]. The stamp of a command is exact. A force sampled with the position stepped
+            within one interval before or after its sample.
+        before, after: the levels before and after the step.
     """
 
     time: float
@@ -101,7 +110,12 @@ def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
 
 
 def onsets(record: Record, held: Sequence[Level]) -> tuple[Onset, ...]:
-    """Steps of the force: jumps between neighbouring levels that follow each other at once."""
+    """Steps of the force: jumps between neighbouring levels that follow each other without a gap.
+
+    Args:
+        record: the measurement.
+        held: its levels, as ``levels`` gives them.
+    """
     period = record.period
     sampled = float(np.median(np.diff(record.force_time))) / math.sqrt(3.0) if record.force.size >= _MEASURED else 0.0
     smallest = _SMALLEST_JUMP * float(np.ptp([level.force for level in held])) if held else 0.0
@@ -116,7 +130,12 @@ def onsets(record: Record, held: Sequence[Level]) -> tuple[Onset, ...]:
 
 
 def held_share(record: Record, held: Sequence[Level]) -> float:
-    """Part of the record's duration during which the force rests on some level, 0 to 1."""
+    """Part of the record's duration during which the force is held, 0 to 1.
+
+    Args:
+        record: the measurement.
+        held: its levels, as ``levels`` gives them.
+    """
     return sum(level.end - level.start for level in held) / record.duration
 
 

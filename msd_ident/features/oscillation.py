@@ -35,7 +35,13 @@ class TwoPeaks:
 
 @dataclass(frozen=True)
 class AllPeaks:
-    """What all turning points say: ωn [rad/s], ζ, and the middle of the oscillation [m]."""
+    """Values from all turning points.
+
+    Attributes:
+        natural_frequency: ωn [rad/s].
+        damping_ratio: ζ.
+        middle: of the oscillation [m].
+    """
 
     natural_frequency: Quantity
     damping_ratio: Quantity
@@ -44,10 +50,15 @@ class AllPeaks:
 
 @dataclass(frozen=True)
 class Swing:
-    """Around one turning point: amplitude [m], local damping ratio and ωn [rad/s] with their standard deviations.
+    """Local values around one turning point, from the distances between three turning points.
 
-    Read from the ways between three turning points, so a rest value that dry friction has shifted has no part in
-    it. ζ(A) rises as A falls with dry friction and falls with drag.
+    A rest value that dry friction has shifted does not enter. ζ(A) rises as A falls with dry friction, and falls with
+    drag.
+
+    Attributes:
+        amplitude: A [m].
+        damping_ratio, damping_ratio_std: ζ and its standard deviation.
+        natural_frequency, natural_frequency_std: ωn and its standard deviation [rad/s].
     """
 
     amplitude: float
@@ -58,7 +69,15 @@ class Swing:
 
 
 def two_peaks(turns: Sequence[Extreme], rest: Quantity) -> TwoPeaks | None:
-    """Eqs. 3 to 7 from the first two turning points on the side of the first one; ``None`` without a decrement."""
+    """Eqs. 3 to 7 from the first two turning points on the side of the first one.
+
+    Args:
+        turns: turning points in time order.
+        rest: reading at rest, xss.
+
+    Returns:
+        None if there are fewer than two, or if the second is not lower than the first.
+    """
     same = [turn for turn in turns if turn.side == turns[0].side] if turns else []
     if len(same) < 2:
         return None
@@ -112,11 +131,19 @@ def significant(turns: Sequence[Extreme]) -> list[Extreme]:
 
 
 def all_peaks(turns: Sequence[Extreme], rest: Quantity | None, unit: str) -> AllPeaks | None:
-    """ωn and ζ from all turning points, values in ``unit``; ``None`` from fewer than three, or three and no rest.
+    """ωn and ζ from all turning points.
 
-    Half-periods give ωd; the heights over the middle shrink by exp(−πζ/√(1 − ζ²)) a half-swing. The middle is
-    fitted too where there are enough points: dry friction may hold the cart beside it. Scatter beyond the noise, as
-    dry friction or drag make it, widens the intervals.
+    Half-periods give ωd. The heights above the middle shrink by exp(−πζ/√(1 − ζ²)) in each half-swing. With enough
+    points the middle is fitted too, because dry friction may hold the cart beside the rest value. Scatter beyond the
+    noise, as dry friction or drag cause it, widens the intervals.
+
+    Args:
+        turns: turning points in time order.
+        rest: reading at rest; None if it was not measured.
+        unit: of the positions.
+
+    Returns:
+        None if there are fewer than three turning points, or too few to fit the middle and no ``rest``.
     """
     used = significant(turns)
     if len(used) < 3 or (len(used) < _OWN_MIDDLE and rest is None):
@@ -197,9 +224,10 @@ def swings(turns: Sequence[Extreme]) -> tuple[Swing, ...]:
 
 
 def dead_width(turns: Sequence[Extreme]) -> float:
-    """Half-width Fc/k [m] of the zone in which dry friction may hold the cart; 0 where none shows.
+    """Half-width Fc/k [m] of the zone in which dry friction may hold the cart; 0 if no dry friction shows.
 
-    With viscous and dry friction the ways between turning points follow S' = r S − 2(1 + r) Fc/k: a straight line.
+    With viscous and dry friction the distances S between turning points follow the straight line S' = r S − 2(1 + r)
+    Fc/k.
     """
     used = significant(turns)
     if len(used) < 5:

@@ -54,7 +54,13 @@ class Response:
 
 @dataclass(frozen=True)
 class Noise:
-    """What the encoder adds to a reading: noise floor and encoder step, in the unit of the position."""
+    """Noise of an encoder.
+
+    Attributes:
+        floor: noise floor [unit].
+        step: encoder step [unit].
+        unit: of the position.
+    """
 
     floor: float
     step: float
@@ -67,9 +73,17 @@ def noise_of(record: Record) -> Noise:
 
 
 def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response | None = None) -> Response | None:
-    """Features of the motion after one force step; ``None`` when it shows too little.
+    """Features of the motion after one force step.
 
-    ``earlier`` is the response before it, whose rest value counts as where this one began.
+    Args:
+        record: the measurement.
+        onset: the step.
+        noise: noise floor and encoder step of the record.
+        earlier: response to the step before; its rest value is where this response starts. None for the first step,
+            before which the cart must rest.
+
+    Returns:
+        None if the response shows too little.
     """
     inside = slice(
         int(np.searchsorted(record.time, onset.time)), int(np.searchsorted(record.time, onset.after.end, side="right"))

@@ -16,12 +16,18 @@ _QUIET = 1.3
 
 
 def evidence(position: FloatArray) -> int:
-    """How many readings stand in ``position`` (n,): a reading that an encoder repeats counts once."""
+    """Number of runs of equal readings in ``position`` (n,): a reading that the encoder repeats counts once."""
     return 1 + int(np.count_nonzero(np.diff(position)))
 
 
 def is_quiet(position: FloatArray, floor: float, step: float) -> bool:
-    """Whether readings (n,) show noise alone: no more scatter than the floor [m] and one encoder step, no drift."""
+    """Whether readings show noise alone: no scatter beyond noise floor and one encoder step, and no drift.
+
+    Args:
+        position: (n,) readings [m].
+        floor: noise floor [m].
+        step: encoder step [m], 0 if unknown.
+    """
     if position.size < FEWEST:
         return False
     scatter = float(np.std(position))
@@ -36,7 +42,13 @@ def is_quiet(position: FloatArray, floor: float, step: float) -> bool:
 
 
 def rest_value(position: FloatArray, floor: float, unit: str) -> Quantity:
-    """Mean of quiet readings (n,); an encoder that stands still on one count knows no more than that count."""
+    """Mean of quiet readings; its standard deviation counts a run of equal readings as one.
+
+    Args:
+        position: (n,) readings.
+        floor: noise floor, the least standard deviation of a reading.
+        unit: of both.
+    """
     spread = max(float(np.std(position)), floor)
     return Quantity(float(np.mean(position)), spread / math.sqrt(evidence(position)), unit)
 

@@ -27,7 +27,14 @@ _SOUND = 1e100
 
 @dataclass(frozen=True)
 class Shape:
-    """ωn [rad/s], ζ, start and rest value [m] of the response that fits best, and its standard error [m]."""
+    """The step response that fits best.
+
+    Attributes:
+        natural_frequency: ωn [rad/s].
+        damping_ratio: ζ.
+        initial, steady_state: start and rest value [m].
+        see: standard error [m].
+    """
 
     natural_frequency: Quantity
     damping_ratio: Quantity
@@ -37,7 +44,13 @@ class Shape:
 
 
 def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> FloatArray:
-    """Response (n,) of eq. 10 with K F = 1 from rest, time (n,) [s] from the step; any damping ratio above 0."""
+    """Response (n,) of eq. 10 from rest to a step with K F = 1.
+
+    Args:
+        time: (n,) [s] from the step; the response is 0 before it.
+        frequency: ωn [rad/s].
+        ratio: ζ, larger than 0; above 1 for a response without oscillation.
+    """
     after = np.maximum(time, 0.0)
     if abs(ratio - 1.0) < _CRITICAL:
         ratio = 1.0 + _CRITICAL
@@ -52,11 +65,19 @@ def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> Floa
 
 
 def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: float, floor: float) -> Shape | None:
-    """Least squares of the step response on time (n,) [s] from the step and position (n,) [m]; ``None`` if it fails.
+    """Least-squares fit of the step response.
 
-    ``initial`` is the reading before the step, one more piece of evidence, and ``onset`` [s] how well the instant of
-    the step is known. A reading that the encoder repeats n times weighs as one: n equal counts are not n
-    measurements.
+    A run of n equal readings weighs as much as one reading.
+
+    Args:
+        time: (n,) [s] from the step.
+        position: (n,) readings [m].
+        initial: reading before the step, used as one more observation.
+        onset: standard deviation of the instant of the step [s].
+        floor: noise floor [m].
+
+    Returns:
+        None if the fit fails.
     """
     problem = _Problem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, onset, floor)
     # The early samples tell the fast root, so the search for the valley uses them more densely than the late ones.

@@ -19,7 +19,13 @@ _REACH = 0.25
 
 @dataclass(frozen=True)
 class Extreme:
-    """A turning point: when [s], where [m], their standard deviations, and whether it is a high (+1) or a low (−1)."""
+    """A turning point.
+
+    Attributes:
+        time, time_std: instant and its standard deviation [s].
+        value, value_std: reading and its standard deviation [m].
+        side: +1 for a maximum, −1 for a minimum.
+    """
 
     time: float
     value: float
@@ -29,7 +35,13 @@ class Extreme:
 
 
 def extremes(time: FloatArray, position: FloatArray, floor: float) -> tuple[Extreme, ...]:
-    """Turning points in time order: time (n,) [s], position (n,) [m], noise floor [m]."""
+    """Turning points in time order.
+
+    Args:
+        time: (n,) [s].
+        position: (n,) readings [m].
+        floor: noise floor [m], from which the least prominence follows.
+    """
     swing = float(np.ptp(position))
     prominence = max(_PROMINENCE_FLOORS * floor, _PROMINENCE_SWING * swing)
     if swing <= prominence or position.size < 8:

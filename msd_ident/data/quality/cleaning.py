@@ -1,7 +1,7 @@
-"""Readings that no motion makes: wild ones, left out, and jumps of the encoder's zero, taken back.
+"""Readings that no motion makes: outliers, which are left out, and jumps of the encoder's zero, which are taken back.
 
-A cart moves on between two samples by what its speed allows, so a reading that leaves its neighbours and comes back is
-no place where the cart was, and one that leaves for good, with the same speed before and after, is another zero.
+The speed limits how far a cart moves between two samples. So a reading that leaves its neighbours and comes back is not
+a position of the cart, and a jump after which the motion goes on with the same speed is a change of the zero.
 """
 
 from __future__ import annotations

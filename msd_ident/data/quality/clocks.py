@@ -12,7 +12,7 @@ from msd_ident.data.record import Record
 
 
 def clocks(record: Record, motion: Motion) -> Iterator[Finding]:
-    """Motion before its cause or long after it, and a force that is only known for a part of the record."""
+    """Findings on motion before its cause or long after it, and on a force known for a part of the record only."""
     if motion.early > max(2 * record.period, 0.002):
         yield Finding(
             "warning",

@@ -1,8 +1,8 @@
-"""A force that a controller makes from the readings: the loop is closed.
+"""Detection of a closed loop: a force that a controller computes from the readings.
 
-In an open loop the force knows nothing of the encoder. A controller computes it from the readings themselves: its
-changes follow theirs, up to new setpoints, and while they rest it rests too, whatever its level. Or they follow more
-closely than the noise of the readings would let any force do that merely moves the cart.
+In an open loop the force does not depend on the readings. In a closed loop the changes of the force follow those of the
+readings, except for new setpoints, and the force rests while the readings rest, whatever its level. Or the force
+follows the readings more closely than their noise would allow if it merely moved the cart.
 """
 
 from __future__ import annotations
