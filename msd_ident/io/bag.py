@@ -85,7 +85,12 @@ class Bag:
         return self._notes + tuple(loss for file in self._files for loss in file.losses)
 
     def messages(self, topics: Collection[str] | None = None, *, by_log_time: bool = True) -> Iterator[RawMessage]:
-        """Messages of the topics (all for ``None``), by log time or in the order in which they were stored."""
+        """Messages of the bag.
+
+        Args:
+            topics: names of topics to read; None for all.
+            by_log_time: sort by log time; False for the order in which they were stored.
+        """
         streams = [file.raw_messages(by_log_time) for file in self._files]
         merged: Iterator[RawMessage]
         if by_log_time and len(streams) > 1:
@@ -134,6 +139,10 @@ def open_bag(path: str | os.PathLike[str]) -> Bag:
 
 def iterate_messages(path: str | os.PathLike[str], topics: Collection[str] | None = None) -> Iterator[RawMessage]:
     """Messages of a bag by log time; see ``open_bag`` for topics with their QoS and definitions.
+
+    Args:
+        path: bag folder or file.
+        topics: names of topics to read; None for all.
 
     Raises:
         DataError: not a bag, or one of the topics is not in it.

@@ -42,7 +42,12 @@ def look_into(folder: Path) -> Folder:
 
 
 def unreadable(path: Path, error: OSError) -> DataError:
-    """The error for a file that cannot be read; says why."""
+    """The error to raise for a file that cannot be read.
+
+    Args:
+        path: of the file.
+        error: what the system said.
+    """
     return DataError(f"cannot read {path}: {error.strerror or error}; expected a file that may be read")
 
 

@@ -24,7 +24,12 @@ def plain_name(path: Path) -> str:
 
 
 def decompress(packed: bytes, compression: str, most: int = 2**40) -> bytes:
-    """As much as the bytes give, ``most`` at most: a stream that is cut off yields what comes before the cut.
+    """Decompressed bytes; of a stream that is cut off, those before the cut.
+
+    Args:
+        packed: compressed bytes.
+        compression: ``zstd``, ``lz4``, or empty for none.
+        most: largest number of bytes to return.
 
     Raises:
         DecodeError: the bytes are damaged, or the compression is not known.
@@ -52,7 +57,12 @@ def _read_zstd(packed: bytes, most: int) -> bytes:
 
 
 def compress(raw: bytes, compression: str) -> bytes:
-    """Bytes packed with ``zstd`` or ``lz4``, or as they are for an empty name."""
+    """Compressed bytes.
+
+    Args:
+        raw: bytes to compress.
+        compression: ``zstd``, ``lz4``, or empty for none.
+    """
     if compression == "zstd":
         return zstandard.ZstdCompressor().compress(raw)
     return bytes(lz4.frame.compress(raw)) if compression == "lz4" else raw

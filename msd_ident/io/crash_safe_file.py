@@ -1,8 +1,9 @@
-"""CrashSafeFile: a file that shows nothing but complete states under its name, whatever happens to who writes it.
+"""CrashSafeFile: a file that is complete at every instant, even if the process that writes it is killed.
 
-An MCAP file ends with its index, so a file that grows is no bag while it does. Two copies therefore take turns: one
-stands under the name, whole and untouched, while the other, hidden, catches up, gets the new data and an index of all;
-then the name goes over to it in one step. It costs the size of the file once more while it is being written.
+An MCAP file ends with its index, so a file that is being appended to is not a readable bag. So there are two copies.
+One is complete and stands under the file's name. The other is hidden; it is brought up to date and gets the new data
+and an index of all data. Then it takes over the name in one step, and the copies change roles. While the file is
+written, this costs its size on the disk a second time.
 """
 
 from __future__ import annotations

@@ -40,7 +40,16 @@ class Chosen:
 
 
 def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
-    """Record from a file of columns; see ``msd_ident.io.read``. An empty cell means that there is no sample in it."""
+    """Record from a file of columns (CSV or MAT). An empty cell means that there is no sample in it.
+
+    Args:
+        path: of the file.
+        options: columns, scales, units and run; see ``msd_ident.io.read``.
+
+    Raises:
+        DataError: the file cannot be read, or a column is not there or cannot be used.
+        UsageError: two of the columns are the same.
+    """
     table = runs.select(open_columns(Path(path)), options.run, str(path))
     chosen = choose_columns(table, str(path), options)
     places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
@@ -74,6 +83,11 @@ def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
 def choose_columns(table: Columns, name: str, options: SourceOptions) -> Chosen:
     """Places of the columns to read.
 
+    Args:
+        table: the file's columns.
+        name: of the file, for error messages.
+        options: name the columns, where their default names do not fit.
+
     Raises:
         DataError: one of them is not there.
         UsageError: two of them are the same.
@@ -104,7 +118,15 @@ def _signals(table: Columns, name: str, options: SourceOptions) -> tuple[int | N
 
 
 def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None:
-    """Place of the column with the time; ``None`` where the sampling rate is given instead.
+    """Place of the time column.
+
+    Args:
+        table: the file's columns.
+        name: of the file, for error messages.
+        options: name the column, or give the sampling rate.
+
+    Returns:
+        None if the sampling rate is given.
 
     Raises:
         DataError: it is not there.
@@ -151,14 +173,19 @@ def _times(
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:
-    """Write a record so that ``read_csv`` gives the same samples to the last bit.
+    """Write a record so that ``read_csv`` gives exactly the same samples.
 
-    The columns are ``time_s``, the force and the position with their units. Where force and position have stamps
-    of their own, a line has only the one that was sampled then and leaves the other cell empty.
+    The columns are ``time_s``, the force and the position with their units. Where force and position have stamps of
+    their own, each line has one of them and an empty cell for the other.
+
+    Args:
+        record: the record.
+        path: of the file; its folder is made.
+        overwrite: replace an existing file.
 
     Raises:
         UsageError: the file exists and ``overwrite`` is not set.
-        SetupError: the disk does not take it.
+        SetupError: the file cannot be written.
     """
     target = Path(path)
     if target.exists() and not overwrite:

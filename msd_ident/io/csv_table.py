@@ -1,7 +1,7 @@
-"""A CSV file as named columns of numbers, whatever its separator, marks and encoding.
+"""A CSV file as named columns of numbers, with any separator, decimal mark and encoding.
 
-Numbers are parsed by numpy's C reader. Only when that stumbles is the file gone through line by line, which
-understands empty cells and names the line that cannot be read.
+Numbers are parsed by numpy's C reader. If that fails, the file is read line by line, which handles empty cells and
+names the line that cannot be read.
 """
 
 from __future__ import annotations

@@ -77,7 +77,11 @@ class BagInfo:
 
 
 def describe(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> BagInfo:
-    """Look through a bag or a table.
+    """Contents of a bag or table, and which signals would be read.
+
+    Args:
+        path: bag or table.
+        options: name the signals, as for ``read``.
 
     Raises:
         DataError: it cannot be opened at all.

@@ -43,7 +43,12 @@ class Joint:
 
 
 def source_of(options: SourceOptions, joint: Joint) -> SourceOptions:
-    """How one joint is read: in N·m and rad unless the options say otherwise."""
+    """Options that read one joint, with its effort as force.
+
+    Args:
+        options: their units count; N·m and rad if they give none.
+        joint: the joint.
+    """
     return replace(
         options,
         force=joint.effort,

@@ -1,8 +1,8 @@
-"""One MCAP file, read as far as it can be: truncated, cut off by a kill, or with damaged chunks.
+"""One MCAP file, read as far as possible: truncated, not finished because of a kill, or with damaged chunks.
 
-The mcap library's readers stop at the first fault. This walks the records itself (their bodies are
-parsed by the library), checks every checksum that is there, and counts what was lost. A chunk whose
-checksum fails is dropped whole: better no sample than a wrong one.
+The mcap library's readers stop at the first fault. This module walks through the records itself (the library parses
+their bodies), checks every checksum that is there, and counts what was lost. A chunk with a wrong checksum is dropped
+as a whole: no sample is better than a wrong one.
 """
 
 from __future__ import annotations

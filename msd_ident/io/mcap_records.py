@@ -37,7 +37,13 @@ class StoredMessage(NamedTuple):
 
 
 def frames(data: bytes | mmap, position: int, stop: int) -> Iterator[tuple[int, int, int]]:
-    """Opcode, begin and end of the body of each whole record."""
+    """Opcode, and begin and end of the body, of each whole record.
+
+    Args:
+        data: bytes of records.
+        position: offset of the first record.
+        stop: offset at which the records end.
+    """
     while position + FRAME.size <= stop:
         opcode, length = FRAME.unpack_from(data, position)
         begin = position + FRAME.size
@@ -48,7 +54,15 @@ def frames(data: bytes | mmap, position: int, stop: int) -> Iterator[tuple[int, 
 
 
 def stored_message(data: bytes, begin: int, end: int) -> StoredMessage | None:
-    """Message from the body of a record, ``None`` for one that is too short or later than any clock says."""
+    """Message from the body of a record.
+
+    Args:
+        data: bytes that contain the body.
+        begin, end: offsets of the body.
+
+    Returns:
+        None if the body is too short or its log time is impossibly late.
+    """
     if end - begin < MESSAGE.size:
         return None
     channel, _, log_time, publish_time = MESSAGE.unpack_from(data, begin)
@@ -58,7 +72,15 @@ def stored_message(data: bytes, begin: int, end: int) -> StoredMessage | None:
 
 
 def parse(opcode: int, body: bytes) -> McapRecord | None:
-    """Record of one of the kinds that matter here; ``None`` for others and for nonsense."""
+    """Channel, schema, statistics or chunk index from the body of a record.
+
+    Args:
+        opcode: kind of the record.
+        body: bytes of the body.
+
+    Returns:
+        None for other kinds and for bytes that cannot be parsed.
+    """
     kinds: dict[int, Any] = {
         Opcode.CHANNEL: Channel,
         Opcode.SCHEMA: Schema,
@@ -76,7 +98,15 @@ def parse(opcode: int, body: bytes) -> McapRecord | None:
 
 
 def unpack(body: bytes, whole: bool) -> tuple[bytes, bool]:
-    """Uncompressed records of a chunk, and whether they are complete; a prefix of them for a chunk that is cut off."""
+    """Uncompressed records of a chunk.
+
+    Args:
+        body: of the chunk's record.
+        whole: whether the chunk is complete; of one that is cut off, the records before the cut are returned.
+
+    Returns:
+        The records, and whether they are complete. No records if the checksum is wrong.
+    """
     if len(body) < CHUNK.size:
         return b"", False
     *_, size, crc, name_length = CHUNK.unpack_from(body)

@@ -81,14 +81,27 @@ class McapWriter:
         return self._statistics.chunk_count
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
-        """Id of a new schema."""
+        """Add a schema and return its id.
+
+        Args:
+            name: of the message type, such as ``sensor_msgs/msg/JointState``.
+            encoding: of the definition, such as ``ros2msg``.
+            data: the definition.
+        """
         self._statistics.schema_count += 1
         record = Schema(id=self._statistics.schema_count, name=name, encoding=encoding, data=data)
         self._describe(Opcode.SCHEMA, record)
         return record.id
 
     def add_channel(self, topic: str, encoding: str, schema: int, metadata: Mapping[str, str]) -> int:
-        """Id of a new channel."""
+        """Add a channel and return its id.
+
+        Args:
+            topic: name of the topic.
+            encoding: of its messages, such as ``cdr``.
+            schema: id of the schema.
+            metadata: texts of the channel, such as the offered QoS.
+        """
         self._statistics.channel_count += 1
         record = Channel(
             id=self._statistics.channel_count,
@@ -101,7 +114,14 @@ class McapWriter:
         return record.id
 
     def add_message(self, channel: int, sequence: int, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
-        """Append a message."""
+        """Append a message.
+
+        Args:
+            channel: id of the channel.
+            sequence: number of the message on its channel.
+            log_time_ns, publish_time_ns: when it was received and sent [ns].
+            data: serialised message.
+        """
         counts = self._statistics
         self._begin = min(self._begin, log_time_ns) if self._index else log_time_ns
         self._end = max(self._end, log_time_ns) if self._index else log_time_ns

@@ -22,7 +22,15 @@ _NO_START = 2**63 - 1
 
 @dataclass
 class TopicEntry:
-    """A topic as the metadata tell it."""
+    """A topic in metadata.yaml.
+
+    Attributes:
+        name: of the topic.
+        type: of its messages.
+        qos: offered QoS profiles as YAML.
+        type_hash: RIHS01 hash of the type, or empty.
+        messages: number of messages.
+    """
 
     name: str
     type: str
@@ -33,7 +41,13 @@ class TopicEntry:
 
 @dataclass
 class FileEntry:
-    """One file of a bag: its name, the log times of its messages [ns], and their number."""
+    """One file of a bag in metadata.yaml.
+
+    Attributes:
+        name: of the file.
+        first_ns, last_ns: log times of its first and last message [ns].
+        messages: number of messages.
+    """
 
     name: str
     first_ns: int = _NO_START

@@ -1,4 +1,4 @@
-"""Where a new bag goes: never over anything but a bag that the user gives up."""
+"""The folder of a new bag; nothing is ever removed for it except a bag that the user gave up."""
 
 from __future__ import annotations
 
@@ -15,13 +15,17 @@ _LEAST_BYTES = 10_000
 
 
 def make_folder(folder: Path, overwrite: bool) -> None:
-    """An empty folder for the bag; only a bag is ever removed for it, and an empty folder is taken as it is.
+    """Make an empty folder for a bag.
 
-    Of two that ask at once for a name that is not there, one gets it.
+    An empty folder is taken as it is. If two processes ask for the same new name at once, one of them gets it.
+
+    Args:
+        folder: the folder; its parents are made too.
+        overwrite: remove the folder first if it is a bag. Nothing but a bag is ever removed.
 
     Raises:
         UsageError: the folder exists and may not be replaced.
-        SetupError: the disk does not take it.
+        SetupError: the folder cannot be made.
     """
     try:
         if is_empty(folder):
@@ -41,10 +45,15 @@ def is_empty(folder: Path) -> bool:
 
 
 def check_limits(sync_seconds: float, split_bytes: int, split_seconds: float) -> None:
-    """Refuse limits that make no sense.
+    """Check the limits of a bag writer.
+
+    Args:
+        sync_seconds: time between flushes [s], at least 0.
+        split_bytes: size at which a file ends.
+        split_seconds: length at which a file ends [s]; 0 for no limit.
 
     Raises:
-        UsageError: one of them.
+        UsageError: one of them is out of range.
     """
     if not 0.0 <= sync_seconds < math.inf:
         raise UsageError(f"the time between syncs is {sync_seconds} s; expected 0 or more")
@@ -55,7 +64,12 @@ def check_limits(sync_seconds: float, split_bytes: int, split_seconds: float) ->
 
 
 def next_file(entry: BagEntry, folder: Path) -> str:
-    """Name of the bag's next file, where nothing stands yet."""
+    """Name of the bag's next file, which does not exist yet.
+
+    Args:
+        entry: the bag, with the files that it has.
+        folder: of the bag.
+    """
     number = len(entry.files)
     while True:
         path = folder / f"{folder.resolve().name}_{number}.mcap"

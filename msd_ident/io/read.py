@@ -55,7 +55,12 @@ def read(
 
 
 def each_run(path: str | os.PathLike[str], options: SourceOptions) -> tuple[SourceOptions, ...]:
-    """Options for one record each: those of every run of a file for ``--run all``, else the options as they are.
+    """Options for one record each.
+
+    Args:
+        path: bag or table.
+        options: with ``run`` ``all``, there is one result for each run of the table; else they are returned as they
+            are.
 
     Raises:
         DataError: the file cannot be read.
@@ -67,7 +72,15 @@ def each_run(path: str | os.PathLike[str], options: SourceOptions) -> tuple[Sour
 
 
 def read_all(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> tuple[Record, ...]:
-    """All records of a path: one for each run where ``options.run`` is ``all``, else one; otherwise as ``read``."""
+    """All records of a path: one for each run if ``options.run`` is ``all``, else one.
+
+    Args:
+        path: what to read.
+        options: as for ``read``.
+
+    Raises:
+        DataError: as for ``read``.
+    """
     return tuple(read(path, one) for one in each_run(path, options))
 
 

@@ -154,7 +154,16 @@ class _Signal:
 
 
 def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | None = None) -> Record:
-    """Record from a bag; see ``msd_ident.io.read``."""
+    """Record from a bag; see ``msd_ident.io.read``.
+
+    Args:
+        path: bag folder or file.
+        options: which signals are force and position, scales and units. Its window is not applied here.
+        told: called with the number of messages read so far.
+
+    Raises:
+        DataError: it cannot be read, or lacks a signal.
+    """
     bag = open_bag(path)
     try:
         position, force = sources(bag, options, told=told)
@@ -185,7 +194,16 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | 
 def sources(
     bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None, told: Told | None = None
 ) -> tuple[Source, Source | None]:
-    """Position and force (``None`` for a free decay) that the options mean; ``counts`` of messages by topic if known.
+    """Topics and fields of position and force.
+
+    Args:
+        bag: the bag.
+        options: name the signals, where the default topics do not fit.
+        counts: number of messages by topic; None to count them, if the options do not name both signals.
+        told: called with the number of messages read so far.
+
+    Returns:
+        Position, and force or None for a free decay.
 
     Raises:
         DataError: one of them is not there, or not clear.

@@ -26,13 +26,19 @@ _LATEST_NS = 2**31 * 10**9
 def write_bag(
     record: Record, folder: str | os.PathLike[str], overwrite: bool = False, compression: Compression = "zstd"
 ) -> None:
-    """Write a record as a bag that ``read`` turns into the same samples, their stamps rounded to nanoseconds.
+    """Write a record as a bag that ``read`` turns into the same samples, with stamps rounded to nanoseconds.
 
-    A record without absolute time gets stamps from 1 s on: a stamp of 0 means "no stamp" in ROS.
+    A record without absolute time gets stamps from 1 s on, because a stamp of 0 means "no stamp" in ROS.
+
+    Args:
+        record: the record.
+        folder: of the bag; made, with its parents.
+        overwrite: replace the folder if it is a bag.
+        compression: of the MCAP chunks.
 
     Raises:
         UsageError: the folder exists and ``overwrite`` is not set, or it is no bag.
-        SetupError: the disk does not take it.
+        SetupError: the bag cannot be written.
         DataError: stamps beyond what a message can hold.
     """
     base = record.start_ns

@@ -51,10 +51,15 @@ class Run:
 
 
 def select(table: Columns, run: str, name: str) -> Columns:
-    """The wanted run of a table, or the table itself where it has none or only one.
+    """The wanted run of a table, or the table itself if it has no runs.
+
+    Args:
+        table: the file's columns.
+        run: number of the run as text; empty or ``all`` to take the only one.
+        name: of the file, for error messages.
 
     Raises:
-        DataError: there are several and none is wanted, or it is not there.
+        DataError: there are several runs and none is named, or the run is not there.
     """
     known = numbers(table.header)
     if run in known:

@@ -80,7 +80,16 @@ def choose_position(topics: Mapping[str, Topic], wanted: str, counts: Mapping[st
 def choose_force(
     topics: Mapping[str, Topic], wanted: str, counts: Mapping[str, int], position: str, bag: str
 ) -> Source:
-    """The force that the user names, or else the topic called ``force``, beside the position if there are several.
+    """The force that the user names, or else the topic called ``force``.
+
+    If there are several such topics, the one in the namespace of the position is taken.
+
+    Args:
+        topics: of the bag, by name.
+        wanted: ``TOPIC:FIELD``, a topic, or empty.
+        counts: number of messages by topic.
+        position: name of the position's topic.
+        bag: name of the bag for error messages.
 
     Raises:
         DataError: there is none, or there are several.

@@ -103,11 +103,16 @@ class BagWriter:
 
     @classmethod
     def resume(cls, folder: str | os.PathLike[str], compression: Compression = "zstd", **options: Any) -> BagWriter:
-        """Go on with a bag in a further file, after finishing what was cut off; options as for a new one.
+        """Continue an existing bag in a further file, after repairing it.
+
+        Args:
+            folder: of the bag.
+            compression: of the MCAP chunks.
+            options: further options of ``BagWriter``, by name.
 
         Raises:
             UsageError, DataError: it is no bag of MCAP files, or is being written.
-            SetupError: the disk does not take it.
+            SetupError: the bag cannot be written.
         """
         from msd_ident.io.repair import repair_folder
 
@@ -152,7 +157,13 @@ class BagWriter:
             return name in self._topics and bool(self._topics[name].definition)
 
     def write(self, topic: str, raw: bytes, log_time_ns: int, publish_time_ns: int | None = None) -> None:
-        """Append one serialised message; ``publish_time_ns`` defaults to ``log_time_ns``.
+        """Append one serialised message.
+
+        Args:
+            topic: name of a topic that was added.
+            raw: serialised message (CDR).
+            log_time_ns: when it was received [ns].
+            publish_time_ns: when it was sent [ns]; ``log_time_ns`` if None.
 
         Raises:
             UsageError: the topic was not added, or the bag is closed.
