@@ -121,7 +121,16 @@ class Run:
                 yield Task(path, content if self._like else self.work)
 
     def take(self, answer: Answer, runner: Runner) -> Sequence[Row] | None:
-        """Rows of an answer; ``None`` where the record is handed out once more, now for a diagnosis."""
+        """Rows of an answer.
+
+        Args:
+            answer: what came of a task.
+            runner: gets the diagnosis of the record as a new task, if no earlier row has the content that the answer
+                reports.
+
+        Returns:
+            None if the record was handed out again.
+        """
         path, found = answer.task.path, answer.result
         if answer.error:
             job = self.work.job
@@ -149,7 +158,16 @@ def content(path: str) -> str:
 
 
 def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Plan) -> tuple[pa.Table, Run]:
-    """Diagnose all records; the table, and how it came about.
+    """Diagnose all records.
+
+    Args:
+        paths: folders, patterns and records, here or in object stores.
+        job: how records are read and diagnosed.
+        link: to the cluster.
+        plan: where the table goes, and who is told about the progress.
+
+    Returns:
+        The table, and the run with its counts.
 
     Raises:
         DataError, UsageError, SetupError: nothing to do, no place for the table, a cluster that cannot be used.
@@ -186,7 +204,11 @@ def _work_through(this: Run, runner: Runner, store: table.Store | None) -> None:
 
 @contextmanager
 def linked(scheduler: str = "", workers: int = 0) -> Iterator[Link]:
-    """A link to the cluster that is asked for: of this machine, or one that runs.
+    """A link to a cluster.
+
+    Args:
+        scheduler: address of one that runs; empty for a cluster on this machine.
+        workers: processes on this machine; 0 for one a core.
 
     Raises:
         SetupError: it cannot be used.
@@ -237,7 +259,15 @@ def futures(
     client: Client,
     job: Job = Job(),  # noqa: B008 - frozen
 ) -> dict[str, Future]:
-    """A future for each record: path → a list of its rows, plain values by column, for who has a graph of his own.
+    """A future for each record, for use in a Dask graph of the caller.
+
+    Args:
+        paths: folders, patterns and records, here or in object stores.
+        client: of a Dask cluster.
+        job: how records are read and diagnosed.
+
+    Returns:
+        By path, the future of a list of the record's rows: plain values by column.
 
     Raises:
         DataError, SetupError: as ``batch``.

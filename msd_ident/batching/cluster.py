@@ -74,8 +74,12 @@ def this_machine(workers: int = 0) -> Iterator[Client]:
 def connect(address: str, patience: float = ANSWER_SECONDS) -> Client:
     """A client of a scheduler that runs.
 
+    Args:
+        address: such as ``tcp://host:8786``.
+        patience: longest wait for an answer [s].
+
     Raises:
-        UsageError: the address is none.
+        UsageError: the address is not valid.
         SetupError: nothing answers there.
     """
     distributed = library("distributed")

@@ -29,7 +29,12 @@ _DAY = re.compile(r"(?<!\d)(20\d\d)[-_]?(0[1-9]|1[0-2])[-_]?(0[1-9]|[12]\d|3[01]
 
 
 def identity(path: str, labels: Mapping[str, str]) -> Row:
-    """What a path alone says: its name, the robot (else its folder), the day in its name."""
+    """Columns that follow from the path of a record: its name, the robot (else its folder) and the day in its name.
+
+    Args:
+        path: of the record.
+        labels: column → regular expression whose first group in the path fills it; None where it does not match.
+    """
     place = PurePosixPath(path)
     day = _DAY.search(place.name) or _DAY.search(path)
     told: Row = {

@@ -30,7 +30,13 @@ MOST_TRIES = 3
 
 @dataclass(frozen=True)
 class Task:
-    """A function of one path, and how often it was handed out."""
+    """A function of one path.
+
+    Attributes:
+        path: argument of the function.
+        function: to be called on a worker.
+        tries: how often the task was handed out.
+    """
 
     path: str
     function: Callable[[str], Any]
@@ -39,7 +45,13 @@ class Task:
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of a task: its result, or in words why there is none."""
+    """Result of a task.
+
+    Attributes:
+        task: the task.
+        result: what the function returned.
+        error: why there is no result, in words; else empty.
+    """
 
     task: Task
     result: Any = None

@@ -199,7 +199,12 @@ def joined(tables: Sequence[pa.Table]) -> pa.Table:
 
 
 def merged(table: pa.Table, order: Mapping[str, int]) -> pa.Table:
-    """One row for each key, the last one of several; in the order of the paths, those that have none first."""
+    """One row for each path and joint, the last one of several.
+
+    Args:
+        table: rows.
+        order: place of each path in the result; rows of other paths come first.
+    """
     last = {key: place for place, key in enumerate(keys(table))}
     paths = table.column("path").to_pylist()
     places = sorted(last.values(), key=lambda place: (order.get(paths[place], -1), place))
@@ -207,7 +212,7 @@ def merged(table: pa.Table, order: Mapping[str, int]) -> pa.Table:
 
 
 def rows_at(table: pa.Table, places: Sequence[int]) -> pa.Table:
-    """Those rows of a table."""
+    """Rows of a table at given places, in the order given."""
     pa = library("pyarrow")
     return table.take(pa.array(places, type=pa.int64()))
 

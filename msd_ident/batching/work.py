@@ -30,7 +30,12 @@ Draw = Callable[[Diagnosis, str, Path], None]
 
 @dataclass(frozen=True)
 class Done:
-    """What came of one path: its rows, or none where its content was known already, whose digest stands here."""
+    """Result of one path.
+
+    Attributes:
+        rows: of the record; none if its content is known already.
+        known: digest of that content, else empty.
+    """
 
     rows: tuple[Row, ...]
     known: str = ""
@@ -118,7 +123,12 @@ class Work:
 
 
 def page_name(path: str, part: str) -> str:
-    """Name of a record's page: no two paths share one."""
+    """File name of a record's page, different for each path and part.
+
+    Args:
+        path: of the record.
+        part: of the record, such as a joint; may be empty.
+    """
     told = f"{path}\n{part}".encode()
     return f"{hashlib.sha256(told).hexdigest()[:16]}.html"
 

@@ -51,6 +51,10 @@ def target(name: str) -> Target:
 def into(path: Path, name: str) -> Target:
     """A target that puts the joint into a robot's MuJoCo model.
 
+    Args:
+        path: of the robot's model.
+        name: target that the user asked for.
+
     Raises:
         UsageError: the target asked for is not MuJoCo.
     """

@@ -138,7 +138,11 @@ def library() -> Any:
 
 
 def built(text: str, name: str) -> bytes:
-    """The FMU of a slave's source.
+    """The FMU (bytes of a zip file) of a PythonFMU slave.
+
+    Args:
+        text: source of the slave.
+        name: of its class and of the FMU.
 
     Raises:
         SetupError: PythonFMU is not installed, or fails.

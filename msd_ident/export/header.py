@@ -1,4 +1,4 @@
-"""The comment that every exported file begins with: where it is from, and what it cannot say."""
+"""The comment at the top of every exported file: where it comes from, and which effects the format cannot express."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from msd_ident.quantity import Z95
 
 
 def lines(plan: Plan, target: str) -> list[str]:
-    """Lines of the header, without the signs of a comment."""
+    """Lines of the header, without comment signs.
+
+    Args:
+        plan: what is exported.
+        target: the format, in a few words.
+    """
     saved = plan.saved
     said = [
         f"{target}: exported by msd export (msd_ident {versions()['msd_ident']})",

@@ -19,7 +19,12 @@ def number(value: float) -> str:
 
 
 def source(effect: type[Effect], kind: str) -> str:
-    """A law as a function of its own, ``force_of_quadratic_drag(v, speed, drag_coefficient)``."""
+    """Source of a law as a Python function, such as ``force_of_quadratic_drag(v, speed, drag_coefficient)``.
+
+    Args:
+        effect: the effect.
+        kind: of its law, such as ``force`` or ``friction`` (``Effect.laws``).
+    """
     tree = ast.parse(textwrap.dedent(inspect.getsource(effect.laws()[kind])))
     function = tree.body[0]
     assert isinstance(function, ast.FunctionDef)
@@ -31,7 +36,12 @@ def source(effect: type[Effect], kind: str) -> str:
 
 
 def call(effect: type[Effect], kind: str) -> str:
-    """The same function as it is called where its arguments are known by their names."""
+    """Expression that calls the function of ``source``, with the argument names of the law.
+
+    Args:
+        effect: the effect.
+        kind: of its law.
+    """
     return f"{kind}_of_{effect.name}({', '.join(arguments(effect.laws()[kind]))})"
 
 
@@ -90,19 +100,35 @@ def constants(effects: Iterable[Effect]) -> list[str]:
 
 
 def functions(effects: Iterable[Effect], kinds: Callable[[str], bool] = lambda kind: True) -> str:
-    """The source of all laws of these kinds, two lines between functions."""
+    """Source of all laws of some kinds.
+
+    Args:
+        effects: of a model.
+        kinds: tells which kinds are wanted; all by default.
+    """
     found = [source(type(effect), kind) for effect in effects for kind in effect.laws() if kinds(kind)]
     return "\n\n\n".join(found)
 
 
 def summed(effects: Iterable[Effect], kinds: tuple[str, ...]) -> str:
-    """The sum of all laws of these kinds as an expression, ``0.0`` where there is none."""
+    """Expression for the sum of all laws of some kinds; ``0.0`` if there are none.
+
+    Args:
+        effects: of a model.
+        kinds: such as ``("constant", "force")``.
+    """
     found = [call(type(effect), kind) for effect in effects for kind in kinds if kind in effect.laws()]
     return " + ".join(found) or "0.0"
 
 
 def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
-    """The one law of this kind as an expression, or ``otherwise``."""
+    """Expression for the first law of a kind.
+
+    Args:
+        effects: of a model.
+        kind: such as ``friction``.
+        otherwise: expression to use if no effect has such a law.
+    """
     found = [call(type(effect), kind) for effect in effects if kind in effect.laws()]
     return found[0] if found else otherwise
 

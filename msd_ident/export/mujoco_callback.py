@@ -104,7 +104,14 @@ _GIVE = """    while constraints:
 
 
 def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> str:
-    """The whole file."""
+    """Source of the callback file.
+
+    Args:
+        plan: what is exported.
+        called: effects whose laws the callbacks add.
+        module: name by which the file is imported.
+        model_file: name of the MuJoCo model beside it.
+    """
     kinds = {kind for effect in called for kind in effect.laws()}
     remembered = [pair for effect in called for pair in effect.memory]
     body, setters = _installed(plan, called, kinds, bool(remembered))

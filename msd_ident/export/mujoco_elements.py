@@ -188,7 +188,12 @@ def says(effect: type[Effect]) -> Saying:
 
 
 def inertial(mass: float, revolute: bool) -> str:
-    """A body's inertia: the mass, or the moment about the joint's axis."""
+    """XML element of a body's inertia.
+
+    Args:
+        mass: [kg], or for a revolute joint the moment of inertia about its axis [kg·m²].
+        revolute: whether the joint turns.
+    """
     if revolute:
         return f'<inertial pos="0 0 0" mass="1" diaginertia="{number(mass)} {number(mass)} {number(mass)}"/>'
     return f'<inertial pos="0 0 0" mass="{number(mass)}" diaginertia="1e-3 1e-3 1e-3"/>'

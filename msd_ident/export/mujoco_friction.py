@@ -116,7 +116,12 @@ _CHANGE = '{tau} * data.act_dot[model.actuator("{name}").actadr[0]] * model.actu
 
 
 def text(plan: Plan, called: Sequence[Effect]) -> str:
-    """The part of the callback file that makes the dry friction of these effects."""
+    """The part of the callback file that computes dry friction.
+
+    Args:
+        plan: what is exported.
+        called: effects whose laws the callbacks add.
+    """
     uses_spring = any(
         "spring_force" in laws.arguments(effect.laws()[kind])
         for effect in called

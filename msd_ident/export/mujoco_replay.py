@@ -60,7 +60,14 @@ def load(path: Path) -> Any:
 
 
 def run(path: Path, callback: Path | None, plan: Plan, start: InitialState) -> FloatArray:
-    """Readings (n,) of an exported model at the record's samples, from the start given."""
+    """Readings (n,) of an exported MuJoCo model at the record's samples.
+
+    Args:
+        path: of the model.
+        callback: file with its callbacks; None without.
+        plan: what was exported.
+        start: record, and state at its first sample.
+    """
     mujoco, model = library(), load(path)
     model.opt.timestep = start.record.period / plan.steps
     data = mujoco.MjData(model)
@@ -71,9 +78,14 @@ def run(path: Path, callback: Path | None, plan: Plan, start: InitialState) -> F
 
 
 def averages(record: Record, steps: int) -> FloatArray:
-    """Mean force of each solver step, (periods, steps): held forces keep their impulse wherever their stamps lie.
+    """Mean force of each solver step, which keeps the impulse of the force whatever its stamps are.
 
-    The periods are even and cover the record, whatever its samples do.
+    Args:
+        record: the measurement.
+        steps: solver steps in each sample period.
+
+    Returns:
+        (periods, steps), in the force unit. The periods are even and cover the record, even if its samples are uneven.
     """
     periods = round(record.duration / record.period)
     periods += periods * record.period < record.duration - 1e-3 * record.period
@@ -83,7 +95,15 @@ def averages(record: Record, steps: int) -> FloatArray:
 
 
 def at_samples(record: Record, positions: FloatArray) -> FloatArray:
-    """Positions (n,) at the record's samples from those at even periods from its first one on."""
+    """Positions (n,) at the record's samples, by a cubic spline where these are uneven.
+
+    Args:
+        record: gives the stamps.
+        positions: (periods + 1,) at even periods from the record's first sample on.
+
+    Returns:
+        NaN at all samples if the samples are uneven and a position is not finite.
+    """
     even = record.time[0] + record.period * np.arange(positions.size)
     if positions.size == record.samples and float(np.max(np.abs(even - record.time))) < 1e-3 * record.period:
         return positions
@@ -96,7 +116,12 @@ def at_samples(record: Record, positions: FloatArray) -> FloatArray:
 
 
 def impulses(record: Record, at: FloatArray) -> FloatArray:
-    """Integral of the force (n,) [N·s] from its first stamp to each instant [s]; 0 before."""
+    """Integral of the force (n,) [N·s] from its first stamp on; 0 before it.
+
+    Args:
+        record: the measurement.
+        at: (n,) instants [s].
+    """
     stamps, values = record.force_time, record.force
     linear = record.hold == "linear"
     means = 0.5 * (values[1:] + values[:-1]) if linear else values[:-1]
@@ -131,9 +156,13 @@ def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: InitialState) 
 
 
 def lagged(record: Record, plan: Plan) -> float:
-    """Force behind the actuator's lag at the first sample, from the stamps before it.
+    """Force behind the actuator's lag at the first sample, computed from the force before it.
 
-    A first stamp before the record is a force that has acted for long; otherwise there was none.
+    A first stamp before the record is taken for a force that has acted for long. Without one the force is 0.
+
+    Args:
+        record: gives the force.
+        plan: its model gives lag, delay and gain of the actuator.
     """
     tau, shift = (sum(plan.model.structure(role)) for role in (LAG, DELAY))
     begin = float(record.time[0])

@@ -87,7 +87,13 @@ def callback_path(out: Path) -> Path:
 
 
 def model(plan: Plan, made: Elements, what: str) -> str:
-    """The whole model as MJCF."""
+    """The whole model as MJCF.
+
+    Args:
+        plan: what is exported.
+        made: elements of the model.
+        what: the format, in a few words for the header.
+    """
     return _MODEL.format(
         header=escape("\n".join(header.lines(plan, what))).replace("--", "- -"),
         name=plan.joint,
@@ -103,7 +109,12 @@ def model(plan: Plan, made: Elements, what: str) -> str:
 
 
 def rest(plan: Plan, made: Elements) -> str:
-    """What stands outside the bodies: tendons, actuators, sensors."""
+    """The sections outside the bodies: tendons, actuators and sensors.
+
+    Args:
+        plan: what is exported.
+        made: elements of the model.
+    """
     turned = {"gear": "-1"} if plan.saved.force_sign < 0 else {}
     pushers = [f'<general name="{ACTUATOR}" joint="{plan.joint}" {attributes(made.actuator | turned)}/>']
     if made.offset:

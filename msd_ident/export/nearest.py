@@ -1,4 +1,7 @@
-"""The nearest that a poorer format can say: its own law fitted on the user's record, not the rest of a richer one."""
+"""The nearest model that a format can express: the format's own laws, refitted on the user's records.
+
+It is not enough to leave out the effects that the format lacks, because all parameters were fitted together with them.
+"""
 
 from __future__ import annotations
 
@@ -79,7 +82,12 @@ def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Re
 
 
 def plain(saved: SavedModel, records: Sequence[Record]) -> FitResult:
-    """Mass, damping and stiffness alone, as near as they come to these records."""
+    """Fit of mass, damping and stiffness alone.
+
+    Args:
+        saved: its linear model gives the starting values, or else the plant of its model.
+        records: as the model is simulated on them.
+    """
     model = saved.base or Plant(saved.model.mass, saved.model.damping, saved.model.stiffness)
     return _fitted(saved, model, records)
 

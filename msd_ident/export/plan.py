@@ -67,7 +67,12 @@ class Plan:
         return dict(zip(self.model.names, self.model.values.tolist(), strict=True))
 
     def value(self, name: str, otherwise: float = 0.0) -> float:
-        """A parameter of the model, or ``otherwise`` where it has none of this name."""
+        """Value of a parameter of the written model.
+
+        Args:
+            name: of the parameter.
+            otherwise: returned if the model does not have it.
+        """
         return self.values.get(name, otherwise)
 
 
@@ -108,10 +113,17 @@ def check_scale(saved: SavedModel, target: str, instead: str) -> None:
 
 
 def scaled(saved: SavedModel, mass: float) -> tuple[Model, float]:
-    """The model with this mass [kg or kg·m²], all forces scaled with it, and newtons per force unit of the record.
+    """The model in newtons, from a mass that the user gives for a result without a force scale.
+
+    Args:
+        saved: the result.
+        mass: moving mass [kg], or moment of inertia [kg·m²].
+
+    Returns:
+        The model with this mass and all forces scaled with it, and newtons per force unit of the record.
 
     Raises:
-        UsageError: the mass is no mass.
+        UsageError: the mass is not positive and finite.
     """
     if not 0.0 < mass < math.inf:
         raise UsageError(f"the mass is {mass:g}; expected more than 0, e.g. --mass 0.94")

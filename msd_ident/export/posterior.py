@@ -28,7 +28,8 @@ class Draws:
 
     Attributes:
         names: of the columns.
-        values: (draws, columns); an effect that an explanation does not have stands at its neutral values.
+        values: (draws, columns). The parameters of an effect that an explanation does not have are at their neutral
+            values.
         explanation: (draws,) index into ``explanations``.
         explanations: effects of each, with its probability.
     """

@@ -218,7 +218,13 @@ def lagged(begin, stamps, levels):
 
 
 def text(plan: Plan, header: str, module: str) -> str:
-    """The whole file."""
+    """Source of the generated simulation.
+
+    Args:
+        plan: what is exported.
+        header: text of the docstring at the top.
+        module: name by which the file is imported.
+    """
     filled = _FILE
     for name, value in {**_values(plan, header, module), **structure(plan), **memory(plan), **edges(plan)}.items():
         filled = filled.replace(f"@{name}@", value)

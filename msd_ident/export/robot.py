@@ -1,4 +1,4 @@
-"""Other people's MuJoCo models: the joint that is meant, and what refuses to be it."""
+"""MuJoCo models of robots: finding the joint to export to, and checking that it is suitable."""
 
 from __future__ import annotations
 
@@ -89,7 +89,12 @@ def _check(
 
 
 def kind_of(one: _Element, tree: ElementTree.ElementTree[_Element]) -> str:
-    """Type of a joint, from its class where it does not say."""
+    """Type of a joint: its own, else that of its default class, else ``hinge``.
+
+    Args:
+        one: element of the joint.
+        tree: the model, which has the default classes.
+    """
     if one.tag == "freejoint":
         return "free"
     if one.get("type"):
@@ -108,6 +113,11 @@ def in_degrees(tree: ElementTree.ElementTree[_Element]) -> bool:
 
 
 def section(tree: ElementTree.ElementTree[_Element], tag: str) -> _Element:
-    """A section of the model, made where it is not there."""
+    """A top-level section of the model; it is added if the model does not have it.
+
+    Args:
+        tree: the model.
+        tag: name of the section, such as ``actuator``.
+    """
     found = tree.getroot().find(tag)
     return found if found is not None else ElementTree.SubElement(tree.getroot(), tag)

@@ -50,5 +50,10 @@ class Row:
 
 
 def rows(target: Target, effects: Iterable[type[Effect]] = LIBRARY) -> tuple[Row, ...]:
-    """What a target says of each effect, in the order given."""
+    """How a target carries each effect.
+
+    Args:
+        target: the format.
+        effects: in the order of the result; the whole library by default.
+    """
     return tuple(Row(effect.name, target.says(effect)) for effect in effects)

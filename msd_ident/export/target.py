@@ -60,12 +60,22 @@ class Target:
         raise NotImplementedError
 
     def saying(self, effect: Effect, model: Model) -> Saying:
-        """How it carries an effect of this very model."""
+        """How the target carries an effect with the values that it has.
+
+        Args:
+            effect: the effect.
+            model: the model that contains it.
+        """
         del model
         return self.says(type(effect))
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
-        """What is to be written: path → content, the main file (``out``) first."""
+        """Content of each file to write, the main file first.
+
+        Args:
+            plan: what is exported.
+            out: path of the main file.
+        """
         raise NotImplementedError
 
     def check_name(self, out: Path) -> None:
@@ -88,5 +98,11 @@ class Target:
         return ()
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
-        """Run the written file in its target: readings (n,) at the record's samples, in the position unit."""
+        """Readings (n,) of the written file, run in its target, at the record's samples and in the position unit.
+
+        Args:
+            out: path of the main file.
+            plan: what was exported.
+            start: record, and state at its first sample.
+        """
         raise NotImplementedError

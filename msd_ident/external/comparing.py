@@ -1,9 +1,10 @@
-"""What a simulation gets wrong about a record: the same laws fitted to what was measured and to what it says.
+"""What a simulation gets wrong about a record: the same laws are fitted to the measured and to the simulated positions.
 
-A black box cannot be refitted, but its answer can be explained: the diagnosis of the record gives a model of the rig,
-the same structure fitted to the simulated positions gives a model of the simulation, with the causes that this needs
-beside. Where the two differ by more than both intervals, the simulation is wrong, and the difference has a name. The
-simulated positions get the noise of the record, so that the simulation is asked no more than a rig would be.
+A simulation that is a black box cannot be refitted, but its response can be explained. The diagnosis of the record
+gives a model of the rig. The same structure, with further causes if needed, is fitted to the simulated positions and
+gives a model of the simulation. Where the two differ by more than both intervals, the simulation is wrong, and the
+difference has a name. Noise as that of the record is added to the simulated positions, so that both fits work under the
+same conditions.
 """
 
 from __future__ import annotations
@@ -153,6 +154,11 @@ def compare(
     simulation: Simulation, records: Sequence[Record], progress: Callable[[str, float], None] = _silent
 ) -> Comparison:
     """Name what a simulation gets wrong about records of one rig.
+
+    Args:
+        simulation: what to run on the records' force.
+        records: of one rig.
+        progress: called with the stage and the fraction done (0 to 1).
 
     Raises:
         UsageError, DataError: it cannot be run on the records, or the data cannot carry any estimate.

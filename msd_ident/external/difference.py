@@ -1,4 +1,4 @@
-"""One thing that a simulation has other than the rig."""
+"""One difference between a simulation and a rig."""
 
 from __future__ import annotations
 

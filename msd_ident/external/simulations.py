@@ -31,7 +31,12 @@ class Simulation(Protocol):
         """How it is run on a record, a sentence."""
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
-        """Simulated readings (n,) at the record's samples, from about this start, in the position unit."""
+        """Simulated readings (n,) at the record's samples, in the position unit.
+
+        Args:
+            record: gives stamps and force.
+            initial: state and zero at the first sample, as fitted to the rig. A simulation may start elsewhere.
+        """
 
 
 @dataclass(frozen=True)
@@ -119,8 +124,8 @@ def _pusher(mujoco: Any, model: Any, joint: int) -> int | None:
 class FunctionSimulation:
     """A Python function ``simulate(time, force, position, velocity)`` that returns positions.
 
-    ``time`` (n,) [s] and ``force`` (n,), held from one instant to the next, are the record's; ``position`` and
-    ``velocity`` are those at its first sample. It returns (n,) readings.
+    ``time`` (n,) [s] is the record's; ``force`` has one value for each sample of an evenly sampled record, the mean
+    until the next sample. ``position`` and ``velocity`` are those at the first sample. It returns (n,) readings.
 
     Attributes:
         target: ``module:function``; the module may lie in the present folder.

@@ -109,7 +109,11 @@ def _quantity(value: float, unit: str) -> dict[str, Any]:
 
 
 def study(table: Table1 = Table1(), progress: Progress = lambda stage, fraction: None) -> Paper:  # noqa: B008 - frozen
-    """Tables 2 and 3, and what no viscous + Coulomb model reproduces, from Table 1 alone.
+    """The paper's method from its Table 1 alone: Tables 2 and 3, and what no viscous + Coulomb model reproduces.
+
+    Args:
+        table: the six numbers of Table 1.
+        progress: called with the stage and the fraction done (0 to 1).
 
     Raises:
         UsageError: a table whose numbers no oscillation has (peaks that do not fall, times that do not rise).

@@ -33,7 +33,13 @@ _NO_PEAKS = 1e4
 
 @dataclass(frozen=True)
 class Response:
-    """Peaks, their times, and rest value of a step response. SI units."""
+    """Step response in the terms of Table 1.
+
+    Attributes:
+        first_peak, second_peak: [m].
+        first_time, second_time: of the peaks [s].
+        steady_state: rest value [m].
+    """
 
     first_peak: float
     second_peak: float
@@ -63,7 +69,15 @@ class Response:
 
 @dataclass(frozen=True)
 class Closest:
-    """How near one model structure comes to the table: its best parameters and their response."""
+    """How near one model structure comes to the table.
+
+    Attributes:
+        cause: effect beside m, b and k.
+        model: with its best parameters.
+        response: of the model.
+        distance: largest difference of peaks and rest value to the table [m].
+        lateness: largest difference of the peaks' times to the table [s].
+    """
 
     cause: str
     model: Model
@@ -85,7 +99,15 @@ def step_record(table: Table1) -> Record:
 
 
 def respond(model: Model, simulator: Simulator) -> Response | None:
-    """Step response of the model in the table's terms; ``None`` when it has no two peaks."""
+    """Step response of a model in the terms of Table 1.
+
+    Args:
+        model: the model.
+        simulator: of the same structure, on ``step_record``.
+
+    Returns:
+        None if the response has no two peaks.
+    """
     path = simulator.trajectory(model.values)
     if not np.all(np.isfinite(path.position)):
         return None
@@ -189,7 +211,15 @@ def _searches(starts: Sequence[Model], table: Table1) -> list[_Search]:
 
 
 def nearest(starts: Sequence[Model], table: Table1) -> Closest | None:
-    """The model of one structure nearest to all five numbers of the table, by least squares from several starts."""
+    """The model of one structure nearest to the five numbers of the table, by least squares from several starts.
+
+    Args:
+        starts: models of the structure.
+        table: the paper's numbers.
+
+    Returns:
+        None if no model has two peaks.
+    """
     return _nearest([search.closest(search.least_squares()) for search in _searches(starts, table)], table)
 
 
@@ -223,9 +253,14 @@ def coulomb_starts(table: Table1) -> list[Model]:
 
 
 def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
-    """Every effect of the library that five numbers can decide about, alone beside m, b, k: nearest first.
+    """Models with one effect beside m, b and k, nearest to the table first.
 
-    ``coulomb`` is dry friction's own row, known already.
+    Effects with more parameters than the table can determine are left out, and those that change in time or act on the
+    sensor.
+
+    Args:
+        table: the paper's numbers.
+        coulomb: not used; Coulomb friction is fitted like the other effects.
     """
     base = plant(derive(table))
     record = step_record(table)

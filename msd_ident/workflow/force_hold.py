@@ -106,7 +106,15 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
 
 
 def with_hold(record: Record, hold: str) -> Record:
-    """The record with its force read as ``zero``, ``linear`` or ``band_limited``, and known to be so."""
+    """The record with another hold of the force, marked as known.
+
+    Args:
+        record: the record.
+        hold: ``zero``, ``linear`` or ``band_limited``.
+
+    Raises:
+        DataError: a band-limited force has too few samples, or uneven ones.
+    """
     if hold == "band_limited":
         return band_limited(record)
     return replace(record, hold="linear" if hold == "linear" else "zero", hold_known=True)

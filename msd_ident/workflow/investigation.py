@@ -48,12 +48,22 @@ class Rig(Protocol):
     """Something that profiles can be played on."""
 
     def play(self, profile: Profile, limits: Limits) -> Ran:
-        """Play one profile and watch the limits; it starts at rest."""
+        """Play one profile and watch the limits. The cart is at rest at the start.
+
+        Args:
+            profile: force over time.
+            limits: what the rig allows.
+        """
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How much an investigation may use: runs after the first one, and seconds of all experiments together."""
+    """How much an investigation may use.
+
+    Attributes:
+        runs: experiments after the first one.
+        seconds: duration of all experiments together [s].
+    """
 
     runs: int = 2
     seconds: float = 120.0
@@ -135,12 +145,12 @@ Tell = Callable[[Step], None]
 
 
 def always(purpose: str, profile: Profile) -> bool:
-    """Go on without asking."""
+    """Answer of ``ask`` that lets every experiment run."""
     return True
 
 
 def nobody(step: Step) -> None:
-    """Tell nobody."""
+    """Callback ``tell`` that does nothing."""
 
 
 @dataclass
@@ -261,6 +271,11 @@ class Loop:
 
 
 def stepped(force: float, hold: float) -> Profile:
-    """Rest, a step and a release."""
+    """Profile of rest, a step and a release.
+
+    Args:
+        force: of the step [N].
+        hold: duration of the step and of the rest after it [s].
+    """
     parts = (Segment("hold", _REST), Segment("step", hold, force=force), Segment("release", hold))
     return Profile(parts, "step and release")

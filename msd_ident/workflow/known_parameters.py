@@ -77,7 +77,11 @@ def parse(text: str) -> Known:
 
 
 def parse_all(texts: Sequence[str], mass: str = "") -> tuple[Known, ...]:
-    """Known parameters from the command line's words; ``mass`` is short for ``mass=…``.
+    """Known parameters from the words of the command line.
+
+    Args:
+        texts: such as ``stiffness=24.25±0.1``, see ``parse``.
+        mass: value of the mass, short for ``mass=…``; empty for none.
 
     Raises:
         UsageError: as ``parse``, or one parameter given twice.
@@ -125,7 +129,12 @@ def values(known: Sequence[Known]) -> dict[str, float]:
 
 
 def to_json_list(known: Sequence[Known], units: Mapping[str, str]) -> list[dict[str, object]]:
-    """What was known, as the JSON contract has it; ``units`` are the rig's by name."""
+    """The known parameters in the JSON contract.
+
+    Args:
+        known: the parameters.
+        units: unit on the rig by parameter name.
+    """
     return [{"name": k.name, "value": k.value, "std": k.std, "unit": units.get(k.name, k.unit)} for k in known]
 
 

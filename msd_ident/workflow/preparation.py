@@ -88,7 +88,12 @@ def typical_plant(record: Record) -> Model:
 
 
 def starting_plant(records: tuple[Record, ...], form: StandardForm | None) -> Model:
-    """The plant that fits start from."""
+    """The plant that fits start from.
+
+    Args:
+        records: if no response gives a standard form, the first one gives a plant of its size.
+        form: standard form of the responses, or None.
+    """
     return typical_plant(records[0]) if form is None else plant_of(form)
 
 

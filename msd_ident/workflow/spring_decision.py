@@ -31,7 +31,18 @@ SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 def has_spring(
     records: tuple[Record, ...], options: Options, form: StandardForm | None
 ) -> tuple[bool, tuple[str, ...]]:
-    """Whether the plant has a spring: as told, as the response shows, or as two fits decide; then with a sentence."""
+    """Whether the plant has a spring.
+
+    The user's options decide, else a known stiffness, else whether a response gives a standard form, else two fits.
+
+    Args:
+        records: prepared records of one rig.
+        options: of the user.
+        form: standard form of the responses, or None.
+
+    Returns:
+        The decision, and a sentence if it was made by two fits.
+    """
     if options.model != "auto":
         return options.model == "spring", ()
     if (told := known_parameters.values(options.known).get("stiffness")) is not None:
