@@ -48,7 +48,7 @@ class Discrimination:
     probability: float
 
     def asked(self, truths: FloatArray) -> Discrimination:
-        """The same where the rivals have these probabilities (r,)."""
+        """The same with other probabilities (r,) of the rivals."""
         return replace(self, probability=float(truths @ self.decided / max(math.fsum(truths), 1e-300)))
 
 
@@ -94,7 +94,7 @@ class Refit:
     size: FloatArray
 
     def left(self, differences: FloatArray) -> FloatArray:
-        """(q, q) products of differences (q, n) after the refit took what it can."""
+        """Weighted products (q, q) of differences (q, n) of readings, after the refit has removed what it can."""
         weighted = differences * self.weight
         hidden = (weighted @ self.jacobian.T) / self.size
         solved = np.linalg.solve(self.factor, hidden.T)

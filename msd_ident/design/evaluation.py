@@ -53,12 +53,12 @@ class Option:
 
     @property
     def probability(self) -> float:
-        """Of a decision."""
+        """Probability of a decision."""
         return self.parting.probability
 
     @property
     def strength(self) -> float:
-        """How far the closest two of those that are found out at all are apart, as a logarithm of chi²."""
+        """Mean log chi² between each rival that is found out in half of the cases or more and the one closest to it."""
         chi = self.parting.chi + np.diag(np.full(len(self.parting.chi), np.inf))
         found_out = self.parting.decided >= 0.5
         return float(np.log(np.maximum(chi[found_out].min(axis=1), 1e-9)).mean()) if found_out.any() else -np.inf
@@ -109,7 +109,7 @@ class Question:
         return tuple(one.contender for one in self.predictors)
 
     def work(self, profile: Profile) -> float:
-        """Readings that are simulated to predict a profile by every rival, with the slopes of each."""
+        """Readings that must be simulated to predict a profile by every rival, with its Jacobian."""
         rows = sum(1 + len(one.places) + NUISANCES for one in self.predictors) + len(self.cautions)
         return float(rows * instants(profile, self.period, self.sensing))
 
@@ -150,7 +150,7 @@ def family_of(question: Question, unit: str = "N") -> list[Profile]:
 
 
 def choose(found: Sequence[Option]) -> Option | None:
-    """The shortest of those that decide as well as any, or well enough."""
+    """The shortest of the profiles that decide as well as the best one, or well enough."""
     if not found:
         return None
     best = max(one.probability for one in found)

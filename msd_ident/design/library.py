@@ -1,4 +1,4 @@
-"""The family of experiments that a design chooses from, each of unit force, in the plant's own time."""
+"""The family of profiles that a design chooses from, each of unit force, with times in periods of the plant."""
 
 from __future__ import annotations
 
@@ -19,7 +19,12 @@ _FINE = 2.0 * A_SWING
 
 @dataclass(frozen=True)
 class TimeScale:
-    """The plant's own time: its period [s], and the longest experiment [s]."""
+    """Time scale of a family of profiles.
+
+    Attributes:
+        period: of the plant [s].
+        longest: duration of the longest experiment [s].
+    """
 
     period: float
     longest: float
@@ -47,7 +52,7 @@ def family(pace: TimeScale, unit: str = "N") -> list[Profile]:
 
 
 def turned(profile: Profile) -> Profile:
-    """The same with all forces turned round."""
+    """The same profile with the opposite sign of all forces."""
     return replace(profile.scaled(-1.0), name=f"{profile.name}, turned")
 
 

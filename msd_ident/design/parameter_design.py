@@ -1,8 +1,8 @@
-"""The experiment that sharpens parameters: the least expected intervals of those asked for.
+"""The profile that gives the smallest expected intervals of some parameters.
 
 After a profile the parameters' information matrix is that of the measured data plus Jᵀ W J of the readings to come
-(``discrimination.sharpened``); its inverse is the covariance to expect. Of the family the profile is taken that
-makes the product of the standard deviations asked for least (D-optimal in them).
+(``discrimination.sharpened``); its inverse is the expected covariance. Of the family, the profile with the smallest
+product of the standard deviations asked for is taken (D-optimal in them).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _NEEDS = {_FRICTION: FRICTION_FORCE, "natural_frequency": "stiffness", "damping_
 
 @dataclass(frozen=True)
 class Sharpened:
-    """A profile that sharpens parameters.
+    """A profile that reduces the intervals of parameters.
 
     Attributes:
         profile: to be played.

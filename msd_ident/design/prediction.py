@@ -1,4 +1,4 @@
-"""What a contender predicts for a profile: readings, and how they go with its parameters."""
+"""Prediction of readings for a profile by an explanation, with their derivatives by its parameters."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ class Sensing:
         return math.sqrt(max(self.noise**2 - self.step**2 / 12.0, 0.0))
 
     def weight(self, speed: FloatArray) -> FloatArray:
-        """Share (n,) of a piece of evidence in each sample, at these speeds [m/s].
+        """Weight (n,) of each sample as evidence, at these speeds [m/s].
 
-        Readings that repeat have said one thing (``residuals.noise_model``): a run is as long as it takes to move on by
-        one count, or until noise turns the reading.
+        A run of equal readings counts once (``residuals.noise_model``). A run is as long as it takes to move on by one
+        count, or until noise changes the reading.
         """
         if self.step <= 0.0:
             return np.ones(speed.size)
@@ -114,12 +114,12 @@ def grid(profile: Profile, period: float, seen: Sensing) -> Grid:
 
 @dataclass(frozen=True)
 class Prediction:
-    """A contender's readings on a grid.
+    """Readings of an explanation on a grid.
 
     Attributes:
         position: (n,) [m].
         speed: (n,) magnitude [m/s].
-        jacobian: (p + 2, n) change of the readings with each free parameter, the start position and the zero.
+        jacobian: (p + 2, n) derivatives of the readings by each free parameter, the start position and the zero.
     """
 
     position: FloatArray
@@ -127,7 +127,7 @@ class Prediction:
     jacobian: FloatArray
 
     def span(self, draws: FloatArray) -> tuple[float, float]:
-        """Least and greatest reading [m] from the start, with two standard deviations of what draws (s, p) move."""
+        """Least and greatest reading [m] from the start, with two standard deviations of parameter draws (s, p)."""
         spread = 2.0 * np.sqrt(np.mean((draws @ self.jacobian[:-NUISANCES]) ** 2, axis=0))
         start = float(self.position[0])
         return float(np.min(self.position - spread)) - start, float(np.max(self.position + spread)) - start
@@ -135,9 +135,9 @@ class Prediction:
 
 @dataclass(frozen=True, eq=False)
 class Predictor:
-    """A contender, ready to predict.
+    """An explanation that predicts readings.
 
-    The cart is taken to begin at rest, as it began in what was measured.
+    The cart begins at rest, where it began in the measured data.
 
     Attributes:
         contender: the explanation.
@@ -160,7 +160,7 @@ class Predictor:
 
     @cached_property
     def precision(self) -> FloatArray:
-        """(p, p) information about the free parameters: from the data, and that they are of natural size."""
+        """Information (p, p) about the free parameters: that of the data, and a prior of natural size."""
         return np.asarray(self.contender.information + np.diag(self.contender.scale**-2.0))
 
     @cached_property
@@ -172,9 +172,10 @@ class Predictor:
 
     @cached_property
     def draws(self) -> FloatArray:
-        """(DRAWS, p) deviations of the free parameters that the data leaves, always the same ones.
+        """Fixed deviations (DRAWS, p) of the free parameters, drawn from their covariance.
 
-        None moves a parameter by more than ``MOST_OF`` of itself: beyond that no straight line holds.
+        None changes a parameter by more than ``MOST_OF`` of its value, because the prediction is linear in the
+        deviation.
         """
         normal = np.random.default_rng(seeds.PREDICTION).standard_normal((DRAWS, self.point.size))
         size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
@@ -190,7 +191,7 @@ class Predictor:
 
     @cached_property
     def steps(self) -> FloatArray:
-        """(p,) finite-difference steps: what moves the measured data by about its noise."""
+        """Finite-difference steps (p,) that change the measured data by about its noise."""
         scale = self.contender.scale
         sure = 1.0 / np.sqrt(np.maximum(np.diag(self.precision), 1e-300))
         steps = np.clip(sure, 1e-6 * scale, 1e-3 * scale)

@@ -1,4 +1,4 @@
-"""Which explanations a design is to part."""
+"""The explanations that a design must distinguish."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def shares(chosen: Sequence[CandidateModel]) -> list[float]:
 
 
 def names(chosen: Sequence[CandidateModel]) -> list[str]:
-    """What each rival is called: its causes without those that all have."""
+    """Name of each rival: its causes without those that all rivals have."""
     common = set(chosen[0].causes).intersection(*(one.causes for one in chosen[1:])) if chosen else set()
     return [" + ".join(c for c in one.causes if c not in common) or _rest(one) for one in chosen]
 

@@ -60,34 +60,35 @@ class Rival:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What the base model (m, b, k) gets wrong and what repairs it.
+    """What the base model (m, b, k) gets wrong, and the extended model.
 
     Attributes:
         records: the data, as used.
-        findings: what is odd about the data.
+        findings: problems of the data.
         verdict: ``adequate``, ``explained``, ``mostly_explained``, ``ambiguous`` or ``unexplained``.
         summary: the verdict in words.
-        causes: what the extended model holds beyond the base, strongest first.
+        causes: what the extended model has beyond the base model, strongest first.
         base, extended: both models, refitted; the same where the base is adequate.
-        see_reduction_percent: in sample, eq. 15.
-        heldout: on data that the fit did not see.
-        noise_floor: what no model can beat, in the position unit.
-        base_adequacy, adequacy: whether what the base and the extended model leave is noise.
+        see_reduction_percent: on the fitted data, eq. 15.
+        heldout: on data that the fit did not use.
+        noise_floor: rms that noise and encoder step leave with the true model, in the position unit.
+        base_adequacy, adequacy: whether the residual of the base and of the extended model is noise.
         left: how much both leave: as a force, and as a part of the motion.
         missing: the force that the base model lacks, for each record.
-        dependences: what that force goes with.
-        still_missing: the same of the extended model.
+        dependences: signals that this force depends on.
+        still_missing: the force that the extended model lacks.
         characteristics: measured spring and damping curves, where more than the tolerance is left.
         spread: least and largest m, b, k and Fc over tied explanations.
         rivals: the best other sets.
         warnings: what a reader must know, a sentence each.
         ring_down: damping and frequency against amplitude, where anything rings down.
-        next_experiment: what would part tied causes; ``None`` when there is nothing to do.
-        contenders: the explanations still standing, as fitted models, the leading one first; for the design of a next
+        next_experiment: what would distinguish tied causes; ``None`` when there is nothing to do.
+        contenders: the remaining explanations as fitted models, the leading one first; for the design of a next
             experiment, not in the JSON.
-        tried: every cause of the library with what it leaves and why it is held or not.
-        calibration: what copies of this experiment were called, and how that corrects the probabilities; ``None`` where
-            none were made.
+        tried: every cause of the library with what it leaves and why it is in the model or not.
+        turned: whether the force's sign was changed because a positive force moves the encoder downwards.
+        calibration: diagnoses of copies of this experiment, and the probabilities corrected by them; ``None`` where no
+            copies were made.
     """
 
     records: tuple[Record, ...]

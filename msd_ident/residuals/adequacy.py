@@ -49,7 +49,7 @@ class Adequacy:
 
     @property
     def material(self) -> bool:
-        """Whether what is wrong is as large as the noise itself: chi² at least doubled."""
+        """Whether the misfit is as large as the noise itself: chi² at least doubled."""
         return self.ratio**2 > 2.0
 
 

@@ -53,7 +53,7 @@ class Readings:
 
     @cached_property
     def evidence(self) -> float:
-        """Pieces of evidence in all samples."""
+        """Sum of the weights, in pieces of evidence."""
         return float(self.weight.sum())
 
     @property
@@ -77,7 +77,7 @@ class Readings:
         return octaves(self.record)
 
     def thinned(self, keep: int) -> Readings:
-        """Every so many samples, about ``keep`` of them, the force left as it is; itself when it has no more."""
+        """Every n-th sample, about ``keep`` of them, with the whole force; the same object if it has too few."""
         stride = self.record.samples // keep
         if stride < 2:
             return self
@@ -91,9 +91,10 @@ class Readings:
         return of_record(record, self.noise, self.step)
 
     def stretch(self, keep: int) -> Readings:
-        """The liveliest of stretches of about ``keep`` samples, where it moves and is driven like all of the record.
+        """The part of about ``keep`` samples with the largest motion, if it moves and is driven like the whole record.
 
-        Itself where one is not enough: in a decay, after a few steps, in a slow sweep.
+        The same object if no part is alike, or if the force changes too rarely in it: in a decay, after a few steps, in
+        a slow sweep.
         """
         record = self.record
         begins = range(0, record.samples - keep + 1, max(keep // 4, 1))
@@ -107,10 +108,10 @@ class Readings:
         return of_record(best, self.noise, self.step) if alike and swings >= _TURNS else self
 
     def with_mean_force(self) -> Readings:
-        """The same with one force between any two samples: its mean there, which gives the same impulse.
+        """The same readings with one force between any two samples: its mean there, which has the same impulse.
 
-        Itself where the force changes more rarely than that. The motion is then wrong by about (ωh)²/24 of the part
-        that changes within a sample interval h.
+        The same object if the force is held and changes less often than the position is sampled. The motion is then
+        wrong by about (ωh)²/24 of the part that changes within a sample interval h.
         """
         record = self.record
         changes = np.flatnonzero(np.diff(record.force))
@@ -122,7 +123,7 @@ class Readings:
         return replace(self, record=coarse)
 
     def chi(self, residual: FloatArray) -> float:
-        """Weighted sum of squares of a residual (n,) in units of the noise: about ``evidence`` when all is right."""
+        """Weighted sum of squares of a residual (n,) in units of the noise; about ``evidence`` for the true model."""
         return float(self.factor @ residual**2)
 
     def by_run(self, residual: FloatArray) -> FloatArray:
@@ -162,7 +163,7 @@ def of_record(record: Record, noise: float, step: float = 0.0) -> Readings:
 
 
 def prepare(records: Sequence[Record]) -> tuple[Readings, ...]:
-    """Readings of each record with the noise that its own rest phases and encoder tell, else the group's."""
+    """Readings of each record, with the noise of its own rest phases and encoder, or else that of the group."""
     group = noise_floor(tuple(records))
     return tuple(_prepared(record, group) for record in records)
 
@@ -181,6 +182,6 @@ def _noise(record: Record, group: float, step: float) -> float:
 
 
 def scatter(record: Record) -> float:
-    """Noise [m] from what a cubic through neighbouring samples leaves, where no rest and no encoder step tells it."""
+    """Noise [m] of a record without rest or encoder step: deviation of samples from a cubic through neighbours."""
     fourth = np.diff(record.position, 4) / math.sqrt(70.0)
     return MAD * float(np.median(np.abs(fourth - np.median(fourth))))

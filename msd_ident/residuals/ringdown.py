@@ -43,12 +43,12 @@ _LEAST_RELATIVE = fixed(5e-4, "accuracy", "the same of a natural frequency, as a
 
 @dataclass(frozen=True)
 class Observation:
-    """How a value moves with the amplitude, and what does that.
+    """How a value changes with the amplitude, and which laws cause that.
 
     Attributes:
-        seen: the values, a sentence without its end.
-        law: what makes them so, in words.
-        causes: effects that do: name → signs of their first parameter for which they do.
+        seen: the observation, a sentence without its end.
+        law: the law that causes it, in words.
+        causes: effects with that law: name → signs of their first parameter for which they cause it.
     """
 
     seen: str
@@ -56,7 +56,7 @@ class Observation:
     causes: Mapping[str, tuple[int, ...]]
 
     def told(self, named: Mapping[str, float], tied: Collection[str] = ()) -> str:
-        """The observation as a sentence; its reading stands in it as far as a diagnosis has it too.
+        """The observation as a sentence, with the law that causes it and whether a diagnosis names that law.
 
         Args:
             named: causes of the diagnosis, each with the value of its first parameter.

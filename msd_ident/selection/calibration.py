@@ -41,12 +41,12 @@ from msd_ident.selection.hypothesis import Causes, Hypothesis
 
 @dataclass(frozen=True)
 class Row:
-    """What copies of one explanation were called.
+    """Copies of one explanation, and the diagnoses of these copies: a row of the confusion matrix.
 
     Attributes:
-        causes: that were simulated.
-        any_strength: whether their strengths were drawn by lot; else from what the record leaves open.
-        said: sets of causes that were named, and in how many copies.
+        causes: the simulated causes.
+        any_strength: whether their strengths were drawn by lot; else from the posterior of the fit.
+        said: sets of causes that the diagnoses named, and in how many copies.
     """
 
     causes: Causes
@@ -60,27 +60,27 @@ class Row:
 
     @property
     def right(self) -> int:
-        """Copies that were called what they were."""
+        """Copies in which the diagnosis named the simulated causes."""
         return self.said.get(self.causes, 0)
 
     def named(self, cause: str) -> int:
-        """Copies in which a cause was named, in whatever law and whatever else was."""
+        """Copies in which a cause was named, in any of its laws and with any other causes."""
         kind = by_name(cause).cause()
         return sum(count for causes, count in self.said.items() if kind in kinds(causes))
 
     def share(self, cause: str) -> float:
-        """The same as an estimated share."""
+        """Estimated probability that the cause is named, (k + ½)/(n + 1)."""
         return (self.named(cause) + 0.5) / (self.copies + 1.0)
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The confusion matrix of this experiment, and the causes' probabilities before and after.
+    """The confusion matrix of an experiment, and the causes' probabilities before and after the correction.
 
     Attributes:
-        rows: the leading explanation first.
-        stated: probability of each named cause as the evidence has it.
-        corrected: the same as the copies allow.
+        rows: of the matrix, the leading explanation first.
+        stated: probability of each named cause from the evidence alone.
+        corrected: the same, corrected by the copies.
     """
 
     rows: tuple[Row, ...]
@@ -89,7 +89,7 @@ class Calibration:
 
     @property
     def columns(self) -> tuple[Causes, ...]:
-        """All sets that were said: those of the rows in their order, then the others, the most frequent first."""
+        """All sets that were named: those of the rows in their order, then the others, the most frequent first."""
         own = [row.causes for row in self.rows]
         total: Counter[Causes] = Counter()
         for row in self.rows:
@@ -99,7 +99,7 @@ class Calibration:
 
     @property
     def copies(self) -> int:
-        """Of all rows."""
+        """Number of copies of all rows."""
         return sum(row.copies for row in self.rows)
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -149,12 +149,12 @@ def odds(lead: Row, rival: Row, cause: str) -> float:
 
 
 def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, Hypothesis]) -> Ranking:
-    """The ranking with the probabilities that the copies allow.
+    """The ranking with probabilities corrected by the copies.
 
     Args:
         ranking: led by the explanation of the first row.
-        rows: of the matrix.
-        standins: for rows of any strength, a fitted set that stands for it where the ranking has none.
+        rows: of the confusion matrix.
+        standins: for rows of any strength that are not in the ranking, a fitted set that stands for them.
     """
     lead = rows[0]
     others = {cause: sum(row.any_strength and cause not in row.causes for row in rows) for cause in lead.causes}

@@ -1,13 +1,14 @@
 """Prediction of left-out data by base and extended model.
 
 The records are cut where the force steps, or else into equal parts, and dealt into folds. For each fold both models are
-refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them;
-nothing of a left-out segment enters but the first instants of a record, which tell where it starts.
+refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them. No
+sample of a left-out segment enters, except those at the start of a record, which determine its initial state.
 
-A useless parameter makes the fit of the training data better and, on average, the prediction worse; by luck it makes it
-better in one of six cases. The gain therefore has an interval, from the errors that the extension leaves on blocks of
-data long enough for the plant to forget (Diebold and Mariano 1995, with block sums for the variance). It asks what a
-repetition of this experiment would show, not what other segments would: a stop that is touched twice is no chance.
+A useless parameter improves the fit of the training data and, on average, makes the prediction worse; by chance it
+makes it better in one of six cases. The gain therefore has an interval, from the errors that the extension leaves on
+blocks of data that are longer than the memory of the plant (Diebold and Mariano 1995, with block sums for the
+variance). The interval tells what a repetition of this experiment would show, not what other segments would: it takes
+events of the experiment, such as two contacts with a stop, as given.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class _Blocks:
 
 
 def segments(record: Record) -> FloatArray:
-    """Number (n,) of the segment that each sample is in: from force step to force step, or equal parts."""
+    """Segment number (n,) of each sample: from force step to force step, or equal parts where the steps do not suit."""
     changes = record.force_time[1:][np.diff(record.force) != 0.0]
     changes = changes[(changes > record.time[0]) & (changes < record.time[-1])]
     if FOLDS <= changes.size + 1 <= 40 and np.min(np.diff(changes), initial=np.inf) > record.duration / 80.0:

@@ -1,24 +1,24 @@
 """Evidence of sets of causes, their probabilities, and ties.
 
-No model of a real rig is exact, and what a model misses is no noise: the error of a law is the same in every swing. So
-a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. What a set
-leaves is taken for white noise and for an error of unknown shape that lies, in each octave of frequency (see
-``residuals.octaves``), along ν directions of the sample space, whichever they are. With the variance v of what is left
-along them, in units of the noise, the log likelihood is a sum over the octaves o,
+No model of a real rig is exact, and what a model misses is not noise: the error of a law is the same in every swing. So
+a record of a hundred swings holds not a hundred pieces of evidence about the shape of that error but a few. The
+residual of a set is modelled as white noise plus an error of unknown shape, which lies, in each octave of frequency
+(see ``residuals.octaves``), along ν unknown directions of the sample space. With the variance v of the residual along
+these directions, in units of the noise, the log likelihood is a sum over the octaves o,
 
     −½ ν Σ log v_o + constant,    v_o = 1 + (χ²_o − N_o) / ν,    ν = OCTAVE_SHAPES.
 
-Where a law is exact, χ² is that of N pieces of noise, v is 1, and a set that leaves more loses ½ ν log v; where none
-is, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once in each
-octave. There is no inflation, no count of independent samples and no jump. (A variance component with ν degrees of
-freedom in the place of the Gaussian process of Kennedy and O'Hagan 2001, J. R. Stat. Soc. B 63.)
+Where a law is exact, χ² is that of N samples of noise, v is 1, and a set that leaves more loses ½ ν log v. Where no law
+is exact, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once in
+each octave. (A variance component with ν degrees of freedom in the place of the Gaussian process of Kennedy and O'Hagan
+2001, J. R. Stat. Soc. B 63.)
 
-The evidence of a set is Laplace's: this likelihood at the best parameters, times the share of the plausible space of
-its causes' parameters that the data leaves, det(I + S H S / v)^(-1/2), where H is the information about them beside an
-unknown plant, S the prior width of each and v the set's own along ``SHAPES`` directions of all frequencies. A
-parameter that the data does not see costs nothing and gains nothing; one that it pins down must earn its place.
-(MacKay 1992; Kass and Raftery 1995.) As no law is exact, no parameter is held more sharply than to a part of its
-width, however low the noise.
+The evidence of a set is Laplace's approximation: this likelihood at the best parameters, times the share of the
+plausible space of its causes' parameters that the data leaves, det(I + S H S / v)^(-1/2). H is the information about
+them with an unknown plant, S the prior width of each, and v the set's own variance along ``SHAPES`` directions of all
+frequencies. A parameter that the data does not determine changes the evidence little; one that it determines sharply
+lowers it, and must improve the likelihood by more. (MacKay 1992; Kass and Raftery 1995.) As no law is exact, no
+parameter counts as known better than to a part of its prior width, however low the noise.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class NoiseScale:
     shapes: float = SHAPES
 
     def spread(self, chi: float) -> float:
-        """Variance v along the shapes of a model's error, in units of the noise's."""
+        """Variance v of a model's error along its features, in units of the noise's."""
         return 1.0 + max(chi - self.noise, 0.0) / self.shapes
 
     def log_likelihood(self, chi: float, stirred: float = 0.0) -> float:
@@ -191,7 +191,7 @@ def log_prior(causes: Causes) -> float:
 
 
 def kinds(causes: Iterable[str]) -> frozenset[str]:
-    """The causes that act where these laws do: two forms of a law are one cause."""
+    """Causes to which these laws belong: two forms of a law are one cause."""
     return frozenset(by_name(name).cause() for name in causes)
 
 
@@ -201,9 +201,10 @@ def _own(fitted: Hypothesis) -> tuple[str, ...]:
 
 
 def prior_widths(fitted: Hypothesis) -> FloatArray:
-    """(p,) prior width of each entry of a set's vector: its natural size, or its value where that is larger; and for
-    the strength of a cause, which may be of any order of magnitude, that of a prior uniform in its logarithm, where
-    this is narrower.
+    """Prior width (p,) of each entry of a set's vector.
+
+    It is the natural size of the entry, or its value where that is larger. The strength of a cause may be of any order
+    of magnitude; its width is that of a prior uniform in the logarithm where this is narrower than the natural size.
     """
     problem, point = fitted.problem, fitted.point
     sizes = np.maximum(problem.scale, np.abs(point[: problem.scale.size]))
@@ -361,13 +362,14 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
 
 
 def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
-    """All sets by evidence; the likeliest is put first, without causes and shapes that the data does not call for.
+    """Fitted sets by falling evidence.
 
-    A set that turned out to be a simpler one under another name is left out.
+    A set that is equal to a simpler one is left out, e.g. if an effect ended without strength. The likeliest set is put
+    first, or a simpler one of the same causes whose evidence is lower by less than ``CALLED``.
 
     Args:
         sets: every fitted set by its causes.
-        scale: noise and number of unknown shapes of the error.
+        scale: noise and number of features of the error.
     """
     own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}

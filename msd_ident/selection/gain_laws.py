@@ -1,7 +1,7 @@
 """Other laws of the force gain that a record cannot distinguish from the leading one.
 
-Of two sizes of force a record shows the ratio alone. A slope, a limit, a dead zone and a gain that depends on the sign
-then fit alike, each with a mass, damping and stiffness of its own.
+A record with two sizes of force shows only the ratio of their gains. A slope, a limit, a dead zone and a gain that
+depends on the sign then fit equally well, each with its own mass, damping and stiffness.
 """
 
 from __future__ import annotations

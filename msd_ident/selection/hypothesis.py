@@ -93,7 +93,7 @@ class Experiment:
 
     @property
     def evidence(self) -> float:
-        """Pieces of evidence in all records."""
+        """Sum of the weights of all samples, in pieces of evidence."""
         return sum(part.evidence for part in self.readings)
 
     def worse(self, chi: float, times: float) -> float:
@@ -124,7 +124,7 @@ class Experiment:
         return replace(self, readings=tuple(parts))
 
     def with_mean_force(self) -> Experiment:
-        """The same with one force between any two samples, which is simulated in fewer steps."""
+        """The same experiment with one force, the mean, between any two samples; its simulation takes fewer steps."""
         return replace(self, readings=tuple(part.with_mean_force() for part in self.readings))
 
     @property
@@ -134,7 +134,10 @@ class Experiment:
 
     @cached_property
     def library(self) -> tuple[str, ...]:
-        """Names of the causes that can act here: none on the spring without one, none on the force without any."""
+        """Names of the causes that can act here.
+
+        Causes on the spring are left out if there is none, and causes on the input if no force acts.
+        """
         sprung = "stiffness" not in self.fixed
         forced = any(bool(np.any(record.force_at(record.time))) for record in self.records)
         return tuple(
@@ -148,7 +151,7 @@ class Experiment:
 
     @property
     def tried_alone(self) -> tuple[str, ...]:
-        """Those that are tried whatever explains the data so far: all but forms of a cause's simple law."""
+        """Causes that are tried in every search: all except those that are only another form of a simple law."""
         return tuple(name for name in self.library if by_name(name).stands_alone or not by_name(name).form_of)
 
     def forms(self, name: str) -> tuple[str, ...]:
@@ -163,12 +166,12 @@ class Experiment:
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Where inner parameters of the laws make sense."""
+        """Ranges of the laws' inner parameters that the samples can resolve."""
         return resolution.ranges(self.records, self.base)
 
     @cached_property
     def typical(self) -> Magnitudes:
-        """Yardsticks of the records."""
+        """Typical force, length and time of the records."""
         return magnitudes(self.records, self.base.mass)
 
     def problem(self, model: Model, held: frozenset[str] = frozenset()) -> Problem:
@@ -242,7 +245,7 @@ class Hypothesis:
 
     @cached_property
     def stirred(self) -> float:
-        """The same of what its causes would do to the cart where it rests."""
+        """Misfit to the cart at rest before the records, in units of the noise (``residuals.rest_response``)."""
         return sum(rest_response.chi(self.model, rest) for rest in self.rests)
 
     @cached_property
@@ -254,7 +257,7 @@ class Hypothesis:
 
     @property
     def point(self) -> FloatArray:
-        """Vector of the problem."""
+        """Fitted vector (p,) of the problem."""
         return self.state.point
 
     @property
@@ -269,7 +272,7 @@ class Hypothesis:
 
     @property
     def free_parameters(self) -> int:
-        """Parameters that were free, those of single records left out."""
+        """Number of fitted parameters, without those of single records."""
         return len(self.problem.free)
 
     @cached_property
@@ -282,23 +285,26 @@ class Hypothesis:
 
 
 def switched_off(model: Model) -> frozenset[str]:
-    """Parameters that are not fitted: they state something, or stand for the absence of a part of an effect."""
+    """Parameters that are not fitted.
+
+    Those that an effect only states, and infinite limits, which mean that a part of the effect is absent.
+    """
     return frozenset(name for effect in model.effects for name in effect.idle())
 
 
 def causes_that_fit(causes: Causes) -> bool:
-    """Whether the effects make sense together."""
+    """Whether the causes may act together: no two of one family, and no two forms of one cause."""
     families = [by_name(name).family for name in causes if by_name(name).family]
     kinds = [by_name(name).cause() for name in causes]
     return len(families) == len(set(families)) and len(kinds) == len(set(kinds))
 
 
 def imitated(model: Model, *, alike: bool = False) -> dict[Causes, Model]:
-    """Models with another effect in the place of one that may imitate it, by their causes.
+    """Models in which an effect is replaced by another one that it may imitate, by their causes.
 
     Args:
         model: as it was fitted.
-        alike: only those that the model comes to, with the values that it has.
+        alike: only those to which the model is equal with its present values.
     """
     found = {}
     for effect in model.effects:
@@ -330,12 +336,16 @@ class StartingPoint:
 
     @property
     def turn(self) -> float:
-        """When its set's turn comes, the least first: what promises to take most away is the likeliest to do more."""
+        """Key by which starts are ordered, the smallest first: those that promise the largest reduction of chi²."""
         promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
         return promise * math.sqrt(promise / max(self.beside, 1e-300))
 
     def worth(self, reach: float) -> bool:
-        """Whether it promises less than ``reach``, or so much that a first step tells little of where it leads."""
+        """Whether to follow the start.
+
+        It promises a chi² below ``reach``, or less than half that of the smaller set. In the second case the first step
+        tells little about where the start leads.
+        """
         return self.promise < max(reach, MOST_OF * self.beside)
 
 

@@ -23,11 +23,11 @@ _ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another o
 
 
 def leading(ranking: Ranking) -> Ranking:
-    """The ranking led by a set that names no cause with less probability than one that it leaves out.
+    """The ranking led by a set that names no cause with less probability than a cause that it leaves out.
 
-    Asked are the leader and those within ``DECISIVE`` of the likeliest set, in their order. Where each names such a
-    cause, the set leads for which the difference is least, and ``tied`` lists what it leaves out. A set without causes
-    names none, so it stays in the lead.
+    Candidates are the present leading set and those within ``DECISIVE`` of the likeliest set, in their order. If each
+    of them names such a cause, the set with the smallest difference leads, and ``tied`` lists what it leaves out. A
+    leading set without causes keeps the lead.
     """
     if not ranking.best.causes:
         return ranking

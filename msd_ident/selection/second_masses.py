@@ -1,13 +1,13 @@
-"""Where a second mass may hang on the first: by regressions on what a fitted model leaves, over its frequency.
+"""Starting values for a second mass, by regressions on the residual of a fitted model.
 
-Of a second mass that is heavy, neither mass, spring nor damper comes near those of the fit without it: that has the sum
-of both masses, and close to it there is no way down. But for a given frequency ω and damping ratio ζ of the second mass
-alone, its force on the first is m2·H·x″ with H = (2ζωs + ω²)/(s² + 2ζωs + ω²), and with G = 1/(m s² + b s + k) of the
-fitted model, what that leaves is linear in what it lacks,
+With a heavy second mass, the fit without it is far from the right mass, spring and damper: its mass is the sum of both,
+and no descent leads from there to the right ones. But for a given frequency ω and damping ratio ζ of the second mass
+alone, its force on the first is m2·H·x″ with H = (2ζωs + ω²)/(s² + 2ζωs + ω²). With G = 1/(m s² + b s + k) of the
+fitted model, the residual is linear in the missing terms,
 
     x_model - x = G·(Δm·x″ + Δb·x′ + Δk·x + m2·H·x″),
 
-so each trial is one linear regression, without a simulation (variable projection, Golub and Pereyra 1973).
+so each trial of ω and ζ is one linear regression, without a simulation (variable projection, Golub and Pereyra 1973).
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ _LIMITS = tuned(
 
 @dataclass(frozen=True)
 class FittedRecord:
-    """The liveliest record and what a fitted model leaves there.
+    """The record with the largest motion, and what a fitted model leaves there.
 
     Attributes:
         plant: mass, damping and stiffness of the fitted model.
@@ -49,7 +49,8 @@ class FittedRecord:
         residual: (n,) model − data [m].
         noise: standard deviation of a reading [m].
         largest: magnitude of the force in any record [N].
-        bare: whether the fitted model has no effect yet; later the residual alone tells where a harmonic law starts.
+        bare: whether the fitted model has no effect yet. Beside other effects only the residual gives starting values
+            of a harmonic law.
     """
 
     plant: Model
@@ -160,10 +161,10 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
 
 
 def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ...]]]:
-    """Best mass and damping of a plain axis on a fine scale of b/m, each with the initial states that go with it.
+    """The best two models of an axis without a spring, with their initial states, over a fine scale of b/m.
 
-    For a given b/m the motion is linear in 1/m, position and velocity at the start, so each trial is one linear
-    regression: no valley is missed (variable projection, Golub and Pereyra 1973).
+    For a given b/m the motion is linear in 1/m and in position and velocity at the start, so each trial is one linear
+    regression, and no local minimum is missed (variable projection, Golub and Pereyra 1973).
     """
     duration = max(record.duration for record in records)
     found = []

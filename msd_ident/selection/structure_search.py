@@ -1,8 +1,8 @@
-"""Search for the set of causes: add, replace or remove one, until no neighbour is better.
+"""Search for the set of causes: add, replace or remove one, until no neighbour has more evidence.
 
-Every cause of the library is fitted at every step. A greedy ladder is caught by its first mistake (friction looks like
-hysteresis until the spring is right); here the leading set is left only when all sets that differ from it by one cause
-have been fitted and none has more evidence.
+A greedy search that only adds causes cannot take back an early mistake (friction looks like hysteresis until the spring
+is right). Here every cause of the library is fitted at every step, and the search ends when all sets that differ from
+the leading one by one cause have been fitted and none has more evidence.
 """
 
 from __future__ import annotations
@@ -58,14 +58,16 @@ _ROUNDS_FAR = LOOK // 2
 
 @dataclass
 class Search:
-    """Sets fitted so far on one experiment.
+    """Search on one experiment.
 
     Attributes:
         experiment: the data.
-        sets: all sets fitted, by their causes.
-        at_floor: tells whether a fitted set leaves nothing but noise: then nothing is added to it.
-        progress: told about each set; ``told`` is the fraction that it last heard.
-        tried, pruned: sets that need no fit, and leaders that need no second look, any more.
+        at_floor: tells whether a fitted set leaves nothing but noise; then no cause is added to it.
+        progress: told about each set.
+        sets: all fitted sets by their causes.
+        tried: sets that need not be fitted again.
+        pruned: leading sets whose simpler sets were fitted again already.
+        told: fraction of the work that ``progress`` heard last.
     """
 
     experiment: Experiment
@@ -105,15 +107,17 @@ class Search:
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
-        """Go on from sets that were found on part of the data and are fitted to all of it."""
+        """Continue from sets that were found on part of the data and are fitted to all of it."""
         for fitted in sets:
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
         return self._walk()
 
     def compared(self, sets: Sequence[Hypothesis]) -> Ranking:
-        """Sets that were found on part of the data and are fitted to all of it, those simpler than the leader again
-        from where it stands: what ended in a wrong valley there ends in one here.
+        """Compare sets that were found on part of the data and are fitted to all of it.
+
+        Sets simpler than the leading one are fitted again, starting from its parameters, because their own fits may
+        have ended in a local minimum.
         """
         for fitted in sets:
             self.sets[fitted.causes] = fitted
@@ -197,7 +201,7 @@ class Search:
                 yield causes, model, best.initial
 
     def scale(self) -> NoiseScale:
-        """How likelihoods are to be read, by what the best set leaves."""
+        """Noise scale that follows from the best set."""
         return scale_from(list(self.sets.values()), self.experiment.readings)
 
     def ranking(self) -> Ranking:

@@ -1,10 +1,10 @@
 """Copies of an experiment, simulated under an explanation.
 
 A copy has the force, the stamps and the encoder step of the record. The motion is that of a fitted model whose
-parameters are drawn from what the data leaves open. White noise of the record's own level is added where its leading
-explanation leaves no more. Else what it leaves, noise and missing force together, is added with its spectrum kept and
-its phases drawn anew, so that it goes with nothing any more (Theiler et al. 1992, Physica D 58: phase-randomised
-surrogates).
+parameters are drawn from their posterior. If the leading explanation leaves no more than white noise, white noise of
+the record's own level is added. Otherwise its residual, noise and missing force together, is added with the same
+spectrum and random phases, which removes its correlation with the motion (Theiler et al. 1992, Physica D 58:
+phase-randomised surrogates).
 """
 
 from __future__ import annotations
@@ -33,7 +33,13 @@ _UNIFORM = fixed(1.0 / 12.0, "mathematics", "variance of a rounding error, in st
 
 @dataclass(frozen=True)
 class Imagined:
-    """A set of causes with all numbers given: a point (p,) of its problem."""
+    """A set of causes with given values.
+
+    Attributes:
+        causes: names of the set.
+        problem: its problem.
+        point: (p,) vector of the problem.
+    """
 
     causes: Causes
     problem: Problem
@@ -61,12 +67,12 @@ def drawn(fitted: Hypothesis, scale: NoiseScale, rng: np.random.Generator) -> Im
 
 
 def of_any_strength(experiment: Experiment, leader: Hypothesis, causes: Causes, rng: np.random.Generator) -> Imagined:
-    """A set whose new laws have a strength by lot, all else as the record then has it.
+    """A set whose new laws have strengths drawn by lot; all other parameters are adjusted to the record.
 
     Args:
         experiment: the measured records, or a part of their samples.
-        leader: the set whose place it takes; what both have starts from there.
-        causes: of the set.
+        leader: the leading set; effects that both have start from its values.
+        causes: names of the set.
         rng: draws the strengths.
     """
     part, initial = experiment.readings[0], leader.initial[0]
