@@ -1,4 +1,4 @@
-"""Many records into one table: what is there already is kept, the rest is handed out, rows are kept as they come."""
+"""A batch: many records into one table; rows that exist are kept, the other records are diagnosed."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def _silent(done: int, total: int, rows: Sequence[Row]) -> None:
 
 @dataclass(frozen=True)
 class Plan:
-    """Where a batch runs, and where its table goes.
+    """Where the table of a batch goes, and who is told about the progress.
 
     Attributes:
         out: the table's file; empty to keep none.
-        resume: go on from the rows that stand there.
-        overwrite: begin anew where a table stands.
-        draw: makes the page of a record, where the job asks for pages.
-        progress: told how far it is.
+        resume: keep the rows of an earlier run and add to them.
+        overwrite: replace an existing table.
+        draw: makes the page of a record, if the job asks for pages.
+        progress: called with the records done, the number of all records, and new rows.
     """
 
     out: str = ""
@@ -68,14 +68,14 @@ class Plan:
 
 @dataclass
 class Run:
-    """One batch under way.
+    """One batch in progress.
 
     Attributes:
         paths: of all records.
         work: what is done with each.
-        plan: how.
-        earlier: rows that stand already.
-        reused: records whose rows stood already.
+        plan: where the table goes.
+        earlier: rows of earlier runs.
+        reused: number of records whose rows were known already.
     """
 
     paths: Sequence[str]
@@ -98,7 +98,7 @@ class Run:
                 self._like.setdefault(digest, path)
 
     def keep(self, rows: Sequence[Row]) -> None:
-        """Remember rows; as columns, which take a tenth of the room, once they are many."""
+        """Keep rows, as columns once they are many, which take a tenth of the memory."""
         self._rows += rows
         if len(self._rows) >= table.PART_ROWS:
             self._tables.append(table.made(self._rows))
@@ -113,7 +113,7 @@ class Run:
         return table.merged(table.joined([table.rows_at(self.earlier, keep), fresh]), order)
 
     def tasks(self) -> Iterator[Task]:
-        """One for each record: the diagnosis, unless its content may be known."""
+        """A task for each record: its diagnosis, or its digest first if earlier rows may have the same content."""
         for path in self.paths:
             if path in self._digest:
                 yield Task(path, replace(self.work, known=(self._digest[path],)))

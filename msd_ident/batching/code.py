@@ -1,4 +1,4 @@
-"""Which code makes a row: two computers with the same answer here give the same digits."""
+"""Version of the code that makes a row: with the same version, two computers give the same digits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of every record alike, and the digest by which a row says that it was asked just this."""
+"""What is done with every record of a batch, and a digest of it that is stored in each row."""
 
 from __future__ import annotations
 

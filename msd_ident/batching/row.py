@@ -1,4 +1,4 @@
-"""One row a record: what the record is, what was found, or why nothing was."""
+"""One row for each record: what the record is, what was found, or why nothing was."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tasks on a cluster: as many at once as it bears, again where a worker or the scheduler was lost, each result once."""
+"""Tasks on a cluster: handed out a few ahead, repeated if a worker or the scheduler is lost, each result once."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ class Answer:
 
 
 class Link:
-    """A client, and how to get another one when its scheduler is lost.
+    """A client, and how to connect again if its scheduler is lost.
 
     Args:
         client: to begin with.
-        address: where the scheduler will be again; empty where it will not.
+        address: of the scheduler; empty if it cannot come back.
     """
 
     def __init__(self, client: Client, address: str = "") -> None:
@@ -106,7 +106,7 @@ class Link:
 
 
 class Runner:
-    """Hands tasks out and collects what comes of them."""
+    """Hands out tasks to a cluster and collects their answers."""
 
     def __init__(self, link: Link, tasks: Iterable[Task] = ()) -> None:
         self._link = link

@@ -1,4 +1,4 @@
-"""What a worker does with one record: fetch, read, diagnose, and say it in rows. Paths go in, numbers come out."""
+"""Work on one record: fetch, read, diagnose, and make rows. Only paths go to a worker, and only rows come back."""
 
 from __future__ import annotations
 

@@ -63,9 +63,9 @@ class Motion:
 
     @property
     def mass(self) -> float:
-        """Mass that the force would move about as far and fast [kg in SI], NaN when nothing oscillates.
+        """Mass that the force would move about as far and as fast [kg in SI]; NaN when nothing oscillates.
 
-        Rough: right within a factor of 2 after a force step, too high for slow pushing, too low at resonance.
+        A rough value: right within a factor of 2 after a force step, too high for slow pushing, too low at resonance.
         """
         if not self.half_period or not self.force_span or not self.span:
             return math.nan

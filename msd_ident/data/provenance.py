@@ -1,4 +1,4 @@
-"""Where a result comes from, and how to get it again: files with their hashes, signals, versions, command."""
+"""Where a result comes from, and how to reproduce it: files with their hashes, signals, versions, command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The laws of a model's effects as readable Python, from their own source: for generated files without msd_ident."""
+"""The laws of a model's effects as Python source, for generated files that do not need msd_ident."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, LAG, OUTS
 
 
 def number(value: float) -> str:
-    """A float as Python and XML both read it back, without a digit lost."""
+    """A finite float as text that Python and XML read back without loss; infinite ones as ``math.inf`` for Python."""
     return repr(float(value)) if math.isfinite(value) else ("math.inf" if value > 0 else "-math.inf")
 
 
@@ -51,7 +51,7 @@ def arguments(law: Callable[..., float]) -> tuple[str, ...]:
 
 
 def needs_plant(effects: Iterable[Effect]) -> tuple[str, ...]:
-    """Names that laws take and that are neither motion, nor parameters or memory of the effects themselves."""
+    """Names of plant parameters that laws take: arguments beside motion, own parameters and memory."""
     found = set()
     for effect in effects:
         own = {parameter.name for parameter in effect.parameters} | {name for name, _ in effect.memory}

@@ -176,7 +176,7 @@ CALLED = ("constant", "disturbance", "force", "friction", "input_map", "reading"
 
 
 def says(effect: type[Effect]) -> Saying:
-    """Natively, by the callback file, or not at all."""
+    """How MuJoCo carries an effect: by its own elements, by the callback file, or not at all."""
     if effect.name in NATIVE:
         return Saying("exact", NATIVE[effect.name][1])
     driven = any("driven" in inspect.signature(law).parameters for law in effect.laws().values())
@@ -200,7 +200,7 @@ def inertial(mass: float, revolute: bool) -> str:
 
 
 def elements(plan: Plan) -> Elements:
-    """All that the model becomes."""
+    """The MuJoCo elements of the whole model."""
     made = Elements(spring=[plan.model.stiffness, 0.0, 0.0], damper=[plan.model.damping, 0.0])
     made.actuator["gainprm"] = "1"
     for effect in plan.model.effects:

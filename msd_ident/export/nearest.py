@@ -25,15 +25,15 @@ _WORTH = 0.99
 
 @dataclass(frozen=True)
 class Nearest:
-    """What is written in place of a model.
+    """The model that is written in place of one that the format cannot express.
 
     Attributes:
-        model: in the format's law.
+        model: with the laws of the format.
         zero: reading at which its spring is relaxed.
         dropped: effects that the format does not carry.
-        see: standard error of estimate of that model on the record, simulated here: what the replay should show.
-            ``None`` where there was no record to fit it on.
-        whole: that of the whole model.
+        see: SEE of that model on the record, simulated here, which is what the replay should show. ``None`` without a
+            record to fit it on.
+        whole: SEE of the whole model.
         unit: of both.
     """
 
@@ -57,13 +57,13 @@ class Nearest:
 
 
 def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Record]) -> Nearest | None:
-    """What the target can say of the model; ``None`` where it says all of it.
+    """The nearest model that the target can express; ``None`` if it can express the whole model.
 
     Args:
         target: the format.
         saved: the model.
-        zero: at which its spring is relaxed.
-        records: as the model is simulated on them; none for no fit.
+        zero: reading at which its spring is relaxed.
+        records: as the model is simulated on them; if there are none, nothing is refitted.
     """
     model = saved.model
     dropped = tuple(

@@ -1,4 +1,4 @@
-"""Proof by replay: the exported file run in its target on the user's records, beside m, b and k alone in the same."""
+"""Replay of an exported file in its target on the user's records, compared with m, b and k alone in the same target."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Part:
-    """One record.
+    """Replay of one record; all readings are (n,).
 
     Attributes:
         record: as replayed.
-        ours: reading (n,) of the result's model, simulated here.
+        ours: reading of the result's model, simulated here.
         target: of the exported file in its target.
-        expected: of what was written, simulated here: the same as ``ours`` where the target says everything.
+        expected: of the written model, simulated here: the same as ``ours`` if the target carries the whole model.
         base: of m, b, k alone in the target.
-        period: step of the record [s].
     """
 
     record: Record
@@ -42,13 +41,13 @@ class Part:
 
     @property
     def distance(self) -> float:
-        """Root mean square of the target's reading less that of what was written, simulated here."""
+        """Rms difference between the target's reading and that of the written model, simulated here."""
         return float(np.sqrt(np.mean((self.target - self.expected) ** 2)))
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What the replays show, over all records."""
+    """Replays of all records."""
 
     parts: tuple[Part, ...]
 
@@ -67,12 +66,12 @@ class Proof:
 
     @property
     def ratio(self) -> float:
-        """SEE in the target against ours."""
+        """SEE in the target over the SEE of the result's model here."""
         return self.see("target") / self.see("ours")
 
     @property
     def distance(self) -> float:
-        """Of the target from what was written, over all records, in the position unit."""
+        """Rms difference between the target and the written model over all records, in the position unit."""
         return float(np.sqrt(np.mean(np.concatenate([part.target - part.expected for part in self.parts]) ** 2)))
 
     def to_json_dict(self) -> dict[str, Any]:

@@ -69,10 +69,10 @@ class Export:
         return replace(self.plan.saved, model=model, zeros=zeros)
 
     def written(self) -> Export:
-        """The same, on the disk.
+        """The same export after its files were written.
 
         Raises:
-            SetupError: the disk does not take it.
+            SetupError: a file cannot be written.
         """
         made = self.target.files(self.plan, self.out)
         for path, content in made.items():

@@ -1,4 +1,4 @@
-"""What a target says of an effect: exactly, approximately, or not at all."""
+"""How a target carries an effect: exactly, approximately, or not at all."""
 
 from __future__ import annotations
 
@@ -38,7 +38,12 @@ class Saying:
 
 @dataclass(frozen=True)
 class Row:
-    """One effect of a model and what a target says of it."""
+    """How a target carries one effect of a model.
+
+    Attributes:
+        effect: its name.
+        saying: how.
+    """
 
     effect: str
     saying: Saying

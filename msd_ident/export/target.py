@@ -1,4 +1,4 @@
-"""What a target is: a format with its own laws, a writer, and, where a library runs it, a replay."""
+"""Base of export targets: a format with its own laws, a writer, and a replay where a library can run it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""extract: from a record to the features of its response, by the way that suits it."""
+"""Features of a record's response, by the method that suits it: force steps, a free decay, or none."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Kind = Literal["step", "free_decay", "none"]
 
 @dataclass(frozen=True)
 class Features:
-    """What a record's response shows without fitting a model to it.
+    """What a record's response shows without a fit of a model.
 
     Attributes:
         kind: ``step``, ``free_decay``, or ``none`` when neither applies.
         route: a sentence on how the standard form was found, or why there is none.
-        responses: one a force step (or one for the free decay), in time order.
-        standard_form: all responses together; ``None`` without any.
+        responses: one for each force step (or one for the free decay), in time order.
+        standard_form: of all responses together; ``None`` without any.
         remarks: what a reader must know about the features, a sentence each.
     """
 

@@ -22,7 +22,16 @@ _OWN_MIDDLE = 4
 
 @dataclass(frozen=True)
 class TwoPeaks:
-    """The paper's values from two peaks on the same side, eqs. 3 to 7."""
+    """The paper's values from two peaks on the same side, eqs. 3 to 7.
+
+    Attributes:
+        first, second: the peaks.
+        logarithmic_decrement: δ, eq. 3.
+        damped_period: Td [s], eq. 5.
+        damped_frequency: ωd [rad/s], eq. 6.
+        damping_ratio: ζ, eq. 4.
+        natural_frequency: ωn [rad/s], eq. 7.
+    """
 
     first: Extreme
     second: Extreme
@@ -118,7 +127,7 @@ def _ratio_of_half(fall: float) -> float:
 
 
 def significant(turns: Sequence[Extreme]) -> list[Extreme]:
-    """Turning points, from the first on, while the ways between them stand clear of the noise and shrink."""
+    """The first turning points, as long as the distances between them are clearly above the noise and do not grow."""
     kept = list(turns[:1])
     before = math.inf
     for one, two in zip(turns, turns[1:], strict=False):
@@ -204,7 +213,7 @@ def _slope(x: FloatArray, y: FloatArray, std: FloatArray) -> tuple[float, float]
 
 
 def swings(turns: Sequence[Extreme]) -> tuple[Swing, ...]:
-    """ζ(A) and ωn(A), one for every three turning points that follow each other, in time order."""
+    """ζ(A) and ωn(A) from every three consecutive turning points, in time order."""
     used = significant(turns)
     found = []
     for one, two, three in zip(used, used[1:], used[2:], strict=False):

@@ -68,7 +68,7 @@ class Noise:
 
 
 def noise_of(record: Record) -> Noise:
-    """Noise of a record, looked at once for all its responses."""
+    """Noise of a record, computed once for all its responses."""
     return Noise(quality.noise_floor(record), quality.encoder_step(record), record.position_unit)
 
 
@@ -124,7 +124,7 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
 
 
 def with_dead_width(responses: tuple[Response, ...]) -> tuple[Response, ...]:
-    """The same with the uncertainty of rest values, and so of K, widened by where dry friction may hold the cart."""
+    """Responses with the uncertainty of rest values, and so of K, increased for dry friction (``dead_width``)."""
     width = max((oscillation.dead_width(response.turns) for response in responses), default=0.0) / math.sqrt(3.0)
     return tuple(_widened(response, width) for response in responses) if width > 0.0 else responses
 

@@ -1,4 +1,4 @@
-"""The whole step response at once: for plants that swing too little to show two peaks."""
+"""Fit of the whole step response, for plants that swing too little to show two peaks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies in a rosbag2 folder: its metadata, as far as they can be read, and its files in their order."""
+"""Contents of a rosbag2 folder: its metadata, as far as they can be read, and its files in their order."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Folder:
 
 
 def look_into(folder: Path) -> Folder:
-    """Metadata and files of a folder.
+    """Read metadata and file names of a folder.
 
     Raises:
         DataError: it cannot be read, or holds no file of a bag.

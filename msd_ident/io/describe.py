@@ -49,7 +49,7 @@ class TopicInfo:
 
 @dataclass(frozen=True)
 class BagInfo:
-    """What is in a bag or table.
+    """Contents of a bag or table.
 
     Attributes:
         path: as given.

@@ -1,7 +1,7 @@
-"""McapWriter: messages as chunks of an MCAP file that is complete with its index at every flush.
+"""McapWriter: messages as chunks of an MCAP file that is complete, with its index, after every flush.
 
-The mcap library's own writer gives the index once, at the end. This one gives it as often as it is asked for;
-the records are the library's.
+The mcap library's own writer writes the index once, at the end. This one writes it at every flush; the records are made
+by the library.
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ class McapWriter:
         self._index.clear()
 
     def flush(self) -> None:
-        """Everything so far on the disk, as a complete file."""
+        """Write everything so far to the disk, as a complete file."""
         self.finish_chunk()
         self._file.show(self._tail())
 
@@ -185,7 +185,7 @@ class McapWriter:
         self._file.close()
 
     def abandon(self) -> None:
-        """Leave the file as it was shown last."""
+        """Stop writing and leave the file as it was at the last flush."""
         self._file.close()
 
     def _describe(self, opcode: Opcode, record: McapRecord) -> None:

@@ -1,4 +1,4 @@
-"""Message definitions: from the ones inside a bag, from rosbags' Jazzy set, from installed packages."""
+"""Definitions of message types: from the bag, from rosbags' Jazzy set, or from installed packages."""
 
 from __future__ import annotations
 

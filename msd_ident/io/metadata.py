@@ -1,4 +1,7 @@
-"""metadata.yaml of a rosbag2 folder, version 9, as ``ros2 bag record`` of Jazzy writes it: true at every instant."""
+"""metadata.yaml of a rosbag2 folder, version 9, as ``ros2 bag record`` of Jazzy writes it.
+
+It is rewritten with each flush, so that it is correct at every instant.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +63,7 @@ class FileEntry:
         return max(self.last_ns - self.first_ns, 0) if self.messages else 0
 
     def count(self, log_time_ns: int) -> None:
-        """Take a message into account."""
+        """Add a message to the number and the log times."""
         self.first_ns = min(self.first_ns, log_time_ns)
         self.last_ns = max(self.last_ns, log_time_ns)
         self.messages += 1
@@ -68,7 +71,13 @@ class FileEntry:
 
 @dataclass
 class BagEntry:
-    """A whole bag."""
+    """A bag in metadata.yaml.
+
+    Attributes:
+        files: in the order of the recording.
+        topics: by name.
+        custom: texts that the recorder added.
+    """
 
     files: list[FileEntry] = field(default_factory=list)
     topics: dict[str, TopicEntry] = field(default_factory=dict)

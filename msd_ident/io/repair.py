@@ -1,4 +1,4 @@
-"""Finishing what was cut off: a bag with its index and true metadata again, and what was lost in numbers."""
+"""Repair of bags that were not finished: the index and correct metadata are written, and losses are counted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Models against the paper's Table 1: which come how near to its numbers."""
+"""Models compared with the six numbers of the paper's Table 1."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Response:
         return float(np.max(np.abs(self._off(table, TIMES))))
 
     def misfit(self, table: Table1) -> FloatArray:
-        """Differences (5,) to the table in units of what the table can tell."""
+        """Differences (5,) to the table, in units of the table's resolution."""
         return np.concatenate((self.lengths_off(table) / _LENGTH_SPREAD, self._off(table, TIMES) / _TIME_SPREAD))
 
     def lengths_off(self, table: Table1) -> FloatArray:
@@ -275,7 +275,7 @@ def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
 
 
 def undecidable() -> tuple[str, ...]:
-    """Effects that bring more parameters than the table has numbers: it cannot speak about them."""
+    """Effects with more parameters than the table can determine."""
     return tuple(effect.name for effect in LIBRARY if _shows(effect) and not effect.angular and not _decidable(effect))
 
 

@@ -19,7 +19,7 @@ from msd_ident.workflow.known_parameters import Known, to_json_list
 
 @dataclass(frozen=True)
 class ModelFit:
-    """A model with its parameters' intervals and what it leaves.
+    """A model with its parameters' intervals and its SEE.
 
     Attributes:
         model: the model with the values below.
@@ -44,11 +44,11 @@ class ModelFit:
 
 @dataclass(frozen=True)
 class Identification:
-    """All that was found about the records, in the words of the paper and beyond.
+    """Everything that an identification found about the records.
 
     Attributes:
-        records: what was used, the force turned where a positive one moves the encoder downwards.
-        findings: what is odd about the data.
+        records: what was used, with the force's sign changed where a positive force moves the encoder downwards.
+        findings: problems of the data.
         features: of each record.
         standard_form: ωn, ζ, K of all turning points of all records; ``None`` where no response tells.
         two_peak_form: the paper's, from two peaks a step (eqs. 3 to 9); ``None`` where no response has two.
@@ -56,12 +56,12 @@ class Identification:
             there are no features.
         paper_refined: the same with friction raised to the least SEE; ``None`` for several records or no features.
         refined: the joint refit.
-        noise_floor: what no model can beat, in the position unit.
+        noise_floor: rms that noise and encoder step leave with the true model, in the position unit.
         missing_samples: position samples that the stamps say are missing.
         warnings: what a reader must know before using the numbers, a sentence each.
         open: what the data leaves open and what to measure instead, a sentence each.
         known: parameters that were known beforehand and kept.
-        turned: whether the force was turned because a positive one moves the encoder downwards.
+        turned: whether the force's sign was changed because a positive force moves the encoder downwards.
     """
 
     records: tuple[Record, ...]

@@ -1,6 +1,4 @@
-"""Loop of experiments: run one, diagnose all together, design the next, until one explanation remains or the budget is
-spent.
-"""
+"""Loop of experiments: run, diagnose all together, design the next, until one explanation or no budget remains."""
 
 from __future__ import annotations
 
@@ -60,6 +58,8 @@ class Rig(Protocol):
 class Budget:
     """How much an investigation may use.
 
+    The gentle steps that find the size of a first experiment do not count.
+
     Attributes:
         runs: experiments after the first one.
         seconds: duration of all experiments together [s].
@@ -108,13 +108,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Investigation:
-    """What an investigation did and found.
+    """The experiments of an investigation and their result.
 
     Attributes:
         steps: the experiments in order.
-        stands: whether one explanation stands.
+        stands: whether one explanation remains.
         sentence: how it ended.
-        measurements: what no profile could part, and what to measure for it.
+        measurements: explanations that no profile distinguishes, and what to measure for them.
     """
 
     steps: tuple[Step, ...]
@@ -162,7 +162,13 @@ class Loop:
         limits: of the rig.
         budget: what may be used.
         options: how records are diagnosed.
-        ask, tell: asked before, and told after, each run.
+        ask: called before each experiment with its purpose and profile; it is run if the answer is True. The gentle
+            steps that find the size of a first experiment are played without asking.
+        tell: called after each experiment.
+        records: measured so far.
+        steps: experiments so far.
+        measurements: explanations that no profile distinguishes, and what to measure for them.
+        checked: whether an experiment was proposed that would probably show causes which the data hides.
     """
 
     rig: Rig
@@ -177,10 +183,13 @@ class Loop:
     checked: bool = False
 
     def run(self, first: Profile | None = None) -> Investigation:
-        """Investigate; ``first`` is the first experiment, or else a step of a size that a gentle push suggests.
+        """Run experiments until one explanation remains, no profile decides, the budget is spent, or ``ask`` declines.
+
+        Args:
+            first: the first experiment; if None, a step whose size follows from gentle steps.
 
         Raises:
-            UsageError: the first profile is beyond the limits, or the limits leave no room.
+            UsageError: the first profile is beyond the limits or declined, or the limits leave no room.
             DataError: nothing moves, or the records are not those of one rig.
         """
         profile = first or self._first()

@@ -53,7 +53,7 @@ class Prepared:
 
 
 def prepared(records: Sequence[Record]) -> Prepared:
-    """Look at the records of one experiment, and make them ready for a fit.
+    """Check the records of one experiment, and prepare them for a fit.
 
     Raises:
         DataError: the data cannot carry any estimate (a constant signal, for one).
@@ -79,7 +79,7 @@ def prepared(records: Sequence[Record]) -> Prepared:
 
 
 def typical_plant(record: Record) -> Model:
-    """A plant of the record's own size, to start from where there are no features."""
+    """A plant of the record's typical force, length and time, to start from where there are no features."""
     force = max(float(np.ptp(record.force_at(record.time))), 1e-9)
     length = max(float(np.ptp(record.position)), 1e-12)
     stiffness = force / length
@@ -98,7 +98,7 @@ def starting_plant(records: tuple[Record, ...], form: StandardForm | None) -> Mo
 
 
 def plant_of(form: StandardForm) -> Model:
-    """The plant that the features show, of 1 kg where there is no static gain."""
+    """The plant of a standard form, by eqs. 11 to 13; with a mass of 1 kg if there is no static gain."""
     if form.physical is not None:
         return Plant(**{name: quantity.value for name, quantity in form.physical.quantities.items()})
     frequency, ratio = form.natural_frequency.value, form.damping_ratio.value

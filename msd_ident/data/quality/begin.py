@@ -1,7 +1,7 @@
-"""How a record begins: under a force that had acted before it, at rest, or in motion.
+"""How a record begins: under a force that acted before it, at rest, or in motion.
 
-A table has no line before its first. Where the cart rests under the force until it changes, it has acted before; where
-it moves at once, it stepped.
+A table tells nothing about the time before its first line. If the cart rests under the first force until this changes,
+the force acted before; if it moves at once, the force stepped at the first line.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def begins_pushed(record: Record) -> bool:
 
 
 def rests_under_force(record: Record) -> bool:
-    """Whether the record begins pushed and the cart does not answer until the force changes."""
+    """Whether a force acts in the first sample and the cart rests until this force changes."""
     if not begins_pushed(record):
         return False
     start, span = float(record.time[0]), float(np.ptp(np.append(record.force, 0.0)))
@@ -51,7 +51,7 @@ def rests_under_force(record: Record) -> bool:
 
 
 def since_before(record: Record) -> Record:
-    """The record with its first force acting since long before it."""
+    """The record with its first force acting since long before its first sample."""
     time = record.force_time.copy()
     index = max(int(np.searchsorted(time, record.time[0], side="right")) - 1, 0)
     earliest = float(record.time[0]) - max(record.duration, 1.0)
@@ -63,17 +63,17 @@ def since_before(record: Record) -> Record:
 
 
 def rest_before(record: Record, settling: float) -> Record | None:
-    """The rest that a record begins with, before anything moves the cart; ``None`` where it is too short to tell.
+    """The rest at the start of a record, before anything moves the cart.
 
-    Friction holds the cart while a hand begins to pull, so that the readings cannot tell when that was: what lies less
-    than ``settling`` before the first motion is left out.
+    Friction holds the cart while a hand begins to pull, so the readings do not show when the pull began. The last
+    ``settling`` seconds before the first motion are left out.
 
     Args:
         record: as measured.
-        settling: time before the first motion that is no longer trusted to be free of a hand [s].
+        settling: time before the first motion in which a hand may already pull [s].
 
     Returns:
-        The first part of the record, with its own stamps: the readings share their zero with what follows.
+        The first part of the record, with its own stamps and the same zero of the encoder; None if it is too short.
     """
     begin = float(np.median(record.position[:MINIMUM_SAMPLES]))
     limit = _STILL * noise_floor(record) + encoder_step(record)

@@ -16,7 +16,7 @@ _FEW_SAMPLES = 12
 
 
 def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
-    """Readings that stand still although the cart came in at speed: friction stops it gently."""
+    """Findings on readings that stand still although the cart arrives at speed; friction would stop it gently."""
     unit = record.position_unit
     if motion.held > 0.05 * record.samples:
         yield Finding(

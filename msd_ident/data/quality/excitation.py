@@ -12,7 +12,7 @@ from msd_ident.data.record import Record
 
 
 def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
-    """Force and position that cannot belong together, or tell too little: a copy, no motion, no push."""
+    """Findings on force and position that cannot belong together or tell too little: a copy, no motion, no force."""
     unit = record.position_unit
     factor = _same_signal(record)
     if factor:

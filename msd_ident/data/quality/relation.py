@@ -1,10 +1,10 @@
-"""Whether the force has anything to do with the motion: a record that no mass-spring-damper model can carry.
+"""Whether the force has anything to do with the motion: detection of records that no mass-spring-damper model can fit.
 
-A joint that a hand moves, or an effort that is no force, still fits some model, with absurd numbers. Before any model
-is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so that no
-reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed: what part of the force's
-variation the motion accounts for, at the length of window at which it accounts for most. Noise of the encoder that the
-regression carries into the force is not held against the motion.
+A joint that a hand moves, or an effort that is no force, is still fitted by some model, with absurd values. Before any
+model is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so
+that no reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed. The result is the part of
+the force's variation that the motion accounts for, at the window length at which it accounts for most. It is corrected
+for the noise of the encoder that the regression carries into the force.
 """
 
 from __future__ import annotations
