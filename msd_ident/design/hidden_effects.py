@@ -1,8 +1,8 @@
 """Effects that the measured data would not show, as rivals of the leading explanation.
 
 A step of one amplitude is fitted perfectly although the actuator's gain is nonlinear, the spring has play or a force
-offset acts: the plant's parameters take up the difference. For each effect of the library this finds the largest size
-that the data does not contradict, with the plant refitted. Effects that may have a size worth knowing become rivals.
+offset acts: the plant's parameters take up the difference. For each effect of the library this looks for a size that
+the data just does not contradict, with the plant refitted. Effects that may have a size worth knowing become rivals.
 """
 
 from __future__ import annotations

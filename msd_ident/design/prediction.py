@@ -137,7 +137,7 @@ class Prediction:
 class Predictor:
     """An explanation that predicts readings.
 
-    The cart begins at rest, where it began in the measured data.
+    The cart begins at rest: where it began in the record that started at rest nearest to the relaxed spring.
 
     Attributes:
         contender: the explanation.
@@ -154,7 +154,7 @@ class Predictor:
 
     @cached_property
     def start(self) -> Initial:
-        """State at the start."""
+        """State at the start: of the measured starts at rest, the one nearest to the relaxed spring."""
         calm = [one for one in self.contender.initial if one.velocity == 0.0] or [Initial()]
         return min(calm, key=lambda one: abs(one.position))
 

@@ -52,17 +52,18 @@ def fit(
         records: one record or several.
         fixed: parameters to keep: a mapping gives their values, a collection of names keeps the model's.
         zero: ``free`` when the encoder's zero need not be the relaxed spring, ``known`` when it is.
-        loss: ``soft_l1`` when single samples are wild.
+        loss: ``linear`` for least squares, ``soft_l1`` for data with outliers.
         starts: further models of the same structure to start from, e.g. with an effect's guesses.
-        search: ``wide`` starts from a regression, from all starts and from the effects' own guesses; ``near`` only
-            from the values given, for a model that is nearly right already.
+        search: ``wide`` starts from a regression, from all starts and from the effects' own guesses; ``near`` only from
+            the values given, for a model that is nearly right already.
         initial: with ``near``, the state and zero of each record to start from (those of an earlier fit).
 
     Returns:
         The fit; one that failed says so in ``converged`` and ``message``.
 
     Raises:
-        UsageError: no record, an unknown name in ``fixed``, a start of another structure, or nothing left to fit.
+        UsageError: no record, an unknown name in ``fixed``, a start of another structure, nothing left to fit, or
+            another number of initial states than of records.
     """
     group = (records,) if isinstance(records, Record) else tuple(records)
     problem = formulate(model, group, fixed, zero)

@@ -2,13 +2,14 @@
 
 Starts come from the linear regression (which has no local minima), from the values that the model was given, and from
 what else the caller offers (the guesses of an effect, a grid over a delay). All are simulated once. The best is
-refined, first with rests weighted down, then with all samples alike. The search ends if that reaches the noise floor.
+refined, first with rests weighted down, then with all samples alike. If that does not reach the noise floor, the other
+starts are explored.
 
-If not, the other starts are explored. Then parameters whose error has a local minimum for every number of half-swings
-(``Parameter.kinked``) are changed by fixed factors, and minima next to the best one are tried (``Effect.neighbours``).
-Where even the best fits badly, the fit begins with the first swings of each record, in which a wrong frequency cannot
-slip by a whole cycle, and goes on with longer and longer parts. These searches are rough: long records are thinned, and
-a start is not followed to its minimum if others fit better already.
+The error has a local minimum for every number of half-swings over some parameters (``Parameter.kinked``). These are
+then changed by fixed factors; at the noise floor, only those that the data determines poorly. After that, minima next
+to the best one are tried (``Effect.neighbours``). Where even the best fits badly, the fit begins with the first swings
+of each record, in which a wrong frequency cannot slip by a whole cycle, and goes on with longer and longer parts. These
+searches are rough: long records are thinned, and a start is not followed to its minimum if others fit better already.
 """
 
 from __future__ import annotations

@@ -44,12 +44,15 @@ class CandidateModel:
 
 
 def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]) -> tuple[CandidateModel, ...]:
-    """The explanations from which the next experiment is designed: at most ``LEADERS``, by falling evidence.
+    """The explanations from which the next experiment is designed: the leading one, then the next likely.
 
     Args:
-        ranking: its leading set is included, whatever its evidence, and all sets within half of ``NEAR`` of the best.
+        ranking: all its sets within half of ``NEAR`` of the best are included, and its leading set in any case.
         scale: variance in which the information about the parameters is stated.
         readings: the records with their weights.
+
+    Returns:
+        At most ``LEADERS``.
     """
     top = max(ranking.evidence)
     found = []

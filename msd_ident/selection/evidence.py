@@ -364,8 +364,8 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
 def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """Fitted sets by falling evidence.
 
-    A set that is equal to a simpler one is left out, e.g. if an effect ended without strength. The likeliest set is put
-    first, or a simpler one of the same causes whose evidence is lower by less than ``CALLED``.
+    A set that is equal to a simpler one is left out, e.g. if an effect ended without strength. The first set is the
+    likeliest one, or the simplest one without further causes whose evidence is lower by at most ``CALLED``.
 
     Args:
         sets: every fitted set by its causes.

@@ -52,7 +52,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
 
     At the edge of sticking a start may fit the noise a little better and seem sharply determined. Inside the range of
     sticking all starts are equally good, and there are many more of them. So the middle of that range is taken unless
-    its chi² is larger by twice ``DECISIVE``.
+    its chi², the constraints included, is larger by twice ``DECISIVE`` or more.
 
     Args:
         fitted: the set.

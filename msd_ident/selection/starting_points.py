@@ -89,12 +89,12 @@ def _hung(model: Model, name: str, start: SecondMass) -> Model:
 
 
 def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis]) -> list[StartingPoint]:
-    """Starts of a set, the most promising first: the best few next to smaller fitted sets, and those by regression.
+    """Starts of a set, the most promising first: the best few next to other fitted sets, and those by regression.
 
     Args:
         experiment: readings with their weights.
         causes: names of the set.
-        parents: smaller fitted sets, at least one.
+        parents: fitted sets to start from, at least one; most have fewer causes.
     """
     found = []
     near = [starts(experiment, causes, parent) for parent in parents]
