@@ -174,7 +174,7 @@ def _playing(
 
 
 def _resting(trial: CandidateModel) -> CandidateModel:
-    """Each record begins at rest in the middle, at the same reading."""
+    """The trial with each record that begins at rest begun at the relaxed spring, at the same reading."""
     initial = tuple(
         replace(one, position=0.0, zero=one.zero + one.position) if one.velocity == 0.0 else one
         for one in trial.initial
@@ -183,7 +183,7 @@ def _resting(trial: CandidateModel) -> CandidateModel:
 
 
 def _gain(effect: Effect, records: Sequence[Record]) -> float:
-    """What the effect makes of the largest force, in parts of it; 1 when it is none of the input's."""
+    """Gain of the effect at the largest force; 1 if it does not act on the input."""
     law = effect.laws().get("input_map")
     largest = max((float(np.max(np.abs(record.force))) for record in records), default=0.0)
     return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0

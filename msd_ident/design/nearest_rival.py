@@ -160,7 +160,7 @@ class _System:
 
 
 def _values(trial: CandidateModel, moving: int) -> FloatArray:
-    """(moving,) its first free parameters."""
+    """The first ``moving`` free parameters, (moving,)."""
     return np.array([trial.model[name] for name in trial.free[:moving]])
 
 
@@ -205,7 +205,7 @@ def _beside_rest(trial: CandidateModel, row: _Row, index: int, resting: Mapping[
 
 
 def _imbalance(trial: CandidateModel, index: int) -> tuple[float, FloatArray]:
-    """How far [m] a record begins from where spring and offset cancel, and its change (p + 2,) with all entries."""
+    """Deviation [m] of a record's start from the balance of spring and offset, and its gradient (p + 2,)."""
     model = trial.model
     slope = np.zeros(len(trial.free) + 2)
     slope[-2] = 1.0

@@ -33,7 +33,13 @@ Refits = list[list[Refitted | None]]
 
 @dataclass(frozen=True)
 class Found:
-    """The best experiment with its rivals' real refits, and all that were looked at."""
+    """Result of a search for a profile.
+
+    Attributes:
+        best: the chosen profile, evaluated with real refits.
+        refits: the refits of its rivals.
+        all: all profiles that were evaluated.
+    """
 
     best: Option
     refits: Refits

@@ -163,7 +163,7 @@ def _coloured(jacobian: FloatArray, size: FloatArray, coefficients: FloatArray, 
 
 
 def _independence(coefficients: FloatArray) -> float:
-    """Independent pieces of evidence a sample: (∫S)²/∫S² of the autoregression's spectrum S."""
+    """Number of independent samples per sample: (∫S)²/∫S² of the autoregression's spectrum S."""
     if coefficients.size == 1:
         return 1.0
     spectrum = 1.0 / np.abs(np.fft.rfft(coefficients, 4096)) ** 2

@@ -115,8 +115,9 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 def starts_at_rest(record: Record) -> bool:
     """Whether the first samples show no motion beyond the encoder's step, so that the initial velocity is zero.
 
-    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope. Noise
-    is told by second differences, which a swing hardly has: its top has no slope either.
+    A hundredth of the record (10 to 200 samples) must stay within one encoder step, or be noise without a slope. Second
+    differences give the noise, because a swing hardly contributes to them; at its turning point a swing has no slope
+    either.
     """
     count = max(FEWEST, min(record.samples // 100, FEWEST_READINGS))
     head = record.position[:count]

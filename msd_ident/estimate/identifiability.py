@@ -79,13 +79,17 @@ def _sparse(basis: FloatArray) -> list[FloatArray]:
 def describe(
     direction: FloatArray, names: tuple[str, ...], values: FloatArray, reference: FloatArray, forced: bool
 ) -> OpenDirection | None:
-    """An open direction in words; None when only initial states take part (they do not matter to anybody).
+    """An open direction in words.
 
     Args:
         direction: (p,) in units of ``reference``.
-        names: parameter names; a record's own entries contain `` of ``.
+        names: (p,) parameter names; a record's own entries contain `` of ``.
         values: (p,) fitted values.
+        reference: (p,) natural sizes of the parameters.
         forced: whether any force acts in the data.
+
+    Returns:
+        None if only initial states and zeros take part, which are of no interest to the user.
     """
     change = direction * reference
     own = np.where(values != 0.0, np.abs(values), reference)

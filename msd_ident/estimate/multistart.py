@@ -92,7 +92,7 @@ class Valleys:
         return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
 
     def _deepest_of(self, best: Solution, others: Sequence[FloatArray]) -> Solution:
-        """The best of what was found and of what the other starts lead to."""
+        """The best of the present solution and of the solutions that other starts lead to."""
         if any(parameter.multistable for parameter in self.problem.parameters):
             best = _deeper(best, self._grow(others))
             if self.at_floor(best):
@@ -107,12 +107,12 @@ class Valleys:
         return replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY)
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
-        """A few iterations from every start; the leaders."""
+        """A few iterations from every start; the ``KEPT`` best are returned."""
         outcomes = [minimise(self.rough, start, limits(self.problem, LOOK)) for start in starts]
         return sorted(outcomes, key=_cost)[:KEPT]
 
     def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
-        """From a start down its valley, rests weighted down first."""
+        """Refine a start: first with rests weighted down, then with all samples alike."""
         down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY))
         return minimise(self.plain, down.point, until)
 
@@ -128,7 +128,7 @@ class Valleys:
         )
 
     def _jump(self, best: Solution, all_entries: bool) -> Solution:
-        """Move each kinked parameter (or those known vaguely), let the others follow, and settle again."""
+        """Change each kinked parameter (or only the poorly determined ones) by fixed factors, and refine again."""
         kinked = [entry for entry, parameter in enumerate(self.problem.parameters) if parameter.kinked]
         if not kinked:
             return best
@@ -142,7 +142,7 @@ class Valleys:
         return best
 
     def _hop(self, best: Solution, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Solution:
-        """From valley to valley, as long as it leads down and there is something left to find."""
+        """Try neighbouring minima as long as the error decreases and is above the noise floor."""
         for _ in range(LOOK):
             before, near = best.cost, neighbours(best.point)
             if not near or self.at_floor(best):
@@ -190,12 +190,12 @@ class Valleys:
 
 
 def _rounding(residual: FloatArray, step: float) -> bool:
-    """Whether a residual is no more than the encoder's rounding, which has a pattern of its own in slow motion."""
+    """Whether a residual is no larger than the encoder's rounding error, which has a pattern in slow motion."""
     return residual.size > 0 and float(np.quantile(np.abs(residual), 0.98)) <= 0.75 * step
 
 
 def _patternless(residual: FloatArray) -> bool:
-    """Whether block sums of a residual scatter as independent samples would (within four standard deviations)."""
+    """Whether block sums of a residual scatter like those of independent samples (within four standard deviations)."""
     variance = float(residual @ residual) / max(residual.size, 1)
     for block in BLOCKS:
         count = residual.size // block

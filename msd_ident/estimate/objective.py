@@ -20,12 +20,14 @@ _BLOCK = fixed(65_536, "resources", "samples of a Jacobian that are multiplied a
 class SquaredError:
     """Half the (weighted) sum of squares of a problem, plain or robust.
 
+    It keeps the finite-difference steps that follow from the last Gauss–Newton matrix.
+
     Attributes:
+        problem: model and records.
         weights: for each record the (n,) weights of its samples; none at all means 1 each.
         soft: residual [m] beyond which soft-L1 loss takes over from squares; 0 means plain squares.
-        coarse: factor on the finite-difference steps; wide steps see past the kinks that sticking makes.
-
-    Remembers the finite-difference steps that the last Gauss–Newton matrix suggests.
+        coarse: factor on the finite-difference steps. Wide steps average over the kinks that sticking makes in the
+            error.
     """
 
     problem: Problem

@@ -25,7 +25,15 @@ _ABSOLUTE = (("N", "m"), ("N·m", "rad"))
 
 @dataclass(frozen=True)
 class _Sandwich:
-    """Sums over all records: JᵀJ, JᵀΓJ, what comes from elsewhere than samples, residuals, pieces of evidence."""
+    """Sums over all records.
+
+    Attributes:
+        bread: (p, p) JᵀJ.
+        meat: (p, p) JᵀΓJ.
+        pinned: (p, p) information that does not come from samples.
+        residuals: one (n,) for each record.
+        effective: number of independent samples.
+    """
 
     bread: FloatArray
     meat: FloatArray
@@ -119,7 +127,7 @@ def _sandwich(problem: Problem, outcome: Solution, soft: float) -> _Sandwich:
 def _open(
     problem: Problem, point: FloatArray, sums: _Sandwich
 ) -> tuple[list[identifiability.OpenDirection], FloatArray]:
-    """What no sample decides: as sentences (initial states left out), and as directions (p, q)."""
+    """Null directions as sentences (without those of initial states alone), and as columns (p, q)."""
     reference = np.maximum(np.abs(point), problem.scale)
     forced = any(bool(np.any(record.force)) for record in problem.records)
     directions = identifiability.null_directions(sums.bread, reference, sums.pinned)
@@ -131,7 +139,7 @@ def _open(
 def _quantities(
     problem: Problem, point: FloatArray, std: FloatArray, found: list[identifiability.OpenDirection]
 ) -> dict[str, Quantity]:
-    """Every parameter; what is fixed has no spread, what is open no interval."""
+    """Quantities of all parameters; std is 0 for fixed ones and NaN for open ones."""
     unknown = {name for direction in found for name in direction.names}
     spread = dict(zip(problem.names, std.tolist(), strict=True))
     quantities = {}

@@ -29,10 +29,12 @@ class PaperRefinement:
     """The paper's two models and what the friction gained.
 
     Attributes:
-        original: the model without friction, its SEE ``see_original`` and residual.
-        refined: the same with the dry friction of least SEE ``see_refined``.
-        friction_coefficient: µ = Fc/(m g).
+        original: the model without friction.
+        refined: the same with the dry friction of least SEE.
         initial: state and zero that both simulations start from; nothing of it is fitted.
+        friction_coefficient: µ = Fc/(m g).
+        see_original, see_refined: SEE of both [m], eq. 14.
+        residual_original, residual_refined: (n,) model − data of both [m].
     """
 
     original: Model
@@ -51,12 +53,13 @@ class PaperRefinement:
 
 
 def paper_refine(model: Model, record: Record, initial: Initial | None = None) -> PaperRefinement:
-    """Raise Coulomb friction from 0 to the least SEE with m, b and k kept.
+    """Raise Coulomb friction from 0 to the least SEE with m, b and k kept (eqs. 2, 14, 15).
 
     Args:
         model: the plant that the features gave; its effects, if any, stay as they are.
-        initial: where the simulation starts; by default at the first reading, at rest if the record starts so,
-            with the zero at the level before the first force.
+        record: the measurement.
+        initial: where the simulation starts; by default at the first reading, at rest if the record starts so, with the
+            zero at the level before the first force.
 
     Raises:
         UsageError: the model has dry friction already.

@@ -74,7 +74,7 @@ def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adeq
 
 
 def _size(chi: float, pieces: float) -> float:
-    """Probability that noise alone leaves so much in so many pieces of evidence."""
+    """Probability that noise alone leaves at least this chi² in so many pieces of evidence."""
     excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), FLOOR_ERROR)
     return float(special.ndtr(-excess))
 

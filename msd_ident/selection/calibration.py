@@ -174,7 +174,7 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, H
 
 
 def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Causes, Hypothesis]) -> Ranking:
-    """The ranking with one of its sets, or a stand-in, at these odds or more against the leading one."""
+    """The ranking in which a set, or its stand-in, has at least these odds against the leading one."""
     known = [i for i, one in enumerate(ranking.sets) if one.causes == causes]
     lead = ranking.probability[0]
     sets, evidence, weights = list(ranking.sets), list(ranking.evidence), list(ranking.probability)
@@ -193,7 +193,7 @@ def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Cau
 
 
 def _ordered(ranking: Ranking) -> Ranking:
-    """The leading set first, the others by falling probability, and all of them 1 together."""
+    """The leading set first, the others by falling probability, scaled to the sum 1."""
     total = sum(ranking.probability)
     order = [0, *sorted(range(1, len(ranking.sets)), key=lambda i: -ranking.probability[i])]
     return replace(
@@ -205,7 +205,7 @@ def _ordered(ranking: Ranking) -> Ranking:
 
 
 def _capped(ranking: Ranking, cause: str, most: float) -> Ranking:
-    """The ranking with a cause no surer than ``most``; what is taken from it goes to all sets without it."""
+    """The ranking in which a cause has at most the probability ``most``; the rest goes to all sets without it."""
     sure = ranking.of_cause(cause)
     holding = [by_name(cause).cause() in kinds(one.causes) for one in ranking.sets]
     if sure <= most or all(holding):

@@ -72,9 +72,9 @@ def search(
 def _begun(
     initial: Sequence[Initial], known: Experiment, wanted: Experiment, there: Sequence[Initial] | None = None
 ) -> tuple[Initial, ...]:
-    """How records begin that other parts of them are ``known`` to begin as ``initial`` says.
+    """Initial states for other parts of records whose initial states are known.
 
-    The same where they begin at the same instant; else as a fit found it ``there``, or as the readings say.
+    The same state if both parts begin at the same instant; else that of ``there``, or one read off the samples.
     """
     found = []
     for r, (start, one, other) in enumerate(zip(initial, known.records, wanted.records, strict=True)):
@@ -89,24 +89,29 @@ def _begun(
 
 
 def _with_one_less(ahead: Ranking) -> list[Hypothesis]:
-    """Sets that lack one of the leader's causes: what each of these explains is judged beside what they do."""
+    """Sets that lack one of the leading set's causes; they show what each cause explains beside the others."""
     wanted = {ahead.best.causes - {name} for name in ahead.best.causes} if len(ahead.best.causes) > 1 else set()
     return [one for one in ahead.sets if one.causes in wanted]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:
-    """Sets of fewer causes than the leader that leave not many times as much, the best first."""
+    """Sets with fewer causes than the leading one whose chi² is not many times as large, the best first."""
     best = ahead.best
     found = [one for one in ahead.sets if len(one.causes) < len(best.causes) and one.chi < REACH * best.chi]
     return sorted(found, key=lambda one: one.chi)[:LEADERS]
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
-    """With mean forces, where the model with friction is so far off that nothing will reach the noise; and whether a
-    set fitted there leaves so little that the mean forces hide the rest.
+    """Mean forces between samples, if the model with friction is so far off that no set will reach the noise.
 
     Args:
+        thin: thinned samples.
+        friction: the model with Coulomb friction.
         left: chi² that this model leaves, for each piece of evidence.
+
+    Returns:
+        The experiment to search on, and whether a set fitted there leaves so little that the error of mean forces hides
+        the rest.
     """
     coarse = thin.with_mean_force()
     if left > _FAR**2 and _change(thin, coarse, friction) < LEAST_SPREAD**2 * left * thin.evidence:

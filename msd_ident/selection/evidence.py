@@ -268,7 +268,7 @@ class Ranking:
 
 
 def _same_as(fitted: Hypothesis) -> set[Causes]:
-    """Simpler sets that the fitted model is: an effect ended without strength, or as nothing but Coulomb's friction."""
+    """Simpler sets that the fitted model is equal to: an effect without strength, or Coulomb friction alone."""
     model, found = fitted.model, set()
     for name in fitted.causes:
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
@@ -281,10 +281,11 @@ def _same_as(fitted: Hypothesis) -> set[Causes]:
 def _ceilings(
     causes: Causes, own: Mapping[Causes, float], sets: Mapping[Causes, Hypothesis], scale: NoiseScale
 ) -> Iterator[float]:
-    """What the evidence of a set cannot be more than: that of a smaller set, and what its likelihood is better by.
+    """Upper bounds on the evidence of a set, one from each smaller set.
 
-    The marginal likelihood of a larger model is an average of such values, over the further parameters. Laplace's
-    determinant, taken where a law has a knee, may say otherwise.
+    Each is the evidence of the smaller set, plus the gain in likelihood and the prior of the further causes. The
+    marginal likelihood of a larger model is an average of such values over the further parameters. Laplace's
+    determinant, computed where a law has a kink, may exceed that.
     """
     for smaller, value in own.items():
         if smaller < causes:
@@ -293,7 +294,7 @@ def _ceilings(
 
 
 def _simpler(causes: Causes) -> Iterator[Causes]:
-    """The set with a law's limit in its place: the simple law of its cause, or Coulomb's friction."""
+    """Sets in which a law is replaced by its limit: the simple law of its cause, or Coulomb friction."""
     for name in causes:
         if form_of := by_name(name).form_of:
             yield causes - {name} | {form_of}
@@ -322,11 +323,11 @@ def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str
 
 
 def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
-    """Whether one of the causes explains no more than the error of the others' laws may be.
+    """Whether one of the causes explains no more than an error of the other laws could.
 
-    No law is exact: what a set leaves may be another form of the laws that it has. A further cause that explains less
-    than ``LEAST_SPREAD`` of what they do, or than ``FORM_PART`` where less than ``FAINT`` noise floors are left
-    without it, is none of its own.
+    No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
+    explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
+    left without it.
     """
     for name, part in further_parts(causes, sets).items():
         faint = sets[causes - {name}].chi < FAINT**2 * noise
@@ -342,16 +343,16 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
 
 
 def _of_its_own(name: str) -> float:
-    """Probability that a cause which may be another form of the other laws is one of its own."""
+    """Probability that a cause which may be another form of the other laws acts by itself."""
     odds = _FORM_ODDS * by_name(name).prior_odds
     return odds / (1.0 + odds)
 
 
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
-    """Whether a set is none that turned out to be a simpler one under another name.
+    """Whether a set is more than a simpler one.
 
-    That is one whose effect has no strength, and one whose law is no better than its limit or than another effect that
-    comes to the same.
+    It is not if an effect has no strength, if a cause explains no more than an error of the other laws could, or if a
+    law is no better than its limit or than another effect that it is equal to.
     """
     if _same_as(sets[causes]) & set(sets):
         return False
@@ -390,7 +391,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
 
 
 def _forms(causes: Causes) -> int:
-    """Laws among them that are not the first, simple one of their cause."""
+    """Number of laws that are not the first, simple one of their cause."""
     return sum(bool(by_name(name).form_of) for name in causes)
 
 

@@ -382,11 +382,11 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
 
 
 def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
-    """A few steps down from where there may be another valley.
+    """A few steps down from other starts, which may lead to another minimum.
 
-    From either side of a harmonic law's phase: where a cart sticks in its wells, the surface has valleys within a
-    cycle. And from where the records begin, if the fit has left it: a smaller model makes up for what it lacks with a
-    cart that begins aside, and with friction a larger one does not find back.
+    One start on either side of a harmonic law's phase: where the cart sticks at the ripples, the error has several
+    minima within a cycle. And one from the first readings, if the fit begins far from them: a smaller model makes up
+    for missing laws with a shifted start, and with friction a larger model that starts from there keeps the shift.
     """
     weighting = weigh(fitted.problem, experiment.readings)
     found = []
@@ -406,7 +406,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
-    """The fitted vector (p,) with each record begun at its first reading, where it begins far from it."""
+    """The fitted vector (p,), with records that begin far from their first reading moved to it."""
     problem, point = fitted.problem, fitted.point.copy()
     for entry, nuisance in enumerate(problem.nuisances, start=len(problem.free)):
         if nuisance.kind == "initial position":
@@ -418,7 +418,7 @@ def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
 
 
 def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Beginnings that did not meet in one valley."""
+    """Beginnings with different chi², which are taken for different minima."""
     kept: list[Hypothesis] = []
     for fitted in begun:
         if all(abs(fitted.chi - other.chi) > SAME * other.chi for other in kept):
@@ -441,7 +441,7 @@ def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypoth
 def _hopeless(experiment: Experiment, least: float) -> float:
     """The chi² above which a set has lost against one that leaves ``least``.
 
-    Far from the noise all models are wrong, and a few times chi² are many nats of evidence.
+    Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
     """
     if least > FAR * experiment.evidence:
         return least * AT_FLOOR**2
@@ -449,7 +449,7 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
-    """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
+    """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
     slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else SAME
     return NEGLIGIBLE + slack * max(fitted.chi - experiment.evidence, 0.0)
 

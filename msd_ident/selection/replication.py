@@ -38,7 +38,12 @@ _CHEAP = tuned(
 
 @dataclass(frozen=True)
 class Explanation:
-    """One of the leading explanations: fitted, or of any strength beside the leading set where it is not."""
+    """An explanation to copy.
+
+    Attributes:
+        causes: names of its set.
+        fitted: the fitted set; None if strengths are to be drawn by lot.
+    """
 
     causes: Causes
     fitted: Hypothesis | None

@@ -82,7 +82,7 @@ def _cost(weighting: Weighting, point: FloatArray, known: Sequence[RestConstrain
 
 
 def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray:
-    """All forces times what would have the cart start at the relaxed spring, its distance from the balance kept."""
+    """The vector (p,) with all forces scaled so that the first constrained record starts at the relaxed spring."""
     problem = fitted.problem
     record = problem.records[known[0].record]
     reach = float(record.force_at(record.time[:1])[0]) / max(fitted.model.stiffness, 1e-300)
@@ -103,7 +103,7 @@ def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray
 
 
 def _with_peak(problem: Problem, point: FloatArray) -> FloatArray:
-    """The vector with a breakaway force not below the sliding one: there, nothing would tell of it any more."""
+    """The vector with breakaway forces not below the sliding ones, where they have no influence."""
     for entry, parameter in enumerate(problem.parameters):
         if parameter.not_below in problem.names:
             point[entry] = max(point[entry], point[problem.names.index(parameter.not_below)])

@@ -125,7 +125,7 @@ def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: M
 
 
 def _weakened(model: Model, names: Causes) -> Model:
-    """The model with these effects close to doing nothing: a guess that is too strong hides which way leads down."""
+    """The model with these effects close to doing nothing: too strong a guess may hide the direction of descent."""
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     weak = {
         name: neutral + _WEAK * (values[name] - neutral)
@@ -175,10 +175,10 @@ def regressions(
 def _placed(
     experiment: Experiment, problem: Problem, weighting: Weighting, point: FloatArray
 ) -> tuple[Problem, Weighting, FloatArray]:
-    """The start with mass, spring and each record's state and zero brought to the samples, the other forces kept.
+    """The start with mass, stiffness, initial states and zeros fitted to the samples, and all other parameters kept.
 
-    What a regression says of small forces is good, where it puts the cart is not; all moved at once, the large error
-    of the place would be laid on the small forces, and the cart stick where it should not.
+    A regression gives good values of small forces, but a poor position of the cart. If all parameters moved at once,
+    the error of the position would be put on the small forces, and the cart would stick at wrong places.
     """
     model = problem.model.with_values(problem.values(point))
     others = frozenset(model.names) - {"mass", "stiffness"}
@@ -198,7 +198,7 @@ def _placed(
 
 
 def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
-    """The model with what it meets on its way (an end stop) at several places within reach, itself without such."""
+    """The model with its end stops at several places within reach; the model itself if it has none."""
     places = [parameter.name for parameter in model.parameters if parameter.within_reach]
     if not places:
         return [model]

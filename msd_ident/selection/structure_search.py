@@ -144,10 +144,10 @@ class Search:
         return self.ranking()
 
     def _rejoined(self, best: Hypothesis) -> None:
-        """Rivals that have another cause in the place of one of the leader's, again from what they share with it.
+        """Fit sets that differ from the leading one in one cause again, from the parameters that both share.
 
-        That is known by now better than when they were tried: with too much friction a cart sticks at other turns, and
-        a set that began so does not find back.
+        The leading set determines these better than when the rivals were tried first: with too much friction the cart
+        sticks at other turning points, and the fit does not get away from there.
         """
         rivals = [
             one.causes
@@ -165,10 +165,10 @@ class Search:
         return refine(self.experiment, causes, model.with_values(shared), best.initial)
 
     def _pruned(self, best: Hypothesis) -> Hypothesis:
-        """The leader, after a second look at what is simpler than it, fitted again from where the leader stands.
+        """The leading set, after sets simpler than it were fitted again from its parameters.
 
-        The surfaces of friction, stops and delays have many valleys. A simpler set that ended in a wrong one loses
-        against a richer one that found the right one; started from there, it shows what it can do.
+        With friction, stops and delays the error has many minima. A simpler set that ended in a wrong one loses against
+        a larger one that found the right one, unless it is fitted again from there.
         """
         if best.causes in self.pruned:
             return best
@@ -187,8 +187,10 @@ class Search:
             self.sets[fitted.causes] = fitted
 
     def _reduced(self, best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
-        """What is simpler than a fitted set, and where it starts: sets with one cause less, with Coulomb friction for a
-        law that holds it as a limit, or with an effect that one of them may imitate.
+        """Sets simpler than a fitted one, each with a model and initial states to start from.
+
+        Those with one cause less, with Coulomb friction for a law that has it as a limit, or with an effect that one of
+        the causes may imitate.
         """
         for name in sorted(best.causes):
             model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
@@ -209,7 +211,7 @@ class Search:
         return rank(self.sets, self.scale())
 
     def _leader(self) -> Hypothesis:
-        """The set whose neighbours are looked at: what helps at all is found before it is asked how surely."""
+        """The set whose neighbours are tried, by an evidence that counts more features of the error (``SOUGHT``)."""
         return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
 
     def _swapped(self, causes: Causes) -> list[Causes]:
@@ -226,7 +228,7 @@ class Search:
         return [causes - {name} | {form} for name in sorted(causes) for form in self.experiment.forms(name)]
 
     def _resolved(self, causes: Causes) -> list[Causes]:
-        """Sets in which a law that holds Coulomb's as a limit is Coulomb's and one cause more: what they can mimic."""
+        """Sets that a law with Coulomb friction as its limit may imitate: Coulomb friction and one cause more."""
         found = []
         for name in sorted(causes & set(HOLDING_COULOMB)):
             found += self._grown(causes - {name} | {COULOMB})

@@ -116,7 +116,7 @@ def _weaker(effect: Effect, share: float) -> Effect:
 
 
 def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -> tuple[float, FloatArray]:
-    """Chi² and the point (p,) of a few Levenberg–Marquardt steps in which some entries keep their ratios."""
+    """Chi² and point (p,) after a few Levenberg–Marquardt steps in which some entries keep their ratios."""
     problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), DAMPING
     alone = [entry for entry in range(point.size) if entry not in together]
     for _ in range(SHORT):
