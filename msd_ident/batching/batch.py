@@ -32,7 +32,7 @@ def _silent(done: int, total: int, rows: Sequence[Row]) -> None:
 
 @dataclass(frozen=True)
 class Plan:
-    """Where the table of a batch goes, and who is told about the progress.
+    """Where the table of a batch goes, and its progress callback.
 
     Attributes:
         out: the table's file; empty to keep none.
@@ -164,7 +164,7 @@ def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Pla
         paths: folders, patterns and records, here or in object stores.
         job: how records are read and diagnosed.
         link: to the cluster.
-        plan: where the table goes, and who is told about the progress.
+        plan: where the table goes, and the progress callback.
 
     Returns:
         The table, and the run with its counts.
@@ -242,7 +242,7 @@ def batch(
         paths: folders, patterns and records, here or in object stores; the workers must see them under the same names.
         client: of a Dask cluster; without one the cores of this machine work.
         job: how records are read and diagnosed.
-        plan: whether the table is kept in a file, and who is told how far it is.
+        plan: whether the table is kept in a file, and the progress callback.
 
     Raises:
         DataError, UsageError, SetupError: nothing to do, no place for the table, a cluster that cannot be used.

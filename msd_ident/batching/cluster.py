@@ -28,7 +28,7 @@ FEW_INTERRUPTIONS = {
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Dask's own warnings are for who runs the cluster: a worker that dies is told in words, where it matters."""
+    """Hide Dask's own warnings, which are for the operator of the cluster; a lost worker is reported elsewhere."""
     library("distributed")  # it gives its loggers levels of their own
     rooms = ("distributed", "tornado", "asyncio")
     below = ("distributed.", "tornado.")

@@ -68,7 +68,7 @@ def of_record(record: Record) -> Row:
 
 
 def of_diagnosis(found: Diagnosis) -> Row:
-    """What a diagnosis says, flat: a column for every parameter and cause of the library."""
+    """Columns of a diagnosis: one for every parameter and cause of the library."""
     told: Row = {
         "verdict": found.verdict,
         "summary": found.summary,
@@ -102,7 +102,7 @@ def _quantities(quantities: Mapping[str, Quantity], prefix: str) -> Row:
 
 
 def finite(row: Mapping[str, Any]) -> Row:
-    """A row with null for what is no number: nobody measured it, or the data leaves it open."""
+    """A row with null in place of values that are not finite."""
     return {
         column: None if isinstance(value, float) and not math.isfinite(value) else value
         for column, value in row.items()

@@ -124,7 +124,7 @@ class Runner:
         """Answers as they come, until there is no task left.
 
         Raises:
-            SetupError: the cluster is lost for good, or its code is another.
+            SetupError: the cluster is lost, or runs another version of the code.
         """
         try:
             while self._waiting or self._running:

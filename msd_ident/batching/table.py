@@ -188,7 +188,7 @@ class Store:
 
 
 def keys(table: pa.Table) -> list[tuple[str, str]]:
-    """Path and joint of each row: what a row is told by."""
+    """Path and joint of each row, which identify it."""
     return list(zip(table.column("path").to_pylist(), table.column("joint").to_pylist(), strict=True))
 
 

@@ -204,7 +204,7 @@ class Record:
 
     @property
     def shared_clock(self) -> bool:
-        """Whether force and position have the very same stamps."""
+        """Whether force and position have the same stamps."""
         return self.time.size == self.force_time.size and bool(np.array_equal(self.time, self.force_time))
 
     def kept(self, name: Hashable, make: Callable[[], _Made], *, small: bool = False) -> _Made:

@@ -133,7 +133,7 @@ def _refitted(
 ) -> tuple[CandidateModel, float]:
     """The rival with the lead's parameters refitted around the effect, and the rise of chi² that is left.
 
-    The lead's readings stand for the data, so that the rise is the effect's own, without the noise.
+    The readings of the leading explanation stand for the data, so that the rise contains no noise.
     """
     tries = [_around(lead, lead.model + effect, effect, data, hopeless)]
     gain = _gain(effect, data.records)

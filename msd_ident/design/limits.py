@@ -26,7 +26,7 @@ class Limits:
         force: least and greatest force [N]; 0 lies between them.
         travel: how far the encoder may read to either side of where the cart is at the start [m]; 0 lies between.
         duration: of one experiment [s].
-        speed: greatest [m/s]; infinite where nobody minds.
+        speed: greatest [m/s]; infinite for no limit.
 
     Raises:
         UsageError: limits that leave no room.
@@ -73,7 +73,7 @@ class Limits:
         """Refuse a profile that is beyond the limits of force or duration, before anything moves.
 
         Raises:
-            UsageError: it is; the line says by how much.
+            UsageError: it is; the message gives the amount.
         """
         low, high = profile.extremes
         slack = 1e-9 * self.reach

@@ -167,7 +167,7 @@ def _values(trial: CandidateModel, moving: int) -> FloatArray:
 def _system(
     trial: CandidateModel, rows: Sequence[_Row], moving: int, resting: Mapping[int, float], begun: FloatArray
 ) -> _System:
-    """Normal equations of the first parameters, with the readings and with what rest at the start says.
+    """Normal equations of the first parameters, from the readings and from rest at the start.
 
     A parameter moves by its natural size at ease and not much further (``Predictor.precision``): where no reading
     holds it, as the frequency of a disturbance too faint to see, a step would take it anywhere.

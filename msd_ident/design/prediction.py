@@ -77,7 +77,7 @@ class Grid:
 
     Attributes:
         record: with the profile's force; its positions mean nothing.
-        each: real samples that one instant stands for.
+        each: number of real samples for each instant.
     """
 
     record: Record

@@ -91,7 +91,7 @@ class Segment:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """What a profile file says about it."""
+        """The segment as it stands in a profile file."""
         names = (*NEEDS[self.kind], *(n for n in MAY.get(self.kind, ()) if getattr(self, n)))
         found = {name: getattr(self, name) for name in names}
         return {"kind": self.kind, "duration": self.duration, **{k: _plain(v) for k, v in found.items()}}

@@ -24,7 +24,7 @@ def read_profile(path: Path) -> Profile:
     """A profile from a ``.yaml`` or ``.csv`` file.
 
     Raises:
-        DataError: the file is not there, or says nothing that can be played.
+        DataError: the file is not there, or holds no profile that can be played.
     """
     text = _text(path)
     try:

@@ -93,7 +93,7 @@ def search(question: Question, profiles: Sequence[Profile]) -> Found | None:
 
 
 def _promising(seen: Sequence[Option]) -> list[Option]:
-    """What deserves a closer look: the shortest of the good ones, and those that part the rivals furthest."""
+    """Profiles to evaluate with real refits: the shortest good ones, and those that distinguish the rivals best."""
     first = choose(seen)
     best = max(one.probability for one in seen)
     good = [one for one in seen if one.probability >= best - 0.05 and one is not first]
@@ -109,7 +109,7 @@ def _decidable(question: Question, seen: Sequence[Option]) -> Question:
 
 
 def _in_vain(closer: Sequence[tuple[Option, Refits]]) -> bool:
-    """Whether the last closer looks found nothing better than the ones before."""
+    """Whether the last real refits found nothing better than the ones before."""
     probabilities = [one.probability for one, _ in closer]
     return len(closer) > KEPT and max(probabilities[-KEPT:]) <= max(probabilities[:-KEPT]) + NEGLIGIBLE
 
@@ -120,7 +120,7 @@ def _asked(question: Question, option: Option) -> Option:
 
 
 def _refitting(question: Question, profile: Profile) -> float:
-    """Work of a closer look: every rival refitted to every other one's readings."""
+    """Work of real refits: every rival refitted to every other one's readings."""
     return question.work(profile) * (len(question.predictors) - 1)
 
 

@@ -1,4 +1,4 @@
-"""The next experiment, with its reasons: what a user and a report are told."""
+"""The proposed experiment with its reasons, for the user and the report."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Proposal:
         noise: of a reading [m].
         considered: (name, duration [s], probability) of every profile that was looked at, the best first.
         sentence: what to do and why.
-        measurements: what would part rivals that no profile can part.
+        measurements: what distinguishes rivals that no profile distinguishes.
         unit, length: of force and position.
     """
 

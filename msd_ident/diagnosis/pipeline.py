@@ -61,7 +61,7 @@ class Task:
     Attributes:
         records: one experiment, of one record or several.
         sprung: whether the plant has a spring.
-        plant: mass, damping and stiffness that the data shows at a glance, to start from.
+        plant: mass, damping and stiffness from the features, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
         rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
@@ -109,13 +109,13 @@ def diagnose_records(
     Args:
         records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
         sprung: False for a plain axis, whose stiffness is 0.
-        plant: what the data shows at a glance, to start from.
+        plant: mass, damping and stiffness from the features, to start from.
         findings, warnings, ring_down: of earlier stages, to be carried into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
         rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
         calibrate: diagnose copies of the records too, and correct the probabilities by what they are called; it is done
             unasked where the experiment is poor and the copies are cheap.
-        progress: told the stage, the fraction done and the cause being tried; what it raises ends the diagnosis.
+        progress: called with the stage, the fraction done and the cause being tried; its exceptions end the work.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
     Raises:
@@ -261,7 +261,7 @@ def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
-    """The same set with what rest at the start says: where the samples leave it open, it decides."""
+    """The same set with rest at the start as a constraint, which decides what the samples leave open."""
     missed = see(fitted.residuals())  # a wrong model errs at rest too
     known = tuple(
         replace(balance, spread=balance.spread + missed) for balance in rest_constraint.rest_constraints(fitted)

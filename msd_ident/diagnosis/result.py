@@ -34,7 +34,7 @@ class Cause:
         name: canonical name of the effect.
         probability: that it acts, given the data and the library.
         parameters: its own parameters in the extended model.
-        tied_with: causes that could stand in its place without the data objecting.
+        tied_with: causes that the data does not distinguish from it.
     """
 
     name: str

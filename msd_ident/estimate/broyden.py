@@ -50,7 +50,7 @@ class State:
 
     @cached_property
     def size(self) -> FloatArray:
-        """Root of the diagonal (p,) of ``normal``, 1 where nothing is told."""
+        """Root of the diagonal (p,) of ``normal``; 1 for entries without influence."""
         diagonal = np.diag(self.normal)
         return np.asarray(np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0)))
 

@@ -237,7 +237,7 @@ def neighbour_vectors(problem: Problem, best: FloatArray, starts: Sequence[Start
 
 
 def starting_states(problem: Problem) -> tuple[tuple[float, float, float], ...]:
-    """Position, velocity and zero of each record at its first sample, as the regression tells or the first reading."""
+    """Position, velocity and zero of each record at its first sample, from the regression or the first reading."""
     return _states(problem, regressed(problem))
 
 

@@ -79,7 +79,7 @@ class SquaredError:
         return 0.5 * float(loss @ self.weights[record] if self.weights else loss.sum())
 
     def _inside(self, point: FloatArray) -> FloatArray:
-        """The steps, turned round where they would leave the bounds."""
+        """The steps, with their sign changed where they would leave the bounds."""
         return np.where(point + self._steps > self.problem.upper, -self._steps, self._steps)
 
 

@@ -40,7 +40,7 @@ class Options:
         joint: name of the joint.
         mass: the moving mass [kg or kg·m²], which gives a result without newtons its force scale.
         draws: parameter sets to draw.
-        steps: solver steps a step of the record; ``None`` for as many as the replay asks for.
+        steps: solver steps for each sample period of the record; ``None`` for as many as the replay needs.
     """
 
     joint: str = "x"

@@ -104,7 +104,7 @@ def functions(effects: Iterable[Effect], kinds: Callable[[str], bool] = lambda k
 
     Args:
         effects: of a model.
-        kinds: tells which kinds are wanted; all by default.
+        kinds: whether a kind is wanted; all by default.
     """
     found = [source(type(effect), kind) for effect in effects for kind in effect.laws() if kinds(kind)]
     return "\n\n\n".join(found)

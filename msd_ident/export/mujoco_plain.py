@@ -1,4 +1,4 @@
-"""MuJoCo without Python callbacks, for its C library, for MJX and other readers of MJCF: the XML says all there is."""
+"""MuJoCo without Python callbacks, for its C library, MJX and other readers of MJCF: the XML is complete by itself."""
 
 from __future__ import annotations
 

@@ -29,10 +29,10 @@ class Plan:
         model: what is written: that of the result, or the nearest that the target can say.
         joint: name of the joint.
         zero: position of the joint at which the spring is relaxed, in the position unit; readings are joint positions.
-        period: step of the record [s].
-        steps: steps of a solver for each step of the record.
+        period: sample period of the record [s].
+        steps: steps of a solver for each sample period of the record.
         force_scale: newtons per force unit of the record, where a mass was given later; 1 otherwise.
-        rows: lines for the header: what the target says of each effect, and what was put in place of others.
+        rows: lines for the header: how the target carries each effect, and what was put in place of others.
         draws: parameter sets, where the target writes some.
     """
 

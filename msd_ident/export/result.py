@@ -29,8 +29,8 @@ class Export:
         target: the format.
         out: main file.
         plan: what was written.
-        rows: what the target says of each effect of the model.
-        nearest: what stands in place of a model that the target cannot say; ``None`` where it says all.
+        rows: how the target carries each effect of the model.
+        nearest: model written in place of one that the target cannot express; ``None`` if it can.
         files: all that was written.
         proof: replay on the records; ``None`` without.
         not_replayed: why not, a sentence.

@@ -54,7 +54,7 @@ def rest_value(position: FloatArray, floor: float, unit: str) -> Quantity:
 
 
 def run_lengths(position: FloatArray) -> FloatArray:
-    """For each reading (n,) the number of equal readings in the run that it stands in."""
+    """For each reading (n,) the number of equal readings in its run."""
     starts = np.flatnonzero(np.concatenate(([True], np.diff(position) != 0.0)))
     lengths = np.diff(np.append(starts, position.size))
     return np.repeat(lengths, lengths).astype(np.float64)

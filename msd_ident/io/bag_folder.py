@@ -21,7 +21,7 @@ class Folder:
 
     Attributes:
         paths: of the files with messages, in the order of the recording.
-        information: what metadata.yaml says, empty when it is missing or damaged.
+        information: content of metadata.yaml, empty when it is missing or damaged.
         notes: what is missing, one sentence each.
     """
 

@@ -61,7 +61,7 @@ class CrashSafeFile:
         return max(self._ends) + len(self._waiting)
 
     def append(self, piece: bytes | bytearray) -> None:
-        """Add bytes for good; they are shown with the next end."""
+        """Append bytes; they become visible with the next ``show``."""
         if not self._twins:
             self._waiting += piece
             return
@@ -70,7 +70,7 @@ class CrashSafeFile:
         self._ends[self._back] += len(piece)
 
     def show(self, end: bytes) -> None:
-        """Show all that was appended, followed by ``end``, once it is on the disk."""
+        """Make all appended bytes visible, followed by ``end``, once they are on the disk."""
         if self._twins:
             self._catch_up()
         back = self._files[self._back]
@@ -84,7 +84,7 @@ class CrashSafeFile:
             self._back = 1 - self._back
 
     def close(self) -> None:
-        """Leave what is shown and remove the copies; a second call does nothing."""
+        """Keep what is visible and remove the hidden copies; a second call does nothing."""
         for file in self._files:
             with suppress(OSError):
                 os.close(file)

@@ -53,7 +53,7 @@ class Loss:
     Attributes:
         messages: number of them.
         seconds: log time that they covered.
-        exact: whether the file says how many messages it held; else the number is taken from the sizes.
+        exact: whether the file states how many messages it held; else the number is estimated from the sizes.
     """
 
     messages: int = 0
@@ -192,7 +192,7 @@ class McapFile:
             position = min(later)
 
     def _leave_debris(self) -> None:
-        """Nobody writes messages between chunks: what looks like one has no checksum and is a damaged record."""
+        """No recorder writes messages between chunks: what looks like one has no checksum and is a damaged record."""
         chunks = [segment for segment in self._segments if segment.chunked]
         if chunks and len(chunks) < len(self._segments):
             self._faults.append(f"{len(self._segments) - len(chunks)} records between chunks are damaged")

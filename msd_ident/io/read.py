@@ -28,7 +28,7 @@ def read(
     Args:
         path: what to read.
         options: which signals are force and position, scales, units, window.
-        told: told, now and then, how many messages of a bag were read; what it raises ends the reading.
+        told: called with the number of messages of a bag read so far; an exception from it ends the reading.
 
     Returns:
         The record; its notes say what was lost or repaired on the way.

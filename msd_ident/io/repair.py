@@ -28,7 +28,7 @@ class Repair:
         path: of the folder or file.
         entry: files and topics of the bag as it is now.
         messages: number of messages that are there.
-        lost: number of messages known to be lost; ``exact`` or, where nothing tells, by the sizes.
+        lost: number of lost messages; estimated from sizes unless ``exact``.
         seconds: log time that these covered.
         open_seconds: time before the end of a recording that was never finished, of which nothing is known.
         changed: whether anything had to be done.

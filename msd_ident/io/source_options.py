@@ -30,7 +30,7 @@ class SourceOptions:
         run: number of the run, where a file has several side by side (``Position (mm) Run #1``); ``all`` for each as
             a record, see ``msd_ident.io.read_all``.
         force_scale: factor from the source's number to ``force_unit``; ``None`` takes what the unit in a column's
-            name says, else 1. A negative factor turns the sign.
+            name says, else 1. A negative factor changes the sign.
         position_scale: the same for the position.
         time_scale: factor from the numbers of the time column to seconds; ``None`` as above.
         force_unit: ``N``, ``N·m``, ``V`` …; empty for what the source says.

@@ -26,7 +26,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Paper:
-    """Everything that ``msd paper`` says.
+    """Result of ``msd paper``.
 
     Attributes:
         table, printed: what the paper gives.

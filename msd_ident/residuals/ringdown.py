@@ -80,7 +80,7 @@ class RingDown:
         amplitude: half the way between turning points [m].
         damping_ratio, damping_ratio_std: ζ from three turning points.
         natural_frequency, natural_frequency_std: ωn [rad/s] from the same.
-        observations: what is seen at a glance.
+        observations: how damping and frequency change with the amplitude.
         sentences: the same, read with the causes of a diagnosis; without one the observations alone.
     """
 

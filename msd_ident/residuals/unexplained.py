@@ -61,7 +61,7 @@ class Remainder:
 
 @dataclass(frozen=True)
 class Remainders:
-    """What base and extended model leave, and what it is measured by.
+    """What base and extended model leave, and the force that it is compared with.
 
     Attributes:
         base, extended: of either model; the same where nothing is named.
@@ -101,7 +101,7 @@ class Remainders:
 
 @dataclass(frozen=True)
 class JudgedModel:
-    """A fitted model and what the data says against it.
+    """A fitted model, its missing force and the tests of its residual.
 
     Attributes:
         fit: the model on the records.

@@ -1,4 +1,4 @@
-"""Probabilities calibrated on this record: what would the diagnosis have said if another cause had acted?
+"""Probabilities calibrated on this record: what would the diagnosis have named if another cause had acted?
 
 The experiment is simulated under each of the leading explanations (``copies``) and every copy is diagnosed again. The
 counts are a confusion matrix of this experiment: rows are what was simulated, columns what was said. It shows what the

@@ -71,7 +71,7 @@ def assess(
         library: those that can act in this experiment.
         ranking: of the sets that came into question, with what all that were fitted leave.
         named: what the extended model holds.
-        tied: what could stand in the place of one of those.
+        tied: causes that could replace one of those.
     """
     found = [_look(effect.name, effect.name in library, ranking, named, effect.name in tied) for effect in LIBRARY]
     return tuple(sorted(found, key=lambda one: (not one.held, -one.probability, one.alone)))

@@ -42,7 +42,7 @@ def search(
     Args:
         experiment: all samples.
         known: the base model and the one with Coulomb friction, fitted to all samples.
-        progress: told about each set.
+        progress: called for each set, see ``Progress``.
         remembered: sets that explained a part of the data, each with its model and initial states; they are tried
             again.
 

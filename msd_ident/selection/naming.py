@@ -103,7 +103,7 @@ def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
 
 
 def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
-    """Causes that could stand for a cause of the leading set: with its other causes, or in a set of their own.
+    """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
 
     Those in a set of their own count only if ``name`` is not certain. A cause that is left out although it is more
     probable always counts.

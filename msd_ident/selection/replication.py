@@ -156,7 +156,7 @@ def checked(
         base: the fitted base model.
         ranking: sets by evidence, the leading one first.
         asked: whether the user asked for copies.
-        progress: told about each copy.
+        progress: called for each copy, see ``Progress``.
 
     Returns:
         The corrected ranking and the matrix; the ranking as it was and None if no copies were made.

@@ -26,7 +26,7 @@ from msd_ident.selection.hypothesis import Hypothesis, weigh
 
 
 def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
-    """What rest at the start of each record says."""
+    """Constraint from rest at the start of each record."""
     problem = fitted.problem
     kept = frozenset(problem.model.names) - set(problem.names[: len(problem.free)])
     return formulate(fitted.model, problem.records, kept).balances

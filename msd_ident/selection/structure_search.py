@@ -63,11 +63,11 @@ class Search:
     Attributes:
         experiment: the data.
         at_floor: tells whether a fitted set leaves nothing but noise; then no cause is added to it.
-        progress: told about each set.
+        progress: called for each set, see ``Progress``.
         sets: all fitted sets by their causes.
         tried: sets that need not be fitted again.
         pruned: leading sets whose simpler sets were fitted again already.
-        told: fraction of the work that ``progress`` heard last.
+        told: fraction of the work that was reported last.
     """
 
     experiment: Experiment
@@ -130,7 +130,7 @@ class Search:
         return self.ranking()
 
     def _walk(self) -> Ranking:
-        """From leader to leader until no neighbour has more evidence."""
+        """Move to the best neighbouring set until no neighbour has more evidence."""
         for turn in range(LOOK):
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:

@@ -15,7 +15,7 @@ from msd_ident.workflow import pipeline
 
 
 class Named(Protocol):
-    """A joint as the reader of bags tells it."""
+    """A joint of a bag."""
 
     @property
     def name(self) -> str:

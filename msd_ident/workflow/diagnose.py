@@ -33,7 +33,7 @@ def diagnose(
     Args:
         records: of one plant.
         options: how.
-        progress: told how far it is.
+        progress: called with the stage, the fraction done (0 to 1) and the cause being tried.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
     Raises:

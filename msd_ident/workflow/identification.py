@@ -50,7 +50,7 @@ class Identification:
         records: what was used, with the force's sign changed where a positive force moves the encoder downwards.
         findings: problems of the data.
         features: of each record.
-        standard_form: ωn, ζ, K of all turning points of all records; ``None`` where no response tells.
+        standard_form: ωn, ζ, K of all turning points of all records; ``None`` without a usable response.
         two_peak_form: the paper's, from two peaks a step (eqs. 3 to 9); ``None`` where no response has two.
         original: the linear model, from the two-peak form (or else the standard form) by eqs. 11–13, or fitted where
             there are no features.

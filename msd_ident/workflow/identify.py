@@ -172,7 +172,7 @@ def _original(records: tuple[Record, ...], form: StandardForm | None, joint: Fit
 
 
 def _linear_fit(records: tuple[Record, ...], joint: FitResult, options: Options) -> ModelFit:
-    """Linear model by simulation error, from the joint refit's values: a careless start ends in a false valley."""
+    """Linear model by simulation error, started from the joint refit's values too."""
     what = "mass, damping and stiffness" if "stiffness" in joint.free else "mass and damping"
     method = f"{what} fitted by simulation error, as no response gives features"
     return _with_friction(linear_fit(records, joint, options.loss), records, method)

@@ -57,7 +57,7 @@ class Known:
 
     @property
     def sets_scale(self) -> bool:
-        """Whether it says how large a force is, so that a free decay gives more than ratios."""
+        """Whether it sets the scale of forces, so that a free decay gives more than ratios."""
         return self.value != 0.0 and exponents(_parameter(self.name).unit).get("N", 0) != 0
 
 

@@ -19,7 +19,7 @@ class Options:
 
     Attributes:
         model: ``spring`` or ``no_spring`` (a plain axis); ``auto`` lets the data say.
-        loss: ``linear``, or ``soft_l1`` where single samples are wild.
+        loss: ``linear``, or ``soft_l1`` for data with outliers.
         known: parameters known beforehand, which the fit keeps; their uncertainty goes into all intervals.
         tolerance: part of the motion's rms [%] that a diagnosis may leave unexplained and still be called complete.
         calibrate: correct a diagnosis by simulated copies of the records, whatever it costs; else where it is cheap.

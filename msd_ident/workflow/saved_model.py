@@ -27,7 +27,7 @@ class SavedModel:
 
     Attributes:
         schema: of the result.
-        path: of the record that the model was fitted to, as the result tells it.
+        path: of the record that the model was fitted to, as the result has it.
         model: with the fitted values; of a diagnosis the extended one.
         parameters: name → quantity.
         see: standard error of estimate on its own record, in the position unit.
@@ -38,8 +38,8 @@ class SavedModel:
         causes: what the model holds beyond mass, damping and stiffness.
         base_depends_on: of a diagnosis, share of the base model's missing force that each signal explains.
         base: mass, damping and stiffness alone; ``None`` where the result does not tell.
-        rate: samples a second of its first record [Hz]; NaN where the result does not tell.
-        noise_floor: what no model can get below on its record, in the position unit.
+        rate: samples per second of its first record [Hz]; NaN if the result does not have it.
+        noise_floor: of its record, in the position unit.
         rivals: other sets of causes that stand, with their probabilities.
         text: the result as JSON.
         scale_assumed: whether no force set anything in motion, so that its forces are those of an assumed mass.

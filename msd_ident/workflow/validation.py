@@ -69,7 +69,7 @@ class Validation:
         residuals: model − data (n,) of each record, in the position unit.
         see: standard error of estimate over all records; nothing but the start was fitted.
         explained_percent: part of the motion's variance that the model explains, over all records.
-        noise_floor: what no model can get below, in the position unit.
+        noise_floor: of the records, in the position unit.
         adequacy: tests of the residuals against the noise.
         missing: the force that the model lacks on each record; none where the residual is what noise would be.
         depends_on: share of that force's variance that each signal explains, alone.

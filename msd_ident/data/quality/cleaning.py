@@ -53,7 +53,7 @@ class Cleaned:
 
 
 def clean(record: Record) -> Cleaned:
-    """Leave out wild readings and take back jumps of the zero; a record without any comes back as it is."""
+    """Leave out outliers and take back jumps of the zero; a record without any is returned as it is."""
     wild, height = _wild(record)
     if wild.size > _MOST_WILD * record.samples or record.samples - wild.size < MINIMUM_SAMPLES:
         wild, height = wild[:0], 0.0

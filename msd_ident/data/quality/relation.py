@@ -50,7 +50,7 @@ def relation(record: Record, motion: Motion) -> Iterator[Finding]:
 
 
 def accounted(record: Record, floor: float = 0.0) -> float:
-    """Part of the force's variation that the motion accounts for, at the best length of window; NaN if none tells.
+    """Part of the force's variation that the motion explains, at the best window length; NaN if none is usable.
 
     Args:
         record: position and force.
