@@ -63,12 +63,6 @@ SAME = tuned(
     "not worth a simulation",
     chosen="by hand",
 )
-_SLACK_FAR = tuned(
-    5e-3,
-    unit="1",
-    why="fall of what is left above the noise that is not worth a simulation, far from the noise",
-    chosen="with `SAME` the offset of the force of EMPS is named no more (`python -m bench.real --only emps_train`)",
-)
 #: Relative error that the estimate of the noise's variance may have: twice that of its standard deviation.
 NOISE_ERROR = 2.0 * FLOOR_ERROR
 
@@ -401,8 +395,7 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Fall of chi² that is not worth a simulation: far below one piece of evidence, or a part of what is left."""
-    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else SAME
-    return NEGLIGIBLE + slack * max(fitted.chi - experiment.evidence, 0.0)
+    return NEGLIGIBLE + SAME * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
