@@ -28,14 +28,9 @@ _FAINT = fixed(
 STOPS = tuned(
     (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
     unit="1",
-    why="places of an end stop that are tried far from the noise, in parts of the reach",
+    why="places of an end stop that are tried far from the noise, in parts of the reach; each third one for a limit "
+    "of the force, in parts of the largest force",
     chosen="by hand",
-)
-_LIMITS = tuned(
-    (0.95, 0.75),
-    unit="1",
-    why="limits of the force that a search begins from, in parts of the largest force",
-    chosen="with 0.95, 0.74 and 0.5 a limit at 0.7 is not found beside a slope (test/selection/test_gain_laws.py)",
 )
 
 
@@ -74,7 +69,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
     found = effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
-        found += tuple(effect.limited(share * fitted.largest) for share in _LIMITS if fitted.largest > 0.0)
+        found += tuple(effect.limited(share * fitted.largest) for share in STOPS[::3] if fitted.largest > 0.0)
     return found
 
 
