@@ -21,13 +21,18 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, LONG, LOOK, SAMPLES, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
-from msd_ident.estimate.levels import ALIKE, AT_FLOOR, BLOCKS, MOST_OF, NATURAL_RANGE, NEGLIGIBLE, ROUGHLY
+from msd_ident.estimate.levels import ALIKE, AT_FLOOR, BLOCKS, MOST_OF, NEGLIGIBLE, ROUGHLY
 from msd_ident.estimate.objective import SquaredError, motion_weights
-from msd_ident.estimate.problem import RELATIVE_STEP, Problem
+from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import tuned
 
-#: Factor on the finite-difference steps of a rough search: wide steps, 1/``NATURAL_RANGE`` of the motion, see past the
-#: kinks of sticking.
-_COARSE = 1.0 / (NATURAL_RANGE * RELATIVE_STEP)
+_COARSE = tuned(
+    100.0,
+    unit="1",
+    why="factor on the finite-difference steps of a rough search: wide steps (0.1 % of the motion) see past the "
+    "kinks of sticking",
+    chosen="by hand",
+)
 #: Parts of the records over which a fit grows, each twice the one before; the first holds a swing or so.
 _HORIZONS = tuple(0.5**n for n in range(LOOK, 0, -1))
 #: Factors by which a jump tries the other valleys of a kinked parameter.

@@ -20,9 +20,9 @@ from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed
 
-_GAP = tuned(5.0, unit="sample periods", why="time without a reading in which no push can be told", chosen="by hand")
+_GAP = fixed(5.0, "interface", "periods without a reading that make a gap")
 
 
 @dataclass(frozen=True)
