@@ -19,19 +19,20 @@ from msd_ident.design.nearest_rival import SILENT, Measured, Moving, nearest
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
-from msd_ident.estimate.effort import KEPT, LOOK, SAMPLES
 from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.parameter_units import in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.selection.evidence import ROUGH, log_prior
+from msd_ident.selection.evidence import log_prior
 
+_SHRINKS = 4
+_SAMPLES = 1200
 #: Rise of chi² from which on an effect does not hide at the smallest of these sizes either, by far.
-_HOPELESS = ROUGH**2 * SILENT / TENTH**2
+_HOPELESS = 100.0 * SILENT / TENTH**2
 #: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
-_PLAYS = tuple(0.5**n for n in range(KEPT + 1))
+_PLAYS = (1.0, 0.5, 0.25, 0.12)
 
 
 def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
@@ -66,7 +67,7 @@ def _measured(diagnosis: Diagnosis, seen: Sensing) -> Measured:
 
 
 def _thin(record: Record) -> Record:
-    stride = max(record.samples // SAMPLES, 1)
+    stride = max(record.samples // _SAMPLES, 1)
     return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
 
 
@@ -105,7 +106,7 @@ def _largest(
 ) -> tuple[float, CandidateModel] | None:
     """Part of the guessed size at which the data is still silent, and the rival there."""
     share = 1.0
-    for _ in range(LOOK):
+    for _ in range(_SHRINKS):
         values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
         effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
         rival, rise = _refitted(lead, effect, data, _HOPELESS)

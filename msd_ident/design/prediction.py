@@ -13,20 +13,26 @@ from msd_ident import seeds
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES, THOROUGH
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.effort import FEWEST_READINGS, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
+#: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
+_A_PERIOD, _A_SWING = 30.0, 8.0
 NUISANCES = fixed(
     2,
     "mathematics",
     "rows of every Jacobian besides the parameters': the start position, and the reading of the relaxed spring",
 )
-#: Parameter vectors that are drawn from what the data leaves of each contender.
-DRAWS = THOROUGH
+DRAWS = tuned(
+    48,
+    unit="draws",
+    why="parameter vectors that are drawn from what the data leaves of each contender",
+    chosen="by hand",
+)
+_FAR = 0.3
 
 
 @dataclass(frozen=True)
@@ -82,7 +88,7 @@ class Grid:
 def instants(profile: Profile, period: float, seen: Sensing) -> int:
     """Instants that are fine enough for the plant's period [s] and the profile's swings."""
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
-    step = max(min(period, 2.0 * swing) / A_SWING, seen.period)
+    step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
     return int(np.clip(profile.duration / step, FEWEST_READINGS, 4 * SAMPLES)) + 1
 
 
@@ -157,13 +163,13 @@ class Predictor:
     def draws(self) -> FloatArray:
         """(DRAWS, p) deviations of the free parameters that the data leaves, always the same ones.
 
-        None moves a parameter by more than ``MOST_OF`` of itself: beyond that no straight line holds.
+        None moves a parameter by more than ``_FAR`` of itself: beyond that no straight line holds.
         """
         normal = np.random.default_rng(seeds.PREDICTION).standard_normal((DRAWS, self.point.size))
         size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
         values, vectors = np.linalg.eigh(self.covariance / np.outer(size, size))
         drawn = normal @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * size
-        room = MOST_OF * np.where(self.point == 0.0, self.contender.scale, np.abs(self.point))
+        room = _FAR * np.where(self.point == 0.0, self.contender.scale, np.abs(self.point))
         return np.asarray(drawn / np.maximum(np.max(np.abs(drawn) / room, axis=1, keepdims=True), 1.0))
 
     @cached_property

@@ -10,9 +10,10 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.design.discrimination import prior, refit, weights
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
-from msd_ident.estimate.effort import LOOK
-from msd_ident.estimate.levels import DAMPING, NEGLIGIBLE
 from msd_ident.parallel import each
+
+_STEPS = 6
+_SETTLED = 0.02
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
     lower, upper = _bounds(rival)
     point, readings, jacobian = origin.copy(), own.position, own.jacobian
     cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
-    for _ in range(LOOK):
+    for _ in range(_STEPS):
         normal = (jacobian * weight) @ jacobian.T + before
         slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
@@ -47,9 +48,9 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
         reading = rival.readings(on.record, free[None, :], start[None, :])[0]
         reached = _cost(reading, true, weight, ahead - origin, before)
         if reached >= cost:
-            damping = max(10.0 * damping, DAMPING)
+            damping = max(10.0 * damping, 1e-3)
             continue
-        settled = cost - reached < NEGLIGIBLE * (reached + 1.0)
+        settled = cost - reached < _SETTLED * reached + 0.01
         point, readings, cost, damping = ahead, reading, reached, 0.1 * damping
         if settled:
             break

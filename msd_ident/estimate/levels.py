@@ -10,6 +10,8 @@ from scipy.special import ndtri
 from msd_ident.tuning import fixed, tuned
 
 CONFIDENCE = fixed(0.95, "interface", "all intervals are 95 % intervals, as the documents and the JSON contract say")
+#: Half width of an interval of that level, in standard deviations of a normal distribution.
+TWO_SIDED = float(ndtri(0.5 * (1.0 + CONFIDENCE)))
 #: Standard deviation of a normal distribution over its median absolute deviation.
 MAD = 1.0 / float(ndtri(0.75))
 
@@ -25,13 +27,13 @@ TENTH = tuned(
 MOST_OF = tuned(0.5, unit="1", why="part of a whole from which on something is most of it", chosen="by hand")
 ALIKE = tuned(
     1.25,
-    unit="factor",
+    unit="1",
     why="factor within which two sizes are the same: ranges of motion, natural frequencies, valleys next to each other",
     chosen="by hand",
 )
 NATURAL_RANGE = tuned(
     1e3,
-    unit="factor",
+    unit="1",
     why="factor around its natural size, either way, within which a quantity is looked for",
     chosen="by hand",
 )

@@ -19,13 +19,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, LONG, LOOK, SAMPLES, SHORT, THOROUGH
+from msd_ident.estimate.effort import KEPT, LONG, LOOK, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
 from msd_ident.estimate.levels import ALIKE, AT_FLOOR, BLOCKS, MOST_OF, NEGLIGIBLE, ROUGHLY
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 from msd_ident.tuning import tuned
 
+#: Samples that are enough to tell valleys apart, all records together.
+_ENOUGH = 5_000
 _COARSE = tuned(
     100.0,
     unit="1",
@@ -209,7 +211,7 @@ def valleys(problem: Problem, floor: float) -> Valleys:
     """The search over a problem's valleys."""
     steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
     plain, weighted = SquaredError(problem), _weighted(problem, steps)
-    thin = problem.thinned(SAMPLES)
+    thin = problem.thinned(_ENOUGH)
     return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)
 
 

@@ -18,7 +18,6 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
@@ -35,6 +34,8 @@ LONG_RECORD = fixed(
     "resources",
     "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
 )
+#: Fewest samples a swing, and altogether, that a thinned record keeps.
+_FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 
@@ -209,8 +210,8 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def _spare(self, record: Record) -> int:
-        """Samples of a record within the part of a swing that a sample may stand for."""
-        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
+        """Samples of a record within a hundredth of a swing."""
+        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""
@@ -273,7 +274,7 @@ class Problem:
 def _thinned(record: Record, every: int) -> Record:
     """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
     count = record.samples // every if every > 1 else 0
-    if count < FEWEST_READINGS:
+    if count < _FEWEST_SAMPLES:
         return record
     stop = count * every
     time, position = record.time[:stop:every], record.position[:stop:every]

@@ -23,7 +23,7 @@ from msd_ident.tuning import tuned
 LEVEL = tuned(
     1e-5, unit="1", why="probability of calling a right model wrong, for each of the three questions", chosen="by hand"
 )
-FLOOR_ERROR = tuned(0.05, unit="1", why="relative error that the noise floor itself may have", chosen="by hand")
+_FLOOR_ERROR = tuned(0.04, unit="1", why="relative error that the noise floor itself may have", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adeq
 
 def _size(chi: float, pieces: float) -> float:
     """Probability that noise alone leaves so much in so many pieces of evidence."""
-    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), FLOOR_ERROR)
+    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
     return float(special.ndtr(-excess))
 
 

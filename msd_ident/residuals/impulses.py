@@ -14,15 +14,17 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
-from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import BEYOND_DOUBT, MAD, MOST_OF
 from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
-from msd_ident.tuning import fixed
 
-_GAP = fixed(5.0, "interface", "periods without a reading that make a gap")
+_CERTAIN = 8.0
+#: There are few of them.
+_MOST = 2
+#: Periods without a reading that make a gap.
+_GAP = 5.0
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
     usual = MAD * float(np.median(np.abs(unexplained)))
-    limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
+    limit = np.maximum(BEYOND_DOUBT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])
@@ -64,7 +66,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
             groups[-1] = (groups[-1][0], end)
         else:
             groups.append((begin, end))
-    if len(groups) > KEPT or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
+    if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
         return ()
     seen = [span for span in groups if _is_seen(record, *span)]
     return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)

@@ -24,8 +24,8 @@ from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
 
 _EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
-#: Noise in encoder steps below which there is hardly more than rounding: no noise dithers it.
-_ALL_ROUNDING = ALIKE / math.sqrt(12.0)
+#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
+_ALL_ROUNDING = 0.35
 _TURNS = tuned(
     100,
     unit="crossings",

@@ -9,7 +9,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.selection.evidence import Ranking
 from msd_ident.selection.hypothesis import Causes, Experiment
@@ -17,6 +16,8 @@ from msd_ident.selection.hypothesis import Causes, Experiment
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]
 
+#: A cause that takes away less than this part of what the base model leaves repairs nothing.
+_NOTHING = 0.05
 
 @dataclass(frozen=True)
 class CauseAssessment:
@@ -112,7 +113,7 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
         return (
             f"not fitted completely: its first fits are far from the {best:.3g} noise floors of the best explanation."
         )
-    if math.isfinite(alone) and alone > (1.0 - TENTH) * nothing:
+    if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:
         said = f"alone it explains nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
     else:
         said = f"alone it leaves {alone:.3g} noise floors." if math.isfinite(alone) else "not fitted alone."

@@ -16,13 +16,16 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting
 from msd_ident.estimate.effort import SHORT, THOROUGH
 from msd_ident.estimate.formulation import formulate
-from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, NEGLIGIBLE
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.evidence import DECISIVE
 from msd_ident.selection.hypothesis import Hypothesis, weigh
+
+_WORTH = 0.05
+#: Pull of rest [chi²] that is none, and what the middle of the sticking range may leave more than its edge.
+_LITTLE, _OBJECTION = 0.25, 9.0
 
 
 def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
@@ -49,7 +52,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
     object.
     """
     problem = fitted.problem
-    if _pull(problem, fitted.point, known) < MOST_OF**2:
+    if _pull(problem, fitted.point, known) < _LITTLE:
         return fitted
     weighting = weigh(problem, readings)
     found = []
@@ -57,7 +60,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
         state = _descend(weighting, weighting.exact(start, weighting.steps(fitted.state)), known)
         found.append((state.chi + _pull(problem, state.point, known), state))
     (there, stayed), (middle, moved) = found
-    state = moved if middle < there + 2.0 * DECISIVE else stayed
+    state = moved if middle < there + _OBJECTION else stayed
     return replace(fitted, model=problem.model.with_values(problem.values(state.point)), state=state)
 
 
@@ -115,7 +118,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
         point = _with_peak(problem, np.clip(state.point + move, problem.lower, problem.upper))
         reached = _cost(weighting, point, known)
         if reached < cost:
-            worth = cost - reached > NEGLIGIBLE
+            worth = cost - reached > _WORTH
             state = weighting.exact(point, weighting.steps(state))
             cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
             if not worth or taken >= SHORT:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, SAMPLES, THOROUGH
+from msd_ident.estimate.effort import SAMPLES
 from msd_ident.estimate.frequency_scan import PITCHES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -20,6 +20,10 @@ from msd_ident.tuning import fixed, tuned
 #: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
 Term = tuple[float, float, float]
 
+#: Harmonic terms that a search begins from, the strongest.
+_LINES = 4
+#: Values of b/m tried for a plain axis, evenly spaced in their logarithm.
+_RATES = 60
 _FAINT = fixed(
     1e-12,
     "accuracy",
@@ -28,10 +32,11 @@ _FAINT = fixed(
 STOPS = tuned(
     (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
     unit="1",
-    why="places of an end stop that are tried far from the noise, in parts of the reach; each third one for a limit "
-    "of the force, in parts of the largest force",
+    why="places of an end stop that are tried far from the noise, in parts of the reach",
     chosen="by hand",
 )
+#: Limits of the force that a search begins from, in parts of the largest force.
+_SATURATED = (0.95, 0.75)
 
 
 @dataclass(frozen=True)
@@ -69,7 +74,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
     found = effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
-        found += tuple(effect.limited(share * fitted.largest) for share in STOPS[::3] if fitted.largest > 0.0)
+        found += tuple(effect.limited(share * fitted.largest) for share in _SATURATED if fitted.largest > 0.0)
     return found
 
 
@@ -98,7 +103,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     gain = np.einsum("pi,pi->p", solution, right)
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
+    best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
     return [
         (max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
         for i in best
@@ -118,7 +123,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
     power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
     found: list[Term] = []
-    for _ in range(KEPT):
+    for _ in range(_LINES):
         w = float(omega[int(np.argmax(power))])
         if w == 0.0:
             break
@@ -139,7 +144,7 @@ def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ..
     """
     duration = max(record.duration for record in records)
     found = []
-    for rate in np.geomspace(0.02 / duration, 500.0 / duration, THOROUGH):
+    for rate in np.geomspace(0.02 / duration, 500.0 / duration, _RATES):
         solved = _regressed(records, float(rate))
         if solved is not None:
             found.append(solved)
