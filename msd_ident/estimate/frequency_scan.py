@@ -26,6 +26,8 @@ PITCHES = tuned(
     160, unit="trials", why="pitches of a ripple that are tried, evenly spaced in their logarithm", chosen="by hand"
 )
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
+#: Pitches that are tried, in parts of the motion's range.
+_FINEST, _COARSEST = 0.02, 2.0
 
 
 @dataclass(frozen=True)
@@ -80,8 +82,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    finest, coarsest = typical.PITCHES
-    return np.asarray(np.geomspace(finest * span, coarsest * span, PITCHES))
+    return np.asarray(np.geomspace(_FINEST * span, _COARSEST * span, PITCHES))
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:

@@ -46,16 +46,6 @@ BEYOND_DOUBT = tuned(
     why="distance at which something is no noise whatever its distribution",
     chosen="by hand",
 )
-AT_FLOOR = tuned(
-    1.3, unit="noise floors", why="with no more than this left, a search has found the right valley", chosen="by hand"
-)
-LAGS = tuned(30, unit="samples", why="lags at which a residual is compared with itself", chosen="by hand")
-BLOCKS = tuned(
-    (16, 64), unit="samples", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
-)
-ROUGHLY = tuned(
-    1e-4, unit="1", why="fall of the error, as a part of it, that is worth no step of a rough search", chosen="by hand"
-)
 
 DAMPING = tuned(
     1e-3, unit="1", why="damping at which every Levenberg-Marquardt search begins, on a unit diagonal", chosen="by hand"

@@ -19,26 +19,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, LONG, LOOK, SHORT, THOROUGH
+from msd_ident.estimate.effort import KEPT, LONG, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
-from msd_ident.estimate.levels import ALIKE, AT_FLOOR, BLOCKS, MOST_OF, NEGLIGIBLE, ROUGHLY
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
-from msd_ident.tuning import tuned
 
+_FIRST = 6
+#: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
+_EXPLORED = 25
+_WORTH = 1e-5
 #: Samples that are enough to tell valleys apart, all records together.
 _ENOUGH = 5_000
-_COARSE = tuned(
-    100.0,
-    unit="1",
-    why="factor on the finite-difference steps of a rough search: wide steps (0.1 % of the motion) see past the "
-    "kinks of sticking",
-    chosen="by hand",
-)
-#: Parts of the records over which a fit grows, each twice the one before; the first holds a swing or so.
-_HORIZONS = tuple(0.5**n for n in range(LOOK, 0, -1))
+#: This many noise floors: the right valley of the right model.
+_AT_FLOOR = 1.3
+#: Samples in the blocks whose sums tell a pattern from noise.
+_BLOCKS = (8, 32)
+#: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
+_COARSE = 100.0
+#: More than this part of the motion's spread left: phase has slipped somewhere.
+_SLIPPED = 0.2
+#: Parts of the records over which a fit grows: the first holds a swing or so.
+_HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
+#: From this horizon on only the best starts are followed.
+_DECIDED = 0.12
 #: Factors by which a jump tries the other valleys of a kinked parameter.
-_JUMPS = (ALIKE**-3, 1.0 / ALIKE, ALIKE, ALIKE**3)
+_JUMPS = (0.55, 0.8, 1.25, 1.8)
+#: Valleys next to each other that are gone through, at most.
+_MOST_HOPS = 4
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
@@ -74,12 +82,12 @@ class Valleys:
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
         likely = sorted([*starts, *own], key=self.weighted.cost)[:KEPT]
-        first = best = self._explore(likely[0], limits(self.problem, THOROUGH))
+        first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
         if not self.at_floor(best):
             others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
             best = self._deepest_of(best, [*others, *guesses(best.point)])
         best = self._hop(self._jump(best, all_entries=not self.at_floor(best)), neighbours)
-        if self._relative(best) > MOST_OF:
+        if self._relative(best) > _SLIPPED:
             best = _deeper(best, self._grow(likely))
         return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
 
@@ -96,21 +104,21 @@ class Valleys:
         return best
 
     def _roughly(self) -> SolverOptions:
-        return replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY)
+        return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
         """A few iterations from every start; the leaders."""
-        outcomes = [minimise(self.rough, start, limits(self.problem, LOOK)) for start in starts]
+        outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
         return sorted(outcomes, key=_cost)[:KEPT]
 
     def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
         """From a start down its valley, rests weighted down first."""
-        down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY))
+        down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=1e-3))
         return minimise(self.plain, down.point, until)
 
     def at_floor(self, outcome: Solution) -> bool:
         """Whether what is left is measurement noise: as small as the floor, and without a trace of the motion."""
-        if not (math.isfinite(self.floor) and self._spread(outcome) <= AT_FLOOR * self.floor):
+        if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
             return False
         weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
         moving = (self.problem.residual(outcome.point, r)[weight == 1.0] for r, weight in enumerate(weights))
@@ -135,7 +143,7 @@ class Valleys:
 
     def _hop(self, best: Solution, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Solution:
         """From valley to valley, as long as it leads down and there is something left to find."""
-        for _ in range(LOOK):
+        for _ in range(_MOST_HOPS):
             before, near = best.cost, neighbours(best.point)
             if not near or self.at_floor(best):
                 break
@@ -165,8 +173,8 @@ class Valleys:
         points = list(starts)
         for horizon in _HORIZONS:
             part = SquaredError(self.rough.problem.shortened(horizon), coarse=_COARSE)
-            outcomes = [minimise(part, point, limits(self.problem, LOOK)) for point in points]
-            kept = 2 if horizon >= _HORIZONS[LOOK // 2] else len(points)
+            outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
+            kept = 2 if horizon >= _DECIDED else len(points)
             points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
         best = self._explore(points[0], self._roughly())
         for point in [] if self.at_floor(best) else points[1:]:
@@ -189,7 +197,7 @@ def _rounding(residual: FloatArray, step: float) -> bool:
 def _patternless(residual: FloatArray) -> bool:
     """Whether block sums of a residual scatter as independent samples would (within four standard deviations)."""
     variance = float(residual @ residual) / max(residual.size, 1)
-    for block in BLOCKS:
+    for block in _BLOCKS:
         count = residual.size // block
         if count < 4 or variance == 0.0:
             continue

@@ -14,7 +14,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
-from msd_ident.estimate.levels import BEYOND_DOUBT, MAD, MOST_OF
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
 from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
@@ -55,7 +55,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     found = missing_force(record, plant, noise, zero)
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
-    usual = MAD * float(np.median(np.abs(unexplained)))
+    usual = 1.4826 * float(np.median(np.abs(unexplained)))
     limit = np.maximum(BEYOND_DOUBT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
-from msd_ident.estimate.levels import ALIKE, MAD
+from msd_ident.estimate.levels import ALIKE
 from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
 
@@ -184,4 +184,4 @@ def _noise(record: Record, group: float, step: float) -> float:
 def scatter(record: Record) -> float:
     """Noise [m] from what a cubic through neighbouring samples leaves, where no rest and no encoder step tells it."""
     fourth = np.diff(record.position, 4) / math.sqrt(70.0)
-    return MAD * float(np.median(np.abs(fourth - np.median(fourth))))
+    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))

@@ -19,6 +19,7 @@ Left = Mapping[Causes, float]
 #: A cause that takes away less than this part of what the base model leaves repairs nothing.
 _NOTHING = 0.05
 
+
 @dataclass(frozen=True)
 class CauseAssessment:
     """One cause of the library.
