@@ -26,13 +26,26 @@ from msd_ident.model.effects import LIBRARY
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.evidence import log_prior
+from msd_ident.tuning import tuned
 
-_SHRINKS = 4
-_SAMPLES = 1200
-#: Rise of chi² from which on an effect does not hide at the smallest of these sizes either, by far.
-_HOPELESS = 100.0 * SILENT / TENTH**2
-#: Sizes of a play that are tried, in parts of the library's least guess: what it hides is no even function of its size.
-_PLAYS = (1.0, 0.5, 0.25, 0.12)
+_SHRINKS = tuned(
+    4, unit="trials", why="sizes of a hidden effect that are tried, each smaller than the one before", chosen="by hand"
+)
+_SAMPLES = tuned(1200, unit="samples", why="samples of a record in which an effect may hide, thinned", chosen="by hand")
+_BY_FAR = tuned(
+    100.0,
+    unit="factor",
+    why="rise of chi² beyond what the data cannot object to, from which on a size is hopeless",
+    chosen="by hand",
+)
+#: Rise from which on an effect does not hide at the smallest of its sizes either.
+_HOPELESS = _BY_FAR * SILENT / TENTH**2
+_PLAYS = tuned(
+    (1.0, 0.5, 0.25, 0.12),
+    unit="1",
+    why="sizes of a play that are tried, in parts of the least guess: what it hides is no even function of them",
+    chosen="by hand",
+)
 
 
 def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:

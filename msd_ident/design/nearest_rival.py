@@ -19,11 +19,12 @@ from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model.base_model import OFFSET, OFFSET_FORCE
 from msd_ident.selection.candidate_models import CandidateModel, marginal
 from msd_ident.selection.evidence import NEAR
+from msd_ident.tuning import tuned
 
 #: Rise of chi² below which the data cannot object: twice the evidence at which a set is kept.
 SILENT = NEAR
-#: Steps, and those after which a rival may be given up as hopeless.
-_ROUNDS, _ENOUGH = 14, 4
+_ROUNDS = tuned(14, unit="steps", why="steps of a rival's fit", chosen="by hand")
+_ENOUGH = tuned(4, unit="steps", why="steps after which a rival may be given up as hopeless", chosen="by hand")
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,12 @@ from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.tuning import fixed, tuned
 
-#: Samples a period of the plant, and in a profile's shortest swing, on which predictions are compared.
-_A_PERIOD, _A_SWING = 30.0, 8.0
+_A_PERIOD = tuned(
+    30.0, unit="samples", why="samples a period of the plant on which predictions are compared", chosen="by hand"
+)
+_A_SWING = tuned(
+    8.0, unit="samples", why="samples in a profile's shortest swing on which predictions are compared", chosen="by hand"
+)
 NUISANCES = fixed(
     2,
     "mathematics",
@@ -32,7 +36,7 @@ DRAWS = tuned(
     why="parameter vectors that are drawn from what the data leaves of each contender",
     chosen="by hand",
 )
-_FAR = 0.3
+_FAR = tuned(0.3, unit="1", why="part of a parameter beyond which no straight line holds", chosen="by hand")
 
 
 @dataclass(frozen=True)

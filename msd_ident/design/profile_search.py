@@ -20,8 +20,7 @@ from msd_ident.tuning import tuned
 
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
 HOPELESS = MOST_OF
-#: Looks that found nothing better, after which no more are taken.
-_VAIN = 2
+_VAIN = tuned(2, unit="looks", why="looks that found nothing better, after which no more are taken", chosen="by hand")
 _SCREENING = tuned(
     12e6,
     unit="readings simulated",

@@ -11,9 +11,12 @@ from msd_ident.data.record import FloatArray
 from msd_ident.design.discrimination import prior, refit, weights
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
 from msd_ident.parallel import each
+from msd_ident.tuning import tuned
 
-_STEPS = 6
-_SETTLED = 0.02
+_STEPS = tuned(6, unit="steps", why="steps of a rival's refit to another one's readings", chosen="by hand")
+_LEAST_FALL = tuned(
+    0.02, unit="1", why="fall of its cost, as a part of it, that is worth no further step", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
         if reached >= cost:
             damping = max(10.0 * damping, 1e-3)
             continue
-        settled = cost - reached < _SETTLED * reached + 0.01
+        settled = cost - reached < _LEAST_FALL * reached + 0.01
         point, readings, cost, damping = ahead, reading, reached, 0.1 * damping
         if settled:
             break

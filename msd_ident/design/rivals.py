@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.evidence import DECISIVE
+from msd_ident.tuning import tuned
 
-#: The least probability that makes a rival of an undisputed lead.
-MOST, WEAK = 6, 0.02
+MOST = tuned(6, unit="rivals", why="rivals of one design, at most", chosen="by hand")
+WEAK = tuned(0.02, unit="1", why="least probability that makes a rival of an undisputed lead", chosen="by hand")
 
 
 def rivals(diagnosis: Diagnosis) -> tuple[CandidateModel, ...]:

@@ -26,9 +26,8 @@ MARGIN = tuned(
 _STRONGER = tuned(
     2.0, unit="1", why="how much stronger an actuator may be below the forces that were measured", chosen="by hand"
 )
-#: What counts as below them.
-_SMALLER = 0.6
-_TURNS = 10
+_SMALLER = tuned(0.6, unit="1", why="part of the largest force below which a force counts as smaller", chosen="by hand")
+_TURNS = tuned(10, unit="trials", why="scalings of a profile until it fits the limits", chosen="by hand")
 
 
 def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:

@@ -18,11 +18,11 @@ from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstrain
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
 from msd_ident.model.effects.base import PLAY, Effect
+from msd_ident.tuning import tuned
 
 Zero = Literal["free", "known"]
 
-#: Range of noise in its standard deviations, of up to 200 readings.
-_WIDEST_NOISE = 7.0
+_WIDEST_NOISE = tuned(7.0, unit="standard deviations", why="range of noise, of up to 200 readings", chosen="by hand")
 
 
 def formulate(

@@ -26,8 +26,8 @@ PITCHES = tuned(
     160, unit="trials", why="pitches of a ripple that are tried, evenly spaced in their logarithm", chosen="by hand"
 )
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
-#: Pitches that are tried, in parts of the motion's range.
-_FINEST, _COARSEST = 0.02, 2.0
+_FINEST = tuned(0.02, unit="ranges of motion", why="smallest pitch of a ripple that is tried", chosen="by hand")
+_COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ import scipy.linalg.lapack as lapack
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import NULL, STUCK
+from msd_ident.tuning import tuned
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,12 @@ class SolverOptions:
     step_tolerance: float = 1e-8
 
 
-_DAMPING_START = 1e-4
+_DAMPING_START = tuned(
+    1e-4,
+    unit="1",
+    why="damping at which the plain solver begins: its Jacobian is exact at every step",
+    chosen="by hand",
+)
 _NO_STEP = "Converged: no step would lower the error."
 _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."

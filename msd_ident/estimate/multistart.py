@@ -24,29 +24,41 @@ from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import tuned
 
-_FIRST = 6
-#: How far a valley is followed that may not be the deepest: iterations, and the part of the error that is worth one.
-_EXPLORED = 25
-_WORTH = 1e-5
-#: Samples that are enough to tell valleys apart, all records together.
-_ENOUGH = 5_000
-#: This many noise floors: the right valley of the right model.
-_AT_FLOOR = 1.3
-#: Samples in the blocks whose sums tell a pattern from noise.
-_BLOCKS = (8, 32)
-#: Wide finite differences (0.1 % of the motion) see past the kinks of sticking.
-_COARSE = 100.0
-#: More than this part of the motion's spread left: phase has slipped somewhere.
-_SLIPPED = 0.2
-#: Parts of the records over which a fit grows: the first holds a swing or so.
-_HORIZONS = (0.03, 0.06, 0.12, 0.25, 0.5)
-#: From this horizon on only the best starts are followed.
-_DECIDED = 0.12
-#: Factors by which a jump tries the other valleys of a kinked parameter.
-_JUMPS = (0.55, 0.8, 1.25, 1.8)
-#: Valleys next to each other that are gone through, at most.
-_MOST_HOPS = 4
+_FIRST = tuned(6, unit="steps", why="first look at a start", chosen="by hand")
+_EXPLORED = tuned(25, unit="steps", why="how far a valley is followed that may not be the deepest", chosen="by hand")
+_WORTH = tuned(1e-5, unit="1", why="fall of the error, as a part of it, that is worth a step there", chosen="by hand")
+_ENOUGH = tuned(5_000, unit="samples", why="enough to tell valleys apart, all records together", chosen="by hand")
+_AT_FLOOR = tuned(
+    1.3, unit="noise floors", why="what the right valley of the right model leaves at most", chosen="by hand"
+)
+_BLOCKS = tuned(
+    (8, 32), unit="samples", why="lengths of the blocks whose sums tell a pattern from noise", chosen="by hand"
+)
+_COARSE = tuned(
+    100.0,
+    unit="1",
+    why="factor on finite-difference steps that see past the kinks of sticking: 0.1 % of the motion",
+    chosen="by hand",
+)
+_SLIPPED = tuned(
+    0.2, unit="1", why="part of the motion's spread that is left where phase has slipped somewhere", chosen="by hand"
+)
+_HORIZONS = tuned(
+    (0.03, 0.06, 0.12, 0.25, 0.5),
+    unit="1",
+    why="parts of the records over which a fit grows: the first holds a swing or so",
+    chosen="by hand",
+)
+_DECIDED = tuned(0.12, unit="1", why="horizon from which on only the best starts are followed", chosen="by hand")
+_JUMPS = tuned(
+    (0.55, 0.8, 1.25, 1.8),
+    unit="1",
+    why="factors by which a jump tries the other valleys of a kinked parameter",
+    chosen="by hand",
+)
+_MOST_HOPS = tuned(4, unit="valleys", why="valleys next to each other that are gone through, at most", chosen="by hand")
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:

@@ -22,7 +22,7 @@ from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
@@ -34,8 +34,10 @@ LONG_RECORD = fixed(
     "resources",
     "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
 )
-#: Fewest samples a swing, and altogether, that a thinned record keeps.
-_FEWEST_A_SWING, _FEWEST_SAMPLES = 100, 400
+_FEWEST_A_SWING = tuned(
+    100, unit="samples", why="fewest samples of a swing that a thinned record keeps", chosen="by hand"
+)
+_FEWEST_SAMPLES = tuned(400, unit="samples", why="fewest samples that a thinned record keeps", chosen="by hand")
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 

@@ -60,10 +60,15 @@ _WIDTHS = tuned(
     why="half widths of the bump, from little to much smoothing",
     chosen="by hand",
 )
-#: Places of the bump in a record, at most: more of them overlap and say the same.
-_MOST_PLACES = 2000
-#: Part of the bump over which the cart moves in a place that counts.
-_MOVING = 0.7
+_MOST_PLACES = tuned(
+    2000,
+    unit="places",
+    why="places of the bump in a record, at most: more of them overlap and say the same",
+    chosen="by hand",
+)
+_MOVING = tuned(
+    0.7, unit="1", why="part of the bump over which the cart moves in a place that counts", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

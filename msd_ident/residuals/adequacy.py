@@ -23,7 +23,7 @@ LEVEL = tuned(
     1e-5, unit="1", why="probability of calling a right model wrong, for each of the three questions", chosen="by hand"
 )
 _FLOOR_ERROR = tuned(0.04, unit="1", why="relative error that the noise floor itself may have", chosen="by hand")
-_LAGS = 20
+_LAGS = tuned(20, unit="samples", why="lags at which a residual is compared with itself", chosen="by hand")
 _BLOCKS = tuned(
     (16, 64), unit="runs", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
 )

@@ -9,10 +9,12 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.residuals.disturbance import DisturbanceEstimate
+from msd_ident.tuning import tuned
 
-_BINS = 16
-#: A share of the variance below this is no dependence worth a word.
-_WORTH = 0.15
+_BINS = tuned(16, unit="bins", why="bins over a signal's range in which a force is averaged", chosen="by hand")
+_WORTH = tuned(
+    0.15, unit="1", why="share of the variance below which a dependence is not worth a word", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

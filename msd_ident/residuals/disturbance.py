@@ -20,11 +20,13 @@ from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.levels import NATURAL_RANGE
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
 #: Range of the walk's strength that is searched, in decades either side of its natural size: a force squared.
 _DECADES = 2.0 * math.log10(NATURAL_RANGE)
-_EVALUATIONS = 9
+_EVALUATIONS = tuned(
+    9, unit="trials", why="strengths of the walk that are tried in a search for the likeliest", chosen="by hand"
+)
 _SETTLED = fixed(
     1e-9,
     "accuracy",

@@ -19,12 +19,11 @@ from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
+from msd_ident.tuning import tuned
 
-_CERTAIN = 8.0
-#: There are few of them.
-_MOST = 2
-#: Periods without a reading that make a gap.
-_GAP = 5.0
+_CERTAIN = tuned(8.0, unit="standard deviations", why="size of a push that is no noise", chosen="by hand")
+_MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
+_GAP = tuned(5.0, unit="sample periods", why="time without a reading that makes a gap", chosen="by hand")
 
 
 @dataclass(frozen=True)

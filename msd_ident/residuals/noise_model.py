@@ -24,8 +24,12 @@ from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
 
 _EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
-#: Noise in encoder steps below which there is hardly more than rounding (0.289 of a step): no noise dithers it.
-_ALL_ROUNDING = 0.35
+_ALL_ROUNDING = tuned(
+    0.35,
+    unit="encoder steps",
+    why="noise below which there is hardly more than rounding (0.289): nothing dithers it",
+    chosen="by hand",
+)
 _TURNS = tuned(
     100,
     unit="crossings",

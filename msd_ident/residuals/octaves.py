@@ -15,9 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.tuning import fixed
 
-#: Ends of the octaves, in units of the motion's own frequency; what is slower or faster is one band each.
-_ENDS = np.array([0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0])
+_OCTAVES = fixed(
+    (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0),
+    "mathematics",
+    "ends of the octaves, in units of the motion's own frequency; what is slower or faster is one band each",
+)
+_ENDS = np.array(_OCTAVES)
 #: How many bands there are.
 BANDS = _ENDS.size + 1
 

@@ -12,12 +12,14 @@ from typing import Any
 from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.selection.evidence import Ranking
 from msd_ident.selection.hypothesis import Causes, Experiment
+from msd_ident.tuning import tuned
 
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]
 
-#: A cause that takes away less than this part of what the base model leaves repairs nothing.
-_NOTHING = 0.05
+_NOTHING = tuned(
+    0.05, unit="1", why="part of what the base model leaves below which a cause repairs nothing", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

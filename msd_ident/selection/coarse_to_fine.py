@@ -23,8 +23,9 @@ _FAR = tuned(
     why="a set that leaves more will not be explained to the noise: the search may use mean forces",
     chosen="by hand",
 )
-#: Part of what a set leaves at which the change by mean forces hides it.
-_BLURRED = 0.3
+_BLURRED = tuned(
+    0.3, unit="1", why="part of what a set leaves at which the change by mean forces hides it", chosen="by hand"
+)
 
 
 def search(

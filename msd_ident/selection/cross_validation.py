@@ -30,8 +30,9 @@ from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
 _SEGMENTS = 2 * FOLDS
-#: Blocks that a segment is cut into at most, however fast the plant forgets.
-_BLOCKS = 6
+_BLOCKS = tuned(
+    6, unit="blocks", why="blocks that a segment is cut into at most, however fast the plant forgets", chosen="by hand"
+)
 _WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it is as good as infinite")
 
 

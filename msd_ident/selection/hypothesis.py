@@ -29,11 +29,15 @@ Causes = frozenset[str]
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
-_FIRST = 4
-#: Turn [rad] of a phase that may lead to another valley, tried where more than this many times the noise is left.
-_KICK, _FLOOR = 0.6, 1.5
-#: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
-_ASIDE = 6.0
+_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
+_KICK = tuned(0.6, unit="rad", why="turn of a phase that may lead to another valley", chosen="by hand")
+_FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
+_ASIDE = tuned(
+    6.0,
+    unit="standard deviations",
+    why="distance between the first reading and the fitted start that is not the noise's",
+    chosen="by hand",
+)
 FAR = tuned(
     25.0,
     unit="chi² for each piece of evidence",
@@ -46,8 +50,9 @@ COMPARABLE = tuned(
     why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
     chosen="by hand",
 )
-#: The same far from the noise, in parts of chi².
-_HOPELESS_FAR = 1.5
+_HOPELESS_FAR = tuned(
+    1.5, unit="factor", why="chi² of another set far from the noise: with more, a set is not refined", chosen="by hand"
+)
 REACH = tuned(
     10.0,
     unit="1",
@@ -59,15 +64,21 @@ SOUGHT = tuned(
     40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
 )
 SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
-#: Relative error that the estimate of the noise's variance may have.
-NOISE_ERROR = 0.1
+NOISE_ERROR = tuned(
+    0.1, unit="1", why="relative error that the estimate of the noise's variance may have", chosen="by hand"
+)
 _SLACK = tuned(
     1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
 )
-#: The same far from the noise.
-_SLACK_FAR = 5e-3
-#: Fall of chi² that is not worth a simulation: far below one piece of evidence.
-LEAST_FALL = 0.02
+_SLACK_FAR = tuned(
+    5e-3,
+    unit="1",
+    why="far from the noise, part of what is left whose fall is not worth a simulation",
+    chosen="by hand",
+)
+LEAST_FALL = tuned(
+    0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

@@ -30,16 +30,16 @@ COPIES = tuned(
     why="of each fitted explanation; twice as many of one whose strengths are drawn by lot",
     chosen="by hand",
 )
-#: Copies without a cause that a certain name needs at least.
-_ENOUGH = 20
+_ENOUGH = tuned(20, unit="copies", why="copies without a cause that a certain name needs at least", chosen="by hand")
 _CHEAP = tuned(
     1e7,
     unit="samples × sets",
     why="cost up to which copies are made unasked",
     chosen="measured at 3 to 40 s of processor time",
 )
-#: Samples whose simulation costs as much as what is done around it.
-_OVERHEAD = 2000
+_OVERHEAD = tuned(
+    2000, unit="samples", why="samples whose simulation costs as much as what is done around it", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,13 @@ from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.hypothesis import Hypothesis, weigh
+from msd_ident.tuning import tuned
 
-_WORTH = 0.05
-#: Pull of rest [chi²] that is none, and what the middle of the sticking range may leave more than its edge.
-_LITTLE, _OBJECTION = 0.25, 9.0
+_WORTH = tuned(0.05, unit="chi²", why="fall that is worth another step towards rest", chosen="by hand")
+_LITTLE = tuned(0.25, unit="chi²", why="pull of rest that is none", chosen="by hand")
+_OBJECTION = tuned(
+    9.0, unit="chi²", why="what the middle of the sticking range may leave more than its edge", chosen="by hand"
+)
 
 
 def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:

@@ -37,8 +37,9 @@ _RATIOS = tuned(
 _FASTEST = fixed(
     0.5, "mathematics", "rad a sample period: up to it the trapezoidal rule shifts a frequency by 2 % or less"
 )
-#: Frequencies that a search begins from, those that explain most.
-_PEAKS = 2
+_PEAKS = tuned(
+    2, unit="frequencies", why="frequencies that a search begins from, those that explain most", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

@@ -32,12 +32,21 @@ from msd_ident.selection.hypothesis import (
 )
 from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
+from msd_ident.tuning import tuned
 
-#: Part of a guess's strength that is tried where the whole of it makes the fit worse.
-_WEAK = 0.05
-_PLACINGS = 4
-#: Noise floors left by a set beyond which its neighbours are started from a regression with inner parameters too.
-_FAR_ASTRAY = 30.0
+_WEAK = tuned(
+    0.05,
+    unit="1",
+    why="part of a guess's strength that is tried where the whole of it makes the fit worse",
+    chosen="by hand",
+)
+_PLACINGS = tuned(4, unit="steps", why="steps that place each record's start before a set is fitted", chosen="by hand")
+_FAR_ASTRAY = tuned(
+    30.0,
+    unit="noise floors",
+    why="what a set leaves beyond which its neighbours are started from a regression with inner parameters too",
+    chosen="by hand",
+)
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:

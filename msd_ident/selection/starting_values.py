@@ -20,10 +20,10 @@ from msd_ident.tuning import fixed, tuned
 #: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
 Term = tuple[float, float, float]
 
-#: Harmonic terms that a search begins from, the strongest.
-_LINES = 4
-#: Values of b/m tried for a plain axis, evenly spaced in their logarithm.
-_RATES = 60
+_LINES = tuned(4, unit="terms", why="harmonic terms that a search begins from, the strongest", chosen="by hand")
+_RATES = tuned(
+    60, unit="trials", why="values of b/m tried for a plain axis, evenly spaced in their logarithm", chosen="by hand"
+)
 _FAINT = fixed(
     1e-12,
     "accuracy",
@@ -35,8 +35,12 @@ STOPS = tuned(
     why="places of an end stop that are tried far from the noise, in parts of the reach",
     chosen="by hand",
 )
-#: Limits of the force that a search begins from, in parts of the largest force.
-_SATURATED = (0.95, 0.75)
+_SATURATED = tuned(
+    (0.95, 0.75),
+    unit="1",
+    why="limits of the force that a search begins from, in parts of the largest force",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)

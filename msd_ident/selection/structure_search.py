@@ -54,10 +54,15 @@ NOTHING: Causes = frozenset()
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 #: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
 _ROUNDS_FAR = LOOK // 2
-#: Sets of a round that are fitted before the others, and those that follow them.
-_AHEAD = (4, 12)
-#: A second parent is worth starting from when it leaves not more than this many times what the first one does.
-_COMPARABLE = 3.0
+_AHEAD = tuned(
+    (4, 12),
+    unit="sets",
+    why="sets of a round that are fitted before the others, and those that follow them",
+    chosen="by hand",
+)
+_COMPARABLE = tuned(
+    3.0, unit="factor", why="chi² of the first parent up to which a second one is worth starting from", chosen="by hand"
+)
 
 
 @dataclass

@@ -24,10 +24,14 @@ from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.evidence import NoiseScale, prior_widths
 from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis, formulated
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
-#: Steps down that bring the other parameters to the record when one law is given.
-_STEPS = 15
+_STEPS = tuned(
+    15,
+    unit="steps",
+    why="steps down that bring the other parameters to the record when one law is given",
+    chosen="by hand",
+)
 _UNIFORM = fixed(1.0 / 12.0, "mathematics", "variance of a rounding error, in steps squared")
 
 
