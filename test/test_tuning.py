@@ -16,7 +16,7 @@ from bench import sensitivity
 from msd_ident import tuning
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-MOST = 60
+MOST = 130
 #: Numbers that may stand in an expression of others: halves, counts, a variance (1/12) and a quartile (0.75).
 PLAIN = {0.0, 0.5, 0.75, 1.0, 2.0, 3.0, 12.0}
 FILES = [path for room in tuning.ROOMS for path in sorted((REPOSITORY / "msd_ident" / room).glob("*.py"))]
@@ -35,7 +35,7 @@ def numbers(node: ast.AST) -> Iterator[float]:
 def test_tuned_constants_are_few_and_say_unit_reason_and_origin() -> None:
     found = tuning.declared()
     tuned = [one for one in found if one.is_tuned]
-    assert sum(not one.module.startswith("msd_ident.residuals.") for one in tuned) <= MOST
+    assert len(tuned) <= MOST
     assert len({one.place for one in found}) == len(found)
     for one in tuned:
         assert set(one.about) == {"unit", "why", "chosen"}, one.place
@@ -64,9 +64,10 @@ def test_no_number_stands_beside_the_declared_ones() -> None:
 
 def test_compiled_functions_hold_no_tuned_constant() -> None:
     """Numba compiles the value in, and its cache does not know when another module changes it."""
-    tuned = {one.name for one in tuning.declared() if one.is_tuned}
     for path in FILES:
-        for node in parsed(path).body:
+        tree = parsed(path)
+        tuned = {one.name for one in tuning.declared() if one.is_tuned}
+        for node in tree.body:
             if isinstance(node, ast.FunctionDef) and any("njit" in ast.unparse(one) for one in node.decorator_list):
                 used = {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
                 assert not used & tuned, f"{path.name}: {node.name}"

@@ -21,6 +21,7 @@ from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant
 from msd_ident.model.effects import by_name
+from msd_ident.quantity import Z95
 from msd_ident.workflow import pipeline
 from msd_sim import foreign, lottery
 from msd_sim.effects import ALL
@@ -81,7 +82,8 @@ class Outcome:
     ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth leaves when
     refitted without that one of its effects which is seen least. ``removed`` is the share of the removable error that
     the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
-    probability. ``plant_error`` is the larger relative error of mass and stiffness; ``plant`` has mass, damping and
+    probability. ``plant_error`` is the larger relative error of mass and stiffness, ``plant_stated`` what of it lies
+    outside their intervals and the stated range over all that fits alike; ``plant`` has mass, damping and
     stiffness with their standard deviation (NaN: open) and their truth.
     """
 
@@ -100,6 +102,7 @@ class Outcome:
     processor_seconds: float = math.nan
     beside: tuple[tuple[str, float], ...] = ()
     plant_error: float = math.nan
+    plant_stated: float = math.nan
     plant: tuple[tuple[str, float, float, float], ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -188,6 +191,7 @@ def _opened(
         processor_seconds=seconds[1],
         beside=_beside(diagnosis),
         plant_error=_plant_error(rig, diagnosis),
+        plant_stated=_plant_stated(rig, diagnosis),
         plant=_plant(rig, diagnosis),
     )
 
@@ -216,12 +220,39 @@ def _plant(rig: Sealed, diagnosis: Diagnosis) -> tuple[tuple[str, float, float, 
 def _plant_error(rig: Sealed, diagnosis: Diagnosis) -> float:
     """Larger relative error of mass and stiffness; a free decay knows their ratio only."""
     found = {name: diagnosis.extended.quantities[name].value for name in ("mass", "stiffness")}
+    return max(abs(value / truth - 1.0) for value, truth in _plant_and_truth(rig, diagnosis, found))
+
+
+def _plant_stated(rig: Sealed, diagnosis: Diagnosis) -> float:
+    """The same of what is stated: from the nearest end of the 95 % interval and of the range over all that fits alike,
+    0 inside.
+    """
+    ends = []
+    for side in (-1.0, 1.0):
+        found = {}
+        for name in ("mass", "stiffness"):
+            quantity = diagnosis.extended.quantities[name]
+            half = Z95 * quantity.std if math.isfinite(quantity.std) else 0.0
+            stated = (quantity.value + side * half, *diagnosis.spread.get(name, ()))
+            found[name] = max(stated) if side > 0.0 else min(stated)
+        ends.append(found)
+    low, high = (_plant_and_truth(rig, diagnosis, one) for one in ends)
+    return max(
+        max(least / truth - 1.0, 1.0 - most / truth, 0.0) for (least, truth), (most, _) in zip(low, high, strict=True)
+    )
+
+
+def _plant_and_truth(rig: Sealed, diagnosis: Diagnosis, found: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
+    """Mass and stiffness with their truths; of a free decay the stiffness over the diagnosed mass."""
+    beyond = 0.0
     for law in rig.truth:
         part = diagnosis.extended.quantities.get(STIFFNESS_BEYOND.get(law, ""))
-        found["stiffness"] += part.value if part else 0.0
+        beyond += part.value if part else 0.0
+    stiffness = found["stiffness"] + beyond
     if rig.experiment == "release":
-        return abs(found["stiffness"] / found["mass"] * rig.plant["mass"] / rig.plant["stiffness"] - 1.0)
-    return max(abs(value / rig.plant[name] - 1.0) for name, value in found.items())
+        mass = diagnosis.extended.quantities["mass"].value
+        return ((stiffness / mass, rig.plant["stiffness"] / rig.plant["mass"]),)
+    return ((found["mass"], rig.plant["mass"]), (stiffness, rig.plant["stiffness"]))
 
 
 def _least_seen(rig: Sealed, record: Record) -> float:

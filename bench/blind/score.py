@@ -207,15 +207,17 @@ def explained_falsely(outcome: Outcome) -> bool:
     return outcome.verdict == "explained" and bool(outcome.false)
 
 
-def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int, int]]:
-    """For each hidden variant: visible cases, family named; of all: surely false, explained falsely, plant near."""
+def variants(outcomes: Sequence[Outcome]) -> dict[str, tuple[int, int, int, int, int, int]]:
+    """For each hidden variant: visible cases, family named; of all: surely false, explained falsely, plant near, and
+    near to what is stated of it.
+    """
     table = {}
     for name in sorted({str(o.case.hidden) for o in outcomes if o.case.kind == "variant"}):
         chosen = [o for o in outcomes if o.case.hidden == name]
         seen = [o for o in chosen if o.base_floors >= VISIBLE]
-        near = sum(o.plant_error <= NEAR for o in chosen)
+        near = sum(o.plant_error <= NEAR for o in chosen), sum(o.plant_stated <= NEAR for o in chosen)
         false = sum(map(surely_false, chosen)), sum(map(explained_falsely, chosen))
-        table[name] = (len(seen), sum(map(family_named, seen)), *false, near)
+        table[name] = (len(seen), sum(map(family_named, seen)), *false, *near)
     return table
 
 
@@ -232,7 +234,8 @@ def failed(outcome: Outcome) -> list[str]:
     if explained_falsely(outcome):
         wrong.append("explained falsely")
     if not outcome.plant_error <= NEAR:
-        wrong.append(f"m or k off by {100.0 * outcome.plant_error:.1f} %")
+        stated = "" if not outcome.plant_stated <= NEAR else ", as stated"
+        wrong.append(f"m or k off by {100.0 * outcome.plant_error:.1f} %{stated}")
     return wrong
 
 

@@ -27,8 +27,8 @@ def variants(outcomes: Sequence[Outcome]) -> list[str]:
     """The table of laws that the library does not have; the last line is the sum. Then what failed."""
     lines = [
         f"| law | cases | visible | family named | a cause of no related law with p > {score.SURE:g} | explained with "
-        f"one | m and k within {100.0 * score.NEAR:g} % |",
-        "|---|---|---|---|---|---|---|",
+        f"one | m and k within {100.0 * score.NEAR:g} % | of the interval or the range stated |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     found = score.variants(outcomes)
     cases = {name: sum(o.case.hidden == name for o in outcomes) for name in found}

@@ -9,10 +9,10 @@ from msd_ident.design.profile import Profile, Segment
 from msd_ident.estimate.effort import A_SWING
 from msd_ident.tuning import tuned
 
-REST = tuned(
+_REST = tuned(
     0.25, unit="periods", why="rest before the first push: it shows the noise and where zero is", chosen="by hand"
 )
-LEAST_REST = tuned(0.1, unit="s", why="the same, at least", chosen="by hand")
+_LEAST_REST = tuned(0.1, unit="s", why="the same, at least", chosen="by hand")
 #: Commands a period at the highest frequency of a sweep.
 _FINE = 2.0 * A_SWING
 
@@ -40,7 +40,7 @@ def family(pace: TimeScale, unit: str = "N") -> list[Profile]:
         pace: period of the plant and longest experiment.
         unit: of the force.
     """
-    rest = max(REST * pace.period, LEAST_REST)
+    rest = max(_REST * pace.period, _LEAST_REST)
     made: list[Profile] = []
     for name, segments in _shapes(pace, rest):
         whole = (Segment("hold", rest), *segments)

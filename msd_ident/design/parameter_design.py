@@ -19,7 +19,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.design import discrimination
 from msd_ident.design.evaluation import Option, Question, family_of, options
 from msd_ident.design.hidden_effects import beside
-from msd_ident.design.library import LEAST_REST, REST, levels
+from msd_ident.design.library import levels
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Predictor, sensing
 from msd_ident.design.profile import Profile, Segment
@@ -27,9 +27,9 @@ from msd_ident.design.profile_file import to_tree
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.estimate.effort import THOROUGH
+from msd_ident.estimate.levels import TWO_SIDED
 from msd_ident.model.base_model import FRICTION_FORCE, DryFriction
 from msd_ident.paper.refinement import GRAVITY
-from msd_ident.quantity import Z95
 from msd_ident.selection.candidate_models import CandidateModel
 
 _FRICTION = "friction_coefficient"
@@ -117,7 +117,7 @@ def compared(duration: float, period: float) -> tuple[Profile, Profile]:
         duration: of each profile [s].
         period: of the plant [s]; it sets the rest at the start and the number of random steps.
     """
-    rest = min(max(REST * period, LEAST_REST), 0.2 * duration)
+    rest = min(max(0.25 * period, 0.1), 0.2 * duration)
     lead = Segment("hold", rest)
     step = Profile((lead, Segment("step", duration - rest, force=1.0)), "single step")
     rng = np.random.default_rng(seeds.RANDOM_STEPS)
@@ -182,7 +182,7 @@ def _rated(question: Question, unit: Profile, targets: Sequence[str]) -> FloatAr
 
 
 def _half(targets: Sequence[str], stds: FloatArray) -> dict[str, float]:
-    return {name: Z95 * float(std) for name, std in zip(targets, stds, strict=True)}
+    return {name: TWO_SIDED * float(std) for name, std in zip(targets, stds, strict=True)}
 
 
 def _sentence(best: Option, values: Mapping[str, float], intervals: Sequence[Mapping[str, float]]) -> str:

@@ -13,20 +13,30 @@ from msd_ident import seeds
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES, THOROUGH
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.effort import FEWEST_READINGS, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
+_A_PERIOD = tuned(
+    30.0, unit="samples", why="samples a period of the plant on which predictions are compared", chosen="by hand"
+)
+_A_SWING = tuned(
+    8.0, unit="samples", why="samples in a profile's shortest swing on which predictions are compared", chosen="by hand"
+)
 NUISANCES = fixed(
     2,
     "mathematics",
     "rows of every Jacobian besides the parameters': the start position, and the reading of the relaxed spring",
 )
-#: Parameter vectors that are drawn from what the data leaves of each contender.
-DRAWS = THOROUGH
+DRAWS = tuned(
+    48,
+    unit="draws",
+    why="parameter vectors that are drawn from what the data leaves of each contender",
+    chosen="by hand",
+)
+_FAR = tuned(0.3, unit="1", why="part of a parameter beyond which no straight line holds", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -93,7 +103,7 @@ def instants(profile: Profile, period: float, seen: Sensing) -> int:
         seen: its sample period is the finest step.
     """
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
-    step = max(min(period, 2.0 * swing) / A_SWING, seen.period)
+    step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
     return int(np.clip(profile.duration / step, FEWEST_READINGS, 4 * SAMPLES)) + 1
 
 
@@ -174,14 +184,13 @@ class Predictor:
     def draws(self) -> FloatArray:
         """Fixed deviations (DRAWS, p) of the free parameters, drawn from their covariance.
 
-        None changes a parameter by more than ``MOST_OF`` of its value, because the prediction is linear in the
-        deviation.
+        None changes a parameter by more than ``_FAR`` of its value, because the prediction is linear in the deviation.
         """
         normal = np.random.default_rng(seeds.PREDICTION).standard_normal((DRAWS, self.point.size))
         size = np.sqrt(np.maximum(np.diag(self.covariance), 1e-300))
         values, vectors = np.linalg.eigh(self.covariance / np.outer(size, size))
         drawn = normal @ (vectors * np.sqrt(np.maximum(values, 0.0))).T * size
-        room = MOST_OF * np.where(self.point == 0.0, self.contender.scale, np.abs(self.point))
+        room = _FAR * np.where(self.point == 0.0, self.contender.scale, np.abs(self.point))
         return np.asarray(drawn / np.maximum(np.max(np.abs(drawn) / room, axis=1, keepdims=True), 1.0))
 
     @cached_property

@@ -13,13 +13,14 @@ from msd_ident.design import rival_refits
 from msd_ident.design.evaluation import ENOUGH, Option, Question, choose, judge_again, options
 from msd_ident.design.profile import Profile
 from msd_ident.design.rival_refits import Refitted
-from msd_ident.estimate.effort import KEPT, LOOK
+from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
 from msd_ident.selection.evidence import LEADERS
 from msd_ident.tuning import tuned
 
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.
 HOPELESS = MOST_OF
+_VAIN = tuned(2, unit="looks", why="looks that found nothing better, after which no more are taken", chosen="by hand")
 _SCREENING = tuned(
     12e6,
     unit="readings simulated",
@@ -111,7 +112,7 @@ def _decidable(question: Question, seen: Sequence[Option]) -> Question:
 def _in_vain(closer: Sequence[tuple[Option, Refits]]) -> bool:
     """Whether the last real refits found nothing better than the ones before."""
     probabilities = [one.probability for one, _ in closer]
-    return len(closer) > KEPT and max(probabilities[-KEPT:]) <= max(probabilities[:-KEPT]) + NEGLIGIBLE
+    return len(closer) > _VAIN and max(probabilities[-_VAIN:]) <= max(probabilities[:-_VAIN]) + NEGLIGIBLE
 
 
 def _asked(question: Question, option: Option) -> Option:

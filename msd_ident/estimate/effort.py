@@ -9,12 +9,7 @@ from msd_ident.tuning import tuned
 
 LOOK = tuned(5, unit="steps", why="first look at a start: enough to sort starts, not to finish any", chosen="by hand")
 SHORT = tuned(12, unit="steps", why="descent that begins close to its end", chosen="by hand")
-THOROUGH = tuned(
-    40,
-    unit="steps",
-    why="descent to the end, trials of a scan over frequencies, and draws of a prediction",
-    chosen="by hand",
-)
+THOROUGH = tuned(40, unit="steps", why="descent to the end, or trials of a scan over frequencies", chosen="by hand")
 #: Steps of a last refinement, whose end is reported as converged or not.
 LONG = 3 * THOROUGH
 KEPT = tuned(3, unit="starts", why="the best few of many starts, sets or lines, which are followed", chosen="by hand")

@@ -22,7 +22,6 @@ from msd_ident.estimate.formulation import (
 )
 from msd_ident.estimate.frequency_scan import harmonic_vectors
 from msd_ident.estimate.least_squares import Solution, minimise
-from msd_ident.estimate.levels import MAD
 from msd_ident.estimate.multistart import limits, robust, valleys
 from msd_ident.estimate.noise_floors import noise_floor
 from msd_ident.estimate.objective import Loss, SquaredError
@@ -109,5 +108,5 @@ def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial])
 def _softness(problem: Problem, outcome: Solution, floor: float) -> float:
     """1.5 robust standard deviations of the residual, never below the noise floor."""
     residual = np.concatenate([problem.residual(outcome.point, r) for r in range(len(problem.records))])
-    spread = MAD * float(np.median(np.abs(residual - np.median(residual))))
+    spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
     return 1.5 * max(spread, floor if math.isfinite(floor) else 0.0, 1e-12 * problem.typical.length)

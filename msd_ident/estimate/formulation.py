@@ -8,23 +8,21 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from scipy.special import ndtri
 
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate.effort import FEWEST_READINGS
-from msd_ident.estimate.levels import CONFIDENCE, FEWEST, NATURAL_RANGE
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
 from msd_ident.model.effects.base import PLAY, Effect
+from msd_ident.tuning import tuned
 
 Zero = Literal["free", "known"]
 
-#: Range of noise in its standard deviations, of up to ``FEWEST_READINGS`` readings (Bonferroni's bound).
-_WIDEST_NOISE = 2.0 * float(ndtri(1.0 - 0.5 * (1.0 - CONFIDENCE) / FEWEST_READINGS))
+_WIDEST_NOISE = tuned(7.0, unit="standard deviations", why="range of noise, of up to 200 readings", chosen="by hand")
 
 
 def formulate(
@@ -119,7 +117,7 @@ def starts_at_rest(record: Record) -> bool:
     differences give the noise, because a swing hardly contributes to them; at its turning point a swing has no slope
     either.
     """
-    count = max(FEWEST, min(record.samples // 100, FEWEST_READINGS))
+    count = max(10, min(record.samples // 100, 200))
     head = record.position[:count]
     spread = float(np.ptp(head))
     if spread <= 1e-4 * float(np.ptp(record.position)) or np.unique(head).size <= 2:

@@ -26,6 +26,8 @@ PITCHES = tuned(
     160, unit="trials", why="pitches of a ripple that are tried, evenly spaced in their logarithm", chosen="by hand"
 )
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
+_FINEST = tuned(0.02, unit="ranges of motion", why="smallest pitch of a ripple that is tried", chosen="by hand")
+_COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    finest, coarsest = typical.PITCHES
-    return np.asarray(np.geomspace(finest * span, coarsest * span, PITCHES))
+    return np.asarray(np.geomspace(_FINEST * span, _COARSEST * span, PITCHES))
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:

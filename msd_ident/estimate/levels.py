@@ -10,6 +10,8 @@ from scipy.special import ndtri
 from msd_ident.tuning import fixed, tuned
 
 CONFIDENCE = fixed(0.95, "interface", "all intervals are 95 % intervals, as the documents and the JSON contract say")
+#: Half width of an interval of that level, in standard deviations of a normal distribution.
+TWO_SIDED = float(ndtri(0.5 * (1.0 + CONFIDENCE)))
 #: Standard deviation of a normal distribution over its median absolute deviation.
 MAD = 1.0 / float(ndtri(0.75))
 
@@ -20,35 +22,23 @@ NEGLIGIBLE = tuned(
     chosen="by hand",
 )
 TENTH = tuned(
-    0.1,
-    unit="1",
-    why="part of a whole below which a change of force, a share, a mass or an effect is too small to count",
-    chosen="by hand",
+    0.1, unit="1", why="part of a whole from which on something counts as a change or as an effect", chosen="by hand"
 )
-MOST_OF = tuned(
-    0.5,
-    unit="1",
-    why="part of a whole from which on something is most of it: of chi², of a probability, of a force, of a swing",
-    chosen="by hand",
-)
+MOST_OF = tuned(0.5, unit="1", why="part of a whole from which on something is most of it", chosen="by hand")
 ALIKE = tuned(
     1.25,
-    unit="factor",
-    why="factor within which two sizes are the same: ranges of motion, natural frequencies, noise and rounding; its "
-    "powers lead to other valleys",
+    unit="1",
+    why="factor within which two sizes are the same: ranges of motion, natural frequencies, valleys next to each other",
     chosen="by hand",
 )
 NATURAL_RANGE = tuned(
     1e3,
-    unit="factor",
+    unit="1",
     why="factor around its natural size, either way, within which a quantity is looked for",
     chosen="by hand",
 )
 FEWEST = tuned(
-    10,
-    unit="samples",
-    why="fewest samples, blocks or draws from which a statistic is taken or a rest is told",
-    chosen="by hand",
+    10, unit="samples", why="fewest members from which a statistic is taken, or a rest is told", chosen="by hand"
 )
 BEYOND_DOUBT = tuned(
     10.0,
@@ -56,27 +46,9 @@ BEYOND_DOUBT = tuned(
     why="distance at which something is no noise whatever its distribution",
     chosen="by hand",
 )
-AT_FLOOR = tuned(
-    1.3, unit="noise floors", why="with no more than this left, a search has found the right valley", chosen="by hand"
-)
-LAGS = tuned(
-    30,
-    unit="samples",
-    why="lags at which a residual is compared with itself, and largest order of its autoregression",
-    chosen="by hand",
-)
-BLOCKS = tuned(
-    (16, 64), unit="samples", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
-)
-ROUGHLY = tuned(
-    1e-4, unit="1", why="fall of the error, as a part of it, that is worth no step of a rough search", chosen="by hand"
-)
 
 DAMPING = tuned(
-    1e-3,
-    unit="1",
-    why="damping, on a unit diagonal, at which a search over sets begins and to which a step that fails raises it",
-    chosen="by hand",
+    1e-3, unit="1", why="damping at which every Levenberg-Marquardt search begins, on a unit diagonal", chosen="by hand"
 )
 #: Damping at which a search gives up: a step is then below the rounding of what it moves.
 STUCK = 1.0 / math.sqrt(sys.float_info.epsilon)

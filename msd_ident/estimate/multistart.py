@@ -21,19 +21,46 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, LONG, LOOK, SAMPLES, SHORT, THOROUGH
+from msd_ident.estimate.effort import KEPT, LONG, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
-from msd_ident.estimate.levels import ALIKE, AT_FLOOR, BLOCKS, MOST_OF, NATURAL_RANGE, NEGLIGIBLE, ROUGHLY
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.objective import SquaredError, motion_weights
-from msd_ident.estimate.problem import RELATIVE_STEP, Problem
+from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import tuned
 
-#: Factor on the finite-difference steps of a rough search: wide steps, 1/``NATURAL_RANGE`` of the motion, see past the
-#: kinks of sticking.
-_COARSE = 1.0 / (NATURAL_RANGE * RELATIVE_STEP)
-#: Parts of the records over which a fit grows, each twice the one before; the first holds a swing or so.
-_HORIZONS = tuple(0.5**n for n in range(LOOK, 0, -1))
-#: Factors by which a jump tries the other valleys of a kinked parameter.
-_JUMPS = (ALIKE**-3, 1.0 / ALIKE, ALIKE, ALIKE**3)
+_FIRST = tuned(6, unit="steps", why="first look at a start", chosen="by hand")
+_EXPLORED = tuned(25, unit="steps", why="how far a valley is followed that may not be the deepest", chosen="by hand")
+_WORTH = tuned(1e-5, unit="1", why="fall of the error, as a part of it, that is worth a step there", chosen="by hand")
+_ENOUGH = tuned(5_000, unit="samples", why="enough to tell valleys apart, all records together", chosen="by hand")
+_AT_FLOOR = tuned(
+    1.3, unit="noise floors", why="what the right valley of the right model leaves at most", chosen="by hand"
+)
+_BLOCKS = tuned(
+    (8, 32), unit="samples", why="lengths of the blocks whose sums tell a pattern from noise", chosen="by hand"
+)
+_COARSE = tuned(
+    100.0,
+    unit="1",
+    why="factor on finite-difference steps that see past the kinks of sticking: 0.1 % of the motion",
+    chosen="by hand",
+)
+_SLIPPED = tuned(
+    0.2, unit="1", why="part of the motion's spread that is left where phase has slipped somewhere", chosen="by hand"
+)
+_HORIZONS = tuned(
+    (0.03, 0.06, 0.12, 0.25, 0.5),
+    unit="1",
+    why="parts of the records over which a fit grows: the first holds a swing or so",
+    chosen="by hand",
+)
+_DECIDED = tuned(0.12, unit="1", why="horizon from which on only the best starts are followed", chosen="by hand")
+_JUMPS = tuned(
+    (0.55, 0.8, 1.25, 1.8),
+    unit="1",
+    why="factors by which a jump tries the other valleys of a kinked parameter",
+    chosen="by hand",
+)
+_MOST_HOPS = tuned(4, unit="valleys", why="valleys next to each other that are gone through, at most", chosen="by hand")
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
@@ -82,12 +109,12 @@ class Valleys:
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
         likely = sorted([*starts, *own], key=self.weighted.cost)[:KEPT]
-        first = best = self._explore(likely[0], limits(self.problem, THOROUGH))
+        first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
         if not self.at_floor(best):
             others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
             best = self._deepest_of(best, [*others, *guesses(best.point)])
         best = self._hop(self._jump(best, all_entries=not self.at_floor(best)), neighbours)
-        if self._relative(best) > MOST_OF:
+        if self._relative(best) > _SLIPPED:
             best = _deeper(best, self._grow(likely))
         return best if best is first and best.converged else minimise(self.plain, best.point, limits(self.problem))
 
@@ -104,21 +131,21 @@ class Valleys:
         return best
 
     def _roughly(self) -> SolverOptions:
-        return replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY)
+        return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
         """A few iterations from every start; the ``KEPT`` best are returned."""
-        outcomes = [minimise(self.rough, start, limits(self.problem, LOOK)) for start in starts]
+        outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
         return sorted(outcomes, key=_cost)[:KEPT]
 
     def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
         """Refine a start: first with rests weighted down, then with all samples alike."""
-        down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=ROUGHLY))
+        down = minimise(self.rough, start, replace(limits(self.problem, THOROUGH), cost_tolerance=1e-3))
         return minimise(self.plain, down.point, until)
 
     def at_floor(self, outcome: Solution) -> bool:
         """Whether the residual is measurement noise: as small as the noise floor, and without a slow pattern."""
-        if not (math.isfinite(self.floor) and self._spread(outcome) <= AT_FLOOR * self.floor):
+        if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
             return False
         weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
         moving = (self.problem.residual(outcome.point, r)[weight == 1.0] for r, weight in enumerate(weights))
@@ -143,7 +170,7 @@ class Valleys:
 
     def _hop(self, best: Solution, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Solution:
         """Try neighbouring minima as long as the error decreases and is above the noise floor."""
-        for _ in range(LOOK):
+        for _ in range(_MOST_HOPS):
             before, near = best.cost, neighbours(best.point)
             if not near or self.at_floor(best):
                 break
@@ -173,8 +200,8 @@ class Valleys:
         points = list(starts)
         for horizon in _HORIZONS:
             part = SquaredError(self.rough.problem.shortened(horizon), coarse=_COARSE)
-            outcomes = [minimise(part, point, limits(self.problem, LOOK)) for point in points]
-            kept = 2 if horizon >= _HORIZONS[LOOK // 2] else len(points)
+            outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
+            kept = 2 if horizon >= _DECIDED else len(points)
             points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
         best = self._explore(points[0], self._roughly())
         for point in [] if self.at_floor(best) else points[1:]:
@@ -197,7 +224,7 @@ def _rounding(residual: FloatArray, step: float) -> bool:
 def _patternless(residual: FloatArray) -> bool:
     """Whether block sums of a residual scatter like those of independent samples (within four standard deviations)."""
     variance = float(residual @ residual) / max(residual.size, 1)
-    for block in BLOCKS:
+    for block in _BLOCKS:
         count = residual.size // block
         if count < 4 or variance == 0.0:
             continue
@@ -224,7 +251,7 @@ def valleys(problem: Problem, floor: float) -> Valleys:
     """
     steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
     plain, weighted = SquaredError(problem), _weighted(problem, steps)
-    thin = problem.thinned(SAMPLES)
+    thin = problem.thinned(_ENOUGH)
     return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)
 
 

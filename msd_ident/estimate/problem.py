@@ -18,12 +18,11 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
@@ -35,6 +34,10 @@ LONG_RECORD = fixed(
     "resources",
     "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
 )
+_FEWEST_A_SWING = tuned(
+    100, unit="samples", why="fewest samples of a swing that a thinned record keeps", chosen="by hand"
+)
+_FEWEST_SAMPLES = tuned(400, unit="samples", why="fewest samples that a thinned record keeps", chosen="by hand")
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 
@@ -251,8 +254,8 @@ class Problem:
         held, each kept sample gets the mean force of the samples that it stands for. Other records are not thinned.
 
         Args:
-            enough: samples of all records together that should remain. A record keeps at least ``FEWEST_READINGS``
-                samples and about ``A_SWING`` samples in each swing.
+            enough: samples of all records together that should remain. A record keeps at least ``_FEWEST_SAMPLES``
+                samples and about ``_FEWEST_A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
         records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
@@ -262,8 +265,8 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def _spare(self, record: Record) -> int:
-        """Samples of a record within the part of a swing that a sample may stand for."""
-        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
+        """Samples of a record within a hundredth of a swing."""
+        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""
@@ -342,7 +345,7 @@ class Problem:
 def _thinned(record: Record, every: int) -> Record:
     """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
     count = record.samples // every if every > 1 else 0
-    if count < FEWEST_READINGS:
+    if count < _FEWEST_SAMPLES:
         return record
     stop = count * every
     time, position = record.time[:stop:every], record.position[:stop:every]

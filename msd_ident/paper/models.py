@@ -25,7 +25,7 @@ _LENGTH_SPREAD, _TIME_SPREAD = 5e-5, HALF_SAMPLE / np.sqrt(3.0)
 #: Most parameters that the five numbers of a response can decide about.
 _MOST_PARAMETERS = len(LENGTHS) + len(TIMES)
 #: Starting values tried for an effect.
-_STARTS = 4
+_STARTS = 8
 _PERIOD, _DURATION = 4e-3, 3.0
 #: What a model without two peaks is said to be off by, in units of the spread.
 _NO_PEAKS = 1e4

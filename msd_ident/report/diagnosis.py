@@ -52,11 +52,17 @@ def ties(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 def models_table(diagnosis: Diagnosis) -> Table:
-    """Base and extended model side by side, ± half of the 95 % interval."""
-    table = new_table("Models, ± 95 %", "", "base", "extended", "unit")
+    """Base and extended model side by side, ± half of the 95 % interval.
+
+    Where other explanations or laws fit alike, no interval of one of them holds the truth: the range over all of them
+    stands in its place.
+    """
+    ranges = {name: f"{low:.4g} to {high:.4g}" for name, (low, high) in diagnosis.spread.items()}
+    title = "Models, ± 95 %; ranges: over all that fit alike" if ranges else "Models, ± 95 %"
+    table = new_table(title, "", "base", "extended", "unit")
     for name, quantity in diagnosis.base.quantities.items():
-        other = diagnosis.extended.quantities[name]
-        table.add_row(name, numbers.with_band(quantity), numbers.with_band(other), quantity.unit)
+        other = numbers.with_band(diagnosis.extended.quantities[name])
+        table.add_row(name, numbers.with_band(quantity), ranges.get(name, other), quantity.unit)
     table.add_section()
     unit = diagnosis.records[0].position_unit
     base, extended, held = diagnosis.base_adequacy, diagnosis.adequacy, diagnosis.heldout

@@ -86,7 +86,7 @@ def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail:
         Fit(found.records, diagnosis_curves(found), found.noise_floor, detail),
         MissingForce(found, detail),
         Causes(found),
-        Parameters(found.records, diagnosis_columns(found), found.extended.open_directions),
+        Parameters(found.records, diagnosis_columns(found), found.extended.open_directions, found.spread),
         Data(found.records, found.findings, provenance, _delay(found)),
     ]
     if found.calibration is not None:

@@ -8,8 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import BLOCKS, TENTH
 from msd_ident.residuals.disturbance import DisturbanceEstimate
+from msd_ident.tuning import tuned
+
+_BINS = tuned(16, unit="bins", why="bins over a signal's range in which a force is averaged", chosen="by hand")
+_WORTH = tuned(
+    0.15, unit="1", why="share of the variance below which a dependence is not worth a word", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
     levels = np.unique(signal)
     if levels.size < 2:
         return 0.0
-    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, BLOCKS[0] + 1)[1:-1]))
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, _BINS + 1)[1:-1]))
     place = np.searchsorted(edges, signal, side="right")
     count = np.bincount(place)
     mean = np.bincount(place, weights=force) / np.maximum(count, 1)
@@ -52,7 +57,7 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
 
 def sentence(missing: Sequence[DisturbanceEstimate]) -> str:
     """Which signals the missing force depends on, in a sentence."""
-    known = [item for item in dependences(missing) if item.share >= TENTH]  # less is no dependence worth a word
+    known = [item for item in dependences(missing) if item.share >= _WORTH]
     if not known:
         return "This force depends on neither position, velocity, time nor applied force."
     listed = ", ".join(f"{100.0 * item.share:.0f} % depends on the {item.signal}" for item in known)

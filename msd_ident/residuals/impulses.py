@@ -14,15 +14,16 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
-from msd_ident.estimate.effort import KEPT
-from msd_ident.estimate.levels import BEYOND_DOUBT, MAD, MOST_OF
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
 from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
 from msd_ident.tuning import tuned
 
-_GAP = tuned(5.0, unit="sample periods", why="time without a reading in which no push can be told", chosen="by hand")
+_CERTAIN = tuned(8.0, unit="standard deviations", why="size of a push that is no noise", chosen="by hand")
+_MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
+_GAP = tuned(5.0, unit="sample periods", why="time without a reading that makes a gap", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,8 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     found = missing_force(record, plant, noise, zero)
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
-    usual = MAD * float(np.median(np.abs(unexplained)))
-    limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
+    usual = 1.4826 * float(np.median(np.abs(unexplained)))
+    limit = np.maximum(BEYOND_DOUBT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])
@@ -64,7 +65,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
             groups[-1] = (groups[-1][0], end)
         else:
             groups.append((begin, end))
-    if len(groups) > KEPT or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
+    if len(groups) > _MOST or any(found.time[end - 1] - found.time[begin] > MOST_OF * period for begin, end in groups):
         return ()
     seen = [span for span in groups if _is_seen(record, *span)]
     return tuple(_push(found.time, unexplained, begin, end) for begin, end in seen)

@@ -21,7 +21,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
-from msd_ident.estimate.levels import NATURAL_RANGE, ROUGHLY
+from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.problem import RELATIVE_STEP
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
@@ -156,7 +156,7 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
     problem, start = _pose(tuple(readings), records, model, initial)
     lower = np.full(start.size, -np.inf)
     lower[0] = start[0] / NATURAL_RANGE
-    limits = SolverOptions(lower, np.full(start.size, np.inf), problem.scale, SHORT, ROUGHLY, 1e-6)
+    limits = SolverOptions(lower, np.full(start.size, np.inf), problem.scale, SHORT, 1e-4, 1e-6)
     point = minimise(problem, start, limits).point
     normal = problem.linearise(point)
     inflation = max(2.0 * normal.cost / sum(part.evidence for part in readings), 1.0)

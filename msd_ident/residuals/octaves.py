@@ -17,10 +17,14 @@ import numpy.typing as npt
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.tuning import fixed
 
-#: Ends of the octaves, in units of the motion's own frequency; what is slower or faster is one band each.
-_ENDS = fixed((0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0), "mathematics", "octaves in which a motion and its harmonics lie")
+_OCTAVES = fixed(
+    (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0),
+    "mathematics",
+    "ends of the octaves, in units of the motion's own frequency; what is slower or faster is one band each",
+)
+_ENDS = np.array(_OCTAVES)
 #: How many bands there are.
-BANDS = len(_ENDS) + 1
+BANDS = _ENDS.size + 1
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.special import chdtri
 
 from msd_ident.data.record import FloatArray
 from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
-from msd_ident.residuals.adequacy import LEVEL
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
 _FEWEST = fixed(3, "mathematics", "swings from which on a trend with the amplitude differs from two values")
 #: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
@@ -35,10 +33,15 @@ _RUBS = _reading("dry friction", RUBS)
 _DRAGS = _reading("drag that grows with the square of the speed", DRAGS)
 _SOFTENS = _reading("a softening spring", SOFTENS)
 _HARDENS = _reading("a hardening spring", HARDENS)
-#: Chi² by which a slope must beat a constant before a word is said.
-_DECISIVE = float(chdtri(1, LEVEL))
-_LEAST_RATIO = fixed(2e-4, "accuracy", "standard deviation of a damping ratio that turning points never undercut")
-_LEAST_RELATIVE = fixed(5e-4, "accuracy", "the same of a natural frequency, as a part of it")
+_DECISIVE = tuned(
+    16.0, unit="chi²", why="by how much a slope must beat a constant before a word is said", chosen="by hand"
+)
+_LEAST_RATIO = tuned(
+    2e-4, unit="1", why="standard deviation of a damping ratio that is never undercut", chosen="by hand"
+)
+_LEAST_RELATIVE = tuned(
+    5e-4, unit="1", why="relative standard deviation of a frequency that is never undercut", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)

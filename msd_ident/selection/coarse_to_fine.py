@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from msd_ident.estimate.effort import A_SWING, SAMPLES
-from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
@@ -23,6 +22,9 @@ _FAR = tuned(
     unit="noise floors",
     why="a set that leaves more will not be explained to the noise: the search may use mean forces",
     chosen="by hand",
+)
+_BLURRED = tuned(
+    0.3, unit="1", why="part of what a set leaves at which the change by mean forces hides it", chosen="by hand"
 )
 
 
@@ -115,7 +117,7 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
     """
     coarse = thin.with_mean_force()
     if left > _FAR**2 and _change(thin, coarse, friction) < LEAST_SPREAD**2 * left * thin.evidence:
-        return coarse, lambda fitted: _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
+        return coarse, lambda fitted: _change(thin, coarse, fitted) > _BLURRED**2 * fitted.chi
     return thin, lambda fitted: False
 
 

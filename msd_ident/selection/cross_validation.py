@@ -24,14 +24,16 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import see_reduction
 from msd_ident.estimate.broyden import State, descend
 from msd_ident.estimate.effort import SHORT
-from msd_ident.estimate.levels import CONFIDENCE, NEGLIGIBLE
+from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model import Model
-from msd_ident.selection.hypothesis import Experiment, Hypothesis, weigh
+from msd_ident.selection.hypothesis import LEAST_FALL, Experiment, Hypothesis, weigh
 from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
-#: Equal parts of a record without steps, and blocks that a segment is cut into at most, however fast the plant forgets.
 _SEGMENTS = 2 * FOLDS
+_BLOCKS = tuned(
+    6, unit="blocks", why="blocks that a segment is cut into at most, however fast the plant forgets", chosen="by hand"
+)
 _WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it is as good as infinite")
 
 
@@ -149,7 +151,7 @@ def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatAr
     weighting = weigh(fitted.problem, experiment.readings, masks)
     kept = np.concatenate(masks)
     seen = State(fitted.point, fitted.state.residual * kept, fitted.state.jacobian * kept, fitted.state.exact)
-    worth = NEGLIGIBLE * max(fitted.chi / experiment.evidence, 1.0)
+    worth = LEAST_FALL * max(fitted.chi / experiment.evidence, 1.0)
     return descend(weighting, seen, SHORT, worth).point
 
 
@@ -163,7 +165,7 @@ def _blocks(
     for record, one, other, cut in zip(experiment.records, *errors, cuts, strict=True):
         for number in np.unique(cut):
             inside = np.flatnonzero(cut == number)
-            count = int(np.clip(inside.size * record.period / memory, 1, _SEGMENTS))
+            count = int(np.clip(inside.size * record.period / memory, 1, _BLOCKS))
             for block in np.array_split(inside, count):
                 base, extended = one[block], other[block]
                 found.append((base @ base, extended @ extended, extended @ (base - extended)))

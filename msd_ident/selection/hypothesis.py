@@ -8,32 +8,36 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import ndtri
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import State, Weighting, descend
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, LOOK, THOROUGH
 from msd_ident.estimate.formulation import formulate
-from msd_ident.estimate.levels import AT_FLOOR, MOST_OF, NEGLIGIBLE
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import rest_response
-from msd_ident.residuals.adequacy import FLOOR_ERROR, LEVEL
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed, tuned
 
 Causes = frozenset[str]
 
 COULOMB = DRY_FRICTION
 #: Laws that hold Coulomb's as a limit, with the parameter that becomes its force.
 HOLDING_COULOMB = {effect.name: effect.dry_limit for effect in LIBRARY if effect.dry_limit}
+_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
 _KICK = tuned(0.6, unit="rad", why="turn of a phase that may lead to another valley", chosen="by hand")
-#: Distance [noise of a reading] between the first reading and the fitted start that is not the noise's.
-_ASIDE = float(ndtri(1.0 - 0.5 * LEVEL))
+_FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
+_ASIDE = tuned(
+    6.0,
+    unit="standard deviations",
+    why="distance between the first reading and the fitted start that is not the noise's",
+    chosen="by hand",
+)
 FAR = tuned(
     25.0,
     unit="chi² for each piece of evidence",
@@ -46,6 +50,9 @@ COMPARABLE = tuned(
     why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
     chosen="by hand",
 )
+_HOPELESS_FAR = tuned(
+    1.5, unit="factor", why="chi² of another set far from the noise: with more, a set is not refined", chosen="by hand"
+)
 REACH = tuned(
     10.0,
     unit="1",
@@ -56,21 +63,22 @@ REACH = tuned(
 SOUGHT = tuned(
     40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
 )
-SAME = tuned(
-    1e-3,
-    unit="1",
-    why="relative difference of the chi² of two fits that are one, and fall of what is left above the noise that is "
-    "not worth a simulation",
-    chosen="by hand",
+SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
+NOISE_ERROR = tuned(
+    0.1, unit="1", why="relative error that the estimate of the noise's variance may have", chosen="by hand"
+)
+_SLACK = tuned(
+    1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
 )
 _SLACK_FAR = tuned(
     5e-3,
     unit="1",
-    why="fall of what is left above the noise that is not worth a simulation, far from the noise",
-    chosen="with `SAME` the offset of the force of EMPS is named no more (`python -m bench.real --only emps_train`)",
+    why="far from the noise, part of what is left whose fall is not worth a simulation",
+    chosen="by hand",
 )
-#: Relative error that the estimate of the noise's variance may have: twice that of its standard deviation.
-NOISE_ERROR = 2.0 * FLOOR_ERROR
+LEAST_FALL = tuned(
+    0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)
@@ -361,7 +369,7 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
         The sets as they are after these steps, by rising chi².
     """
     kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
-    ahead = [_lower(experiment, fitted, LOOK) for fitted in kept]
+    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -375,7 +383,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
-    if not AT_FLOOR**2 * experiment.evidence < best.chi < _hopeless(experiment, least):
+    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
         return best
     kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
     return min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -393,7 +401,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
     for entry, parameter in enumerate(fitted.problem.parameters):
         if not parameter.is_phase:
             continue
@@ -401,7 +409,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
             point = fitted.point.copy()
             point[entry] += turn
             state = State(point, weighting.residual(point), fitted.state.jacobian, False)
-            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
+            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
     return found
 
 
@@ -444,14 +452,14 @@ def _hopeless(experiment: Experiment, least: float) -> float:
     Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
     """
     if least > FAR * experiment.evidence:
-        return least * AT_FLOOR**2
+        return least * _HOPELESS_FAR
     return experiment.worse(least, COMPARABLE)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
-    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else SAME
-    return NEGLIGIBLE + slack * max(fitted.chi - experiment.evidence, 0.0)
+    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
+    return LEAST_FALL + slack * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
@@ -481,8 +489,8 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
         initial: initial state of each record to start from.
     """
     problem, weighting, point = formulated(experiment, model, initial)
-    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, NEGLIGIBLE)
-    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, NEGLIGIBLE)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, LEAST_FALL)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 

@@ -12,7 +12,6 @@ import numpy as np
 from msd_ident import parallel, seeds
 from msd_ident.data.record import Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
-from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
@@ -25,14 +24,21 @@ from msd_ident.selection.structure_search import NOTHING, Progress
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 from msd_ident.tuning import tuned
 
-#: Copies of a fitted explanation, so that a share of all of them (Jeffreys) is as sure as an interval; twice as many of
-#: one whose strengths are drawn by lot, and copies without a cause that a certain name needs at least (Laplace).
-COPIES = round((CONFIDENCE - 0.5) / (1.0 - CONFIDENCE))
+COPIES = tuned(
+    8,
+    unit="copies",
+    why="of each fitted explanation; twice as many of one whose strengths are drawn by lot",
+    chosen="by hand",
+)
+_ENOUGH = tuned(20, unit="copies", why="copies without a cause that a certain name needs at least", chosen="by hand")
 _CHEAP = tuned(
     1e7,
     unit="samples × sets",
     why="cost up to which copies are made unasked",
     chosen="measured at 3 to 40 s of processor time",
+)
+_OVERHEAD = tuned(
+    2000, unit="samples", why="samples whose simulation costs as much as what is done around it", chosen="by hand"
 )
 
 
@@ -211,7 +217,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
         counts: copies of each.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
-    samples = SAMPLES + sum(part.record.samples for part in experiment.readings)
+    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
     return float(samples * sum(counts) * max(asked, 1) ** 2)
 
 
@@ -221,7 +227,7 @@ def _copies(rows: Sequence[Explanation]) -> list[int]:
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:
-            counts[i] = max(counts[i], math.ceil(2 * COPIES / len(lacking)))
+            counts[i] = max(counts[i], math.ceil(_ENOUGH / len(lacking)))
     return counts
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import Weighting, extended, step
-from msd_ident.estimate.effort import KEPT, LOOK
+from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.formulation import regressed
 from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
@@ -19,7 +19,7 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
-from msd_ident.selection.evidence import FAINT, ROUGH
+from msd_ident.selection.evidence import FAINT
 from msd_ident.selection.hypothesis import (
     COULOMB,
     HOLDING_COULOMB,
@@ -38,7 +38,14 @@ _WEAK = tuned(
     0.05,
     unit="1",
     why="part of a guess's strength that is tried where the whole of it makes the fit worse",
-    chosen="with 0.1, one of 31 diagnoses changes its verdict and its cause",
+    chosen="by hand",
+)
+_PLACINGS = tuned(4, unit="steps", why="steps that place each record's start before a set is fitted", chosen="by hand")
+_FAR_ASTRAY = tuned(
+    30.0,
+    unit="noise floors",
+    why="what a set leaves beyond which its neighbours are started from a regression with inner parameters too",
+    chosen="by hand",
 )
 
 
@@ -157,9 +164,9 @@ def regressions(
         return []
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
-        for bent in _with_stops(experiment, model) if left > FAINT * ROUGH else [model]:
+        for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
             inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
-            if len(bent.names) > 3 + len(inner) and (left > FAINT * ROUGH or not inner):
+            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
                 tried.setdefault(inner, bent)
     found = []
     for model in tried.values():
@@ -184,7 +191,7 @@ def _placed(
     others = frozenset(model.names) - {"mass", "stiffness"}
     bare, units, place = formulated(experiment, model, problem.initials(point), others)
     chi, best = math.inf, place
-    for _ in range(LOOK):
+    for _ in range(_PLACINGS):
         state = units.exact(place, units.steps(None))
         if not state.chi < chi:
             break

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, SAMPLES, THOROUGH
+from msd_ident.estimate.effort import SAMPLES
 from msd_ident.estimate.frequency_scan import PITCHES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -20,6 +20,10 @@ from msd_ident.tuning import fixed, tuned
 #: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
 Term = tuple[float, float, float]
 
+_LINES = tuned(4, unit="terms", why="harmonic terms that a search begins from, the strongest", chosen="by hand")
+_RATES = tuned(
+    60, unit="trials", why="values of b/m tried for a plain axis, evenly spaced in their logarithm", chosen="by hand"
+)
 _FAINT = fixed(
     1e-12,
     "accuracy",
@@ -31,11 +35,11 @@ STOPS = tuned(
     why="places of an end stop that are tried far from the noise, in parts of the reach",
     chosen="by hand",
 )
-_LIMITS = tuned(
+_SATURATED = tuned(
     (0.95, 0.75),
     unit="1",
     why="limits of the force that a search begins from, in parts of the largest force",
-    chosen="with 0.95, 0.74 and 0.5 a limit at 0.7 is not found beside a slope (test/selection/test_gain_laws.py)",
+    chosen="by hand",
 )
 
 
@@ -80,7 +84,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
     found = effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
-        found += tuple(effect.limited(share * fitted.largest) for share in _LIMITS if fitted.largest > 0.0)
+        found += tuple(effect.limited(share * fitted.largest) for share in _SATURATED if fitted.largest > 0.0)
     return found
 
 
@@ -97,7 +101,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
         noise: standard deviation of a reading [m].
 
     Returns:
-        At most ``KEPT`` triples of amplitude [N], pitch [m] and phase [rad].
+        At most ``_LINES`` triples of amplitude [N], pitch [m] and phase [rad].
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
     lacking = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
@@ -118,7 +122,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     gain = np.einsum("pi,pi->p", solution, right)
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
+    best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
     return [
         (max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
         for i in best
@@ -137,7 +141,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
         residual: (n,) model − data [m].
 
     Returns:
-        At most ``KEPT`` triples of amplitude [N], angular frequency [rad/s] and phase [rad].
+        At most ``_LINES`` triples of amplitude [N], angular frequency [rad/s] and phase [rad].
     """
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)
@@ -147,7 +151,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
     power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
     found: list[Term] = []
-    for _ in range(KEPT):
+    for _ in range(_LINES):
         w = float(omega[int(np.argmax(power))])
         if w == 0.0:
             break
@@ -168,7 +172,7 @@ def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ..
     """
     duration = max(record.duration for record in records)
     found = []
-    for rate in np.geomspace(0.02 / duration, 500.0 / duration, THOROUGH):
+    for rate in np.geomspace(0.02 / duration, 500.0 / duration, _RATES):
         solved = _regressed(records, float(rate))
         if solved is not None:
             found.append(solved)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TypeVar
 
 from msd_ident import parallel
-from msd_ident.estimate.effort import LOOK, SHORT
+from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
@@ -54,6 +54,15 @@ NOTHING: Causes = frozenset()
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 #: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
 _ROUNDS_FAR = LOOK // 2
+_AHEAD = tuned(
+    (4, 12),
+    unit="sets",
+    why="sets of a round that are fitted before the others, and those that follow them",
+    chosen="by hand",
+)
+_COMPARABLE = tuned(
+    3.0, unit="factor", why="chi² of the first parent up to which a second one is worth starting from", chosen="by hand"
+)
 
 
 @dataclass
@@ -250,8 +259,9 @@ class Search:
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
         found.sort(key=lambda starts: starts[0].turn)
         # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
+        few, some = _AHEAD
         shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
-        for group, share in zip((found[:LOOK], found[LOOK:SHORT], found[SHORT:]), shares, strict=True):
+        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
             self._fit_group(group, share)
         return True
 
@@ -294,7 +304,7 @@ class Search:
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
-        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]

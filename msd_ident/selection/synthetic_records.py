@@ -17,8 +17,6 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting
-from msd_ident.estimate.effort import SHORT
-from msd_ident.estimate.levels import DAMPING
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Effect
 from msd_ident.model.effects import by_name
@@ -26,8 +24,14 @@ from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.evidence import NoiseScale, prior_widths
 from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis, formulated
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
+_STEPS = tuned(
+    15,
+    unit="steps",
+    why="steps down that bring the other parameters to the record when one law is given",
+    chosen="by hand",
+)
 _UNIFORM = fixed(1.0 / 12.0, "mathematics", "variance of a rounding error, in steps squared")
 
 
@@ -117,9 +121,9 @@ def _weaker(effect: Effect, share: float) -> Effect:
 
 def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -> tuple[float, FloatArray]:
     """Chi² and point (p,) after a few Levenberg–Marquardt steps in which some entries keep their ratios."""
-    problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), DAMPING
+    problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), 1e-3
     alone = [entry for entry in range(point.size) if entry not in together]
-    for _ in range(SHORT):
+    for _ in range(_STEPS):
         basis = np.eye(point.size)[alone]
         if together:
             basis = np.vstack([basis, np.where(np.isin(np.arange(point.size), together), state.point, 0.0)])

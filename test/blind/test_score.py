@@ -121,22 +121,31 @@ def test_an_oddity_may_be_called_by_its_family_alone() -> None:
 def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
     def one(name: str, p: float, hidden: str = "one_sided_stop", **others: object) -> Outcome:
         return outcome(
-            ((name, p),), truth=(hidden,), odd=True, case=Case(1, hidden, False), **{"plant_error": 0.01, **others}
+            ((name, p),),
+            truth=(hidden,),
+            odd=True,
+            case=Case(1, hidden, False),
+            **{"plant_error": 0.01, "plant_stated": 0.0, **others},
         )
 
     right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
     wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
     tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
-    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 3, 4)}
+    assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 3, 4, 5)}
     unnamed = one("end_stop", 0.5, hidden="band_limited_force")
-    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1, 1)}
+    assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1, 1, 1)}
     said = told.variants([right, replace(unnamed, verdict="ambiguous")])
-    assert said[-3:] == ["| all | 2 | 2 | 2 | 0 | 0 | 2 |", "", "Nothing failed."]
+    assert said[-3:] == ["| all | 2 | 2 | 2 | 0 | 0 | 2 | 2 |", "", "Nothing failed."]
     assert told.variants([outcome((("backlash", 1.0),))]) == []
     row = told.failures([right, wrong])[-1]
     assert row.startswith("| 1 | steps | one_sided_stop | cogging 0.950 | explained") and "surely false" in row
     assert score.failed(wrong) == ["family not named", "surely false", "explained falsely"]
-    assert score.failed(far) == ["family not named", "surely false", "explained falsely", "m or k off by 3.0 %"]
+    assert score.failed(far) == [
+        "family not named",
+        "surely false",
+        "explained falsely",
+        "m or k off by 3.0 %, as stated",
+    ]
 
 
 def test_all_variants_are_planned_where_they_can_be_seen() -> None:

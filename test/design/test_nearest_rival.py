@@ -12,7 +12,6 @@ from designrigs import stepped
 from msd_ident.design import hidden_effects, nearest_rival
 from msd_ident.design.hidden_effects import beside
 from msd_ident.design.prediction import sensing
-from msd_ident.estimate.effort import LOOK
 from msd_ident.model import Model
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
@@ -52,5 +51,5 @@ def test_what_can_not_hide_is_given_up_early(monkeypatch: pytest.MonkeyPatch) ->
     for hopeless in (hidden_effects._HOPELESS, math.inf):
         looks.append(0)
         rises.append(nearest_rival.nearest(lead, trial, moving, data, hopeless)[1])
-    assert looks[0] == LOOK < looks[1]
+    assert looks[0] == nearest_rival._ENOUGH < looks[1]
     assert min(rises) > hidden_effects._HOPELESS

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
 import pytest
 from reportrigs import diagnosed
+from rich.console import Console
 
 import msd_ident
 from msd_ident.diagnosis.result import Verdict
 from msd_ident.live import cards
 from msd_ident.report import diagnosis, words
+from msd_ident.report.sections.parameters import Parameters, diagnosis_columns
 
 pytestmark = pytest.mark.xdist_group("report")
 
@@ -38,3 +41,17 @@ def test_headlines_of_what_is_left_and_of_what_is_not_certain() -> None:
     enough = replace(left, extended=replace(left.extended, motion_percent=0.4))
     told = words.headline(replace(found, verdict="adequate", causes=(), left=enough))
     assert told.endswith("the error is less than the tolerance of 1 % of the motion.")
+
+
+def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() -> None:
+    found = replace(diagnosed(), spread={"mass": (2.6, 2.9)})
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(diagnosis.models_table(found))
+    text = console.export_text()
+    assert "ranges: over all that fit alike" in text
+    (row,) = (line for line in text.splitlines() if line.strip().startswith("mass"))
+    assert row.rstrip().endswith("2.6 to 2.9             kg") and "±" in row.split("2.6 to")[0]
+    columns = diagnosis_columns(found)
+    section = Parameters(found.records, columns, (), found.spread)
+    assert [row[4] for row in section.context()["rows"]][0] == "2.600 to 2.900"
+    assert not Parameters(found.records, columns, ()).context()["ranges"]

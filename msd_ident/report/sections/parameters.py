@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.model import frequency_response
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
-from msd_ident.report.numbers import length_scale, shown
+from msd_ident.report.numbers import length_scale, number, shown
 from msd_ident.report.plot import Plot, Role
 from msd_ident.report.plots import bode_plot
 from msd_ident.report.sections.section import Section
@@ -42,9 +43,13 @@ class Parameters(Section):
     title = "Parameters"
 
     def __init__(
-        self, records: tuple[Record, ...], columns: tuple[Column, ...], open_sentences: tuple[str, ...]
+        self,
+        records: tuple[Record, ...],
+        columns: tuple[Column, ...],
+        open_sentences: tuple[str, ...],
+        ranges: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
-        self._records, self._columns, self._open = records, columns, open_sentences
+        self._records, self._columns, self._open, self._ranges = records, columns, open_sentences, ranges or {}
 
     @cached_property
     def bode(self) -> Plot:
@@ -63,10 +68,21 @@ class Parameters(Section):
     def context(self) -> Mapping[str, Any]:
         """Rows of the table, and what is open."""
         names = dict.fromkeys(name for column in self._columns for name in column.quantities)
-        rows = [(*words.parameter(name), self._cells(name), self._unit(name)) for name in names]
+        rows = [(*words.parameter(name), self._cells(name), self._unit(name), self._range(name)) for name in names]
         scale = length_scale(min(column.see for column in self._columns), self._records[0].position_unit)
         errors = [marked.length(f"{column.key}.see_m", column.see, scale) for column in self._columns]
-        return {"columns": self._columns, "rows": rows, "errors": errors, "open": self._open}
+        return {
+            "columns": self._columns,
+            "rows": rows,
+            "errors": errors,
+            "open": self._open,
+            "ranges": bool(self._ranges),
+        }
+
+    def _range(self, name: str) -> str:
+        """Least and largest value over the explanations and laws that fit alike."""
+        low, high = self._ranges.get(name, (math.nan, math.nan))
+        return f"{number(low)} to {number(high)}" if low == low else ""
 
     def _cells(self, name: str) -> list[Marked | None]:
         return [
