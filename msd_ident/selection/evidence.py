@@ -289,15 +289,25 @@ def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str
 
 
 def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
-    """Whether one of the causes explains no more than the error of the others' laws may be.
+    """Whether one of the causes, or another law in the place of Coulomb's, explains no more than the error of the
+    others' laws may be.
 
     No law is exact: what a set leaves may be another form of the laws that it has. A further cause that explains less
     than ``LEAST_SPREAD`` of what they do, or than ``FORM_PART`` where less than ``FAINT`` noise floors are left
-    without it, is none of its own.
+    without it, is none of its own. Where the set leaves nothing but noise, no error of a law is seen; then the first
+    of the two does not hold.
     """
-    for name, part in further_parts(causes, sets).items():
-        faint = sets[causes - {name}].chi < FAINT**2 * noise
-        if part <= (FORM_PART if faint else LEAST_SPREAD):
+    exact = sets[causes].chi < (1.0 + NOISE_ERROR) * noise
+    parts = [(sets[causes - {name}], part) for name, part in further_parts(causes, sets).items()]
+    base = sets.get(frozenset())
+    for limit in _simpler(causes):
+        simple = sets.get(limit)
+        if base is not None and simple is not None and kinds(limit) != kinds(causes) and simple.chi < base.chi:
+            further = max(simple.chi - sets[causes].chi, 0.0)
+            parts.append((simple, math.sqrt(further / (base.chi - simple.chi))))
+    for without, part in parts:
+        faint = without.chi < FAINT**2 * noise
+        if (faint and part <= FORM_PART) or (not exact and part <= LEAST_SPREAD):
             return True
     return False
 
