@@ -294,8 +294,8 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
 
     No law is exact: what a set leaves may be another form of the laws that it has. A further cause that explains less
     than ``LEAST_SPREAD`` of what they do, or than ``FORM_PART`` where less than ``FAINT`` noise floors are left
-    without it, is none of its own. Where the set leaves nothing but noise, no error of a law is seen; then the first
-    of the two does not hold.
+    without it, is none of its own. Where the set leaves nothing but noise, no error of a law is seen: then the first
+    of the two does not hold, and the cause may be one of its own (``_other_forms``).
     """
     exact = sets[causes].chi < (1.0 + NOISE_ERROR) * noise
     parts = [(sets[causes - {name}], part) for name, part in further_parts(causes, sets).items()]
@@ -314,8 +314,11 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
 
 def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
     """Causes of a set that may be another form of its other laws, with their ``further_parts``."""
-    parts = further_parts(causes, sets).items()
-    return {n: part for n, part in parts if part <= FORM_PART and sets[causes - {n}].chi < ROUGH**2 * noise}
+    return {
+        name: part
+        for name, part in further_parts(causes, sets).items()
+        if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
+    }
 
 
 def _of_its_own(name: str) -> float:
