@@ -315,34 +315,47 @@ def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str
         causes: the set.
         sets: all fitted sets by their causes.
     """
-    base, found = sets.get(frozenset()), {}
-    for name in causes if base is not None else ():
-        smaller = sets.get(causes - {name})
-        if base is None or smaller is None or smaller.chi >= base.chi:
-            continue
-        further = max(smaller.chi - sets[causes].chi, 0.0)
-        found[name] = math.sqrt(further / (base.chi - smaller.chi))
-    return found
+    found = {name: _part_beyond(causes - {name}, causes, sets) for name in causes}
+    return {name: part for name, part in found.items() if math.isfinite(part)}
+
+
+def _part_beyond(limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> float:
+    """What a set explains beyond a simpler one, as a part of what that one explains; infinite where the simpler one was
+    not fitted or explains nothing.
+    """
+    base, simple = sets.get(frozenset()), sets.get(limit)
+    if base is None or simple is None or simple.chi >= base.chi:
+        return math.inf
+    return math.sqrt(max(simple.chi - sets[causes].chi, 0.0) / (base.chi - simple.chi))
 
 
 def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
-    """Whether one of the causes explains no more than an error of the other laws could.
+    """Whether one of the causes, or another law in the place of Coulomb's, explains no more than an error of the other
+    laws could.
 
     No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
     explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
-    left without it.
+    left without it. Where the set leaves only noise, no error of a law is seen: the first condition does not apply, and
+    ``_other_forms`` limits the cause's probability.
     """
-    for name, part in further_parts(causes, sets).items():
-        faint = sets[causes - {name}].chi < FAINT**2 * noise
-        if part <= (FORM_PART if faint else LEAST_SPREAD):
+    exact = sets[causes].chi < (1.0 + NOISE_ERROR) * noise
+    limits = [causes - {name} for name in causes]
+    limits += [limit for limit in _simpler(causes) if kinds(limit) != kinds(causes)]
+    for limit in limits:
+        part = _part_beyond(limit, causes, sets)
+        faint = math.isfinite(part) and sets[limit].chi < FAINT**2 * noise
+        if (faint and part <= FORM_PART) or (not exact and part <= LEAST_SPREAD):
             return True
     return False
 
 
 def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
     """Causes of a set that may be another form of its other laws, with their ``further_parts``."""
-    parts = further_parts(causes, sets).items()
-    return {n: part for n, part in parts if part <= FORM_PART and sets[causes - {n}].chi < ROUGH**2 * noise}
+    return {
+        name: part
+        for name, part in further_parts(causes, sets).items()
+        if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
+    }
 
 
 def _of_its_own(name: str) -> float:

@@ -119,7 +119,7 @@ def test_what_repeats_in_one_octave_counts_once_and_in_three_octaves_three_times
     ("without", "both", "called"),
     [
         (100.0, 1.0, True),  # a tenth of what friction explains, and its form is seen
-        (20.0, 1.0, False),  # a fiftieth: another form of the friction would do
+        (20.0, 1.5, False),  # a fiftieth: another form of the friction would do
         (2.9, 1.0, False),  # fainter than its form can be seen, and less than a fifth
         (2.9, 2.8, False),
     ],
@@ -139,6 +139,43 @@ def test_what_another_form_of_the_law_would_explain_is_no_cause(
     assert ("quadratic_drag" in found.best.causes) == called
     assert found.of_cause("coulomb_friction") == pytest.approx(1.0)
     assert found.of_cause("quadratic_drag") == pytest.approx(1.0 if called else 0.0)
+
+
+def test_a_small_cause_that_leaves_nothing_but_noise_is_named_and_never_certain(experiment: Experiment) -> None:
+    """A fiftieth of what friction explains: laws that are exact to the noise show no error that it could be."""
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 1000.0**2),
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 20.0**2),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
+        }
+    )
+    assert found.best.causes == {"coulomb_friction", "quadratic_drag"}
+    assert found.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
+
+
+@pytest.mark.parametrize(
+    ("without", "left", "called"),
+    [
+        (2.5, 1.0, False),  # faint, and less than a fifth of what Coulomb's friction explains
+        (20.0, 1.5, False),  # a fiftieth, and more than noise is left
+        (100.0, 1.0, True),
+    ],
+)
+def test_another_law_of_friction_must_explain_more_than_the_error_of_coulombs(
+    experiment: Experiment, without: float, left: float, called: bool
+) -> None:
+    """``without`` and ``left`` are what Coulomb's friction and Stribeck's leave, in noise floors."""
+    nothing = 1000.0 if without > evidence.FAINT else 60.0
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
+            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01), 840.0 * left**2),
+        }
+    )
+    assert found.best.causes == ({"stribeck_friction"} if called else {"coulomb_friction"})
+    assert (found.of_cause("stribeck_friction") > 0.9) is called
 
 
 @pytest.mark.parametrize(("further", "sure"), [("quadratic_drag", 3.0 / 4.0), ("coulomb_friction", 60.0 / 61.0)])
