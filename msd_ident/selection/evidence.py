@@ -330,8 +330,7 @@ def _part_beyond(limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis
 
 
 def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
-    """Whether one of the causes, or another law in the place of Coulomb's, explains no more than an error of the other
-    laws could.
+    """Whether one of the causes explains no more than an error of the other laws could.
 
     No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
     explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
@@ -339,23 +338,28 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
     ``_other_forms`` limits the cause's probability.
     """
     exact = sets[causes].chi < (1.0 + NOISE_ERROR) * noise
-    limits = [causes - {name} for name in causes]
-    limits += [limit for limit in _simpler(causes) if kinds(limit) != kinds(causes)]
-    for limit in limits:
-        part = _part_beyond(limit, causes, sets)
-        faint = math.isfinite(part) and sets[limit].chi < FAINT**2 * noise
+    for name, part in further_parts(causes, sets).items():
+        faint = sets[causes - {name}].chi < FAINT**2 * noise
         if (faint and part <= FORM_PART) or (not exact and part <= LEAST_SPREAD):
             return True
     return False
 
 
 def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
-    """Causes of a set that may be another form of its other laws, with their ``further_parts``."""
-    return {
+    """Causes of a set that may be another form of its other laws, with what they explain beyond these, as a part of
+    what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
+    """
+    found = {
         name: part
         for name, part in further_parts(causes, sets).items()
         if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
+    for name in causes & set(HOLDING_COULOMB):
+        limit = causes - {name} | {COULOMB}
+        part = _part_beyond(limit, causes, sets)
+        if part <= LEAST_SPREAD or (part <= FORM_PART and sets[limit].chi < FAINT**2 * noise):
+            found[name] = min(part, found.get(name, part))
+    return found
 
 
 def _of_its_own(name: str) -> float:

@@ -15,7 +15,7 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection import evidence
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis
+from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
 CERTAIN = tuned(0.9, unit="1", why="probability from which a cause is named with certainty", chosen="by hand")
@@ -127,7 +127,8 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     named = ranking.best.causes
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
-        others = " and ".join(spoken(other) for other in sorted(named - {name}))
+        rest = named - {name} or {COULOMB}  # alone it is compared with its own limit
+        others = " and ".join(spoken(other) for other in sorted(rest))
         said.append(
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {others} explains: another form of that "
             "law could do the same, so it is not certain that it is a cause of its own."
