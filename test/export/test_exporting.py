@@ -17,6 +17,7 @@ from exportrigs import NOISE, measured, result, saved
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import Export, Options, export, into, target
+from msd_ident.export import robot as robots
 from msd_ident.export.mujoco_replay import averages
 from msd_ident.export.plan import force_power, scaled
 from msd_ident.model import Model, Plant
@@ -244,6 +245,30 @@ def test_a_joint_that_is_not_meant(joint: str, words: str, tmp_path: Path) -> No
         export(saved(rig()[0]), into(robot, "mujoco"), tmp_path / "out.xml", Options(joint=joint))
     assert words.format(robot=robot) in str(caught.value)
     assert not (tmp_path / "out.xml").exists()
+
+
+@pytest.mark.parametrize(
+    ("defaults", "body", "own"),
+    [
+        ('<default class="rail"><joint type="slide"/></default>', 'childclass="rail"', ""),
+        ('<default class="rail"><joint type="slide"/><default class="fine"><joint damping="1"/></default></default>',
+         "", 'class="fine"'),
+        ('<joint type="slide"/><default class="fine"><geom rgba="1 0 0 1"/></default>', 'childclass="fine"', ""),
+        ('<joint type="slide"/><default class="arm"><joint type="hinge"/></default>', 'childclass="arm"',
+         'class="main"'),
+    ],
+)  # fmt: skip
+def test_a_joint_is_what_its_default_classes_make_it(defaults: str, body: str, own: str, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "robot.xml"
+    path.write_text(
+        f"<mujoco><default>{defaults}</default><worldbody><body {body}><frame><body>"
+        f'<joint name="cart" {own}/><geom size=".02"/></body></frame></body></worldbody></mujoco>'
+    )
+    tree = robots.parsed(path)
+    assert robots.joint(tree, path, "cart", "m").get("name") == "cart"
+    with pytest.raises(UsageError, match="joint cart of .* is a slide, which moves in m, and positions are in rad"):
+        robots.joint(tree, path, "cart", "rad")
 
 
 def test_other_refusals(tmp_path: Path) -> None:
