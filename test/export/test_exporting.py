@@ -307,6 +307,26 @@ def test_other_refusals(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("a.*"))
 
 
+def test_no_limit_of_the_force_is_none_in_every_file(tmp_path: Path) -> None:
+    """Without a limit and without a bend the gain does nothing: XML has no word for it, Python has infinity."""
+    model = effect_examples.plant() + effect_examples.by_name("force_gain_nonlinearity")(0.0, math.inf)
+    record = measured(model, effect_examples.record(1000.0, duration=1.0))
+    for name in ("mujoco", "mujoco-xml", "python"):
+        out = tmp_path / f"{name.replace('-', '_')}{target(name).suffixes[0]}"
+        found = export(saved(model), target(name), out, Options(), (record,))
+        assert found.proof is not None and found.proof.ratio == pytest.approx(1.0, abs=0.02), name
+        assert ("force_limit = math.inf" in out.read_text(encoding="utf-8")) == (name == "python")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_file_gets_finite_numbers_only(value: float, tmp_path: Path) -> None:
+    for name in ("mujoco", "sdf", "urdf", "python"):
+        out = tmp_path / f"rig{target(name).suffixes[0]}"
+        with pytest.raises(DataError, match=rf"a number of the model is {value:g}; expected a finite one"):
+            export(replace(saved(rig()[0]), zeros=(value,)), target(name), out)
+        assert not out.exists()
+
+
 def test_json_keeps_its_contract(tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(repository / "docs" / "generate"))
     import json_contract
