@@ -103,7 +103,7 @@ class FmuTarget(PythonTarget):
         given["force"] = np.append(force, force[-1])
         begin = {
             "initial_position": initial.position, "initial_velocity": initial.velocity,
-            "initial_lagged_force": plan.force_scale * lagged(record, plan),
+            "initial_lagged_force": lagged(record, plan),
         }  # fmt: skip
         found = library().simulate_fmu(
             str(out), start_time=given["time"][0], stop_time=given["time"][-1], output_interval=record.period,

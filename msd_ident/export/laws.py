@@ -8,14 +8,24 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable
 
+from msd_ident.errors import DataError
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
 from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, LAG, OUTSIDE, SECOND_MASS
 
 
 def number(value: float) -> str:
-    """A finite float as text that Python and XML read back without loss; infinite ones as ``math.inf`` for Python."""
-    return repr(float(value)) if math.isfinite(value) else ("math.inf" if value > 0 else "-math.inf")
+    """A float as text that Python and XML read back without loss.
+
+    Raises:
+        DataError: it is infinite or NaN, for which XML has no word.
+    """
+    if not math.isfinite(value):
+        raise DataError(
+            f"a number of the model is {value:g}; expected a finite one for the file: renew the result with "
+            "msd identify or msd diagnose"
+        )
+    return repr(float(value))
 
 
 def source(effect: type[Effect], kind: str) -> str:
@@ -91,11 +101,12 @@ def jumps(effects: Iterable[Effect]) -> list[str]:
 
 
 def constants(effects: Iterable[Effect]) -> list[str]:
-    """Lines that set every parameter, with its unit and meaning."""
+    """Lines of Python that set every parameter, with its unit and meaning; a limit that is none is infinite."""
     lines = {}
     for effect in effects:
         for parameter, value in zip(effect.parameters, effect.values, strict=True):
-            lines[parameter.name] = f"{parameter.name} = {number(value)}  # [{parameter.unit}] {parameter.meaning}"
+            text = "math.inf" if value == math.inf else number(value)
+            lines[parameter.name] = f"{parameter.name} = {text}  # [{parameter.unit}] {parameter.meaning}"
     return list(lines.values())
 
 

@@ -126,11 +126,11 @@ def _offset(made: Elements, plan: Plan) -> None:
 
 
 def _gain(made: Elements, plan: Plan) -> None:
-    if plan.value("gain_slope") == 0.0:
-        limit = number(plan.value("force_limit"))
-        made.actuator |= {"ctrllimited": "true", "ctrlrange": f"-{limit} {limit}"}
-    else:
+    limit = plan.value("force_limit")
+    if plan.value("gain_slope") != 0.0:
         made.called.append(plan.model.effect("force_gain_nonlinearity"))
+    elif math.isfinite(limit):
+        made.actuator |= {"ctrllimited": "true", "ctrlrange": f"{number(-limit)} {number(limit)}"}
 
 
 def _lag(made: Elements, plan: Plan) -> None:

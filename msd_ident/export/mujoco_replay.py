@@ -146,7 +146,7 @@ def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: InitialState) 
         data.qpos[model.joint(SECOND).qposadr[0]] = 0.0
     number = model.actuator(ACTUATOR).id
     if model.actuator_actadr[number] >= 0:
-        data.act[model.actuator_actadr[number]] = plan.force_scale * plan.saved.force_sign * lagged(record, plan)
+        data.act[model.actuator_actadr[number]] = plan.saved.force_sign * lagged(record, plan)
     samples = int(model.actuator_history[number, 0]) if model.nhistory else 0
     if samples:
         step = model.opt.timestep
@@ -156,20 +156,20 @@ def _begin(mujoco: Any, model: Any, data: Any, plan: Plan, start: InitialState) 
 
 
 def lagged(record: Record, plan: Plan) -> float:
-    """Force behind the actuator's lag at the first sample, computed from the force before it.
+    """Force [N] behind the actuator's lag at the first sample, computed from the force before it.
 
     A first stamp before the record is taken for a force that has acted for long. Without one the force is 0.
 
     Args:
-        record: gives the force.
-        plan: its model gives lag, delay and gain of the actuator.
+        record: gives the force, in its own unit and with the sign of the model.
+        plan: its scale makes newtons of that unit, its model gives lag, delay and gain of the actuator.
     """
     tau, shift = (sum(plan.model.structure(role)) for role in (LAG, DELAY))
     begin = float(record.time[0])
     stamps = record.force_time + shift
     if tau <= 0.0 or stamps[0] >= begin:
         return 0.0
-    levels = np.array([_mapped(plan, value) for value in record.force])
+    levels = np.array([_mapped(plan, value) for value in plan.force_scale * record.force])
     force = float(levels[0])
     for i in np.flatnonzero(stamps < begin):
         end = min(begin, float(stamps[i + 1])) if i + 1 < stamps.size else begin
@@ -178,7 +178,7 @@ def lagged(record: Record, plan: Plan) -> float:
 
 
 def _mapped(plan: Plan, force: float) -> float:
-    """What the actuator makes of a command."""
+    """What the actuator makes of a command [N]."""
     for effect in plan.model.effects:
         law = effect.laws().get("input_map")
         if law is not None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from msd_ident.errors import DataError, UsageError
+from msd_ident.export import mujoco_replay
 
 #: MJCF's joint type → unit of its position.
 UNITS = {"slide": "m", "hinge": "rad"}
@@ -46,30 +47,31 @@ def joint(tree: ElementTree.ElementTree[_Element], path: Path, name: str, unit: 
 
     Args:
         tree: the model.
-        path: for messages.
+        path: its file.
         name: of the joint.
         unit: ``m`` or ``rad``, of the record's positions.
 
     Raises:
         UsageError: there is no such joint, it has several degrees of freedom or further ones between it and the world,
             or it moves in another unit.
+        DataError: MuJoCo refuses the model.
+        SetupError: MuJoCo is not installed.
     """
     found = [(one, above) for world in tree.getroot().iter("worldbody") for one, above in _walk(world)]
     names = [str(one.get("name")) for one, _ in found if one.get("name")]
     for one, above in found:
         if one.get("name") == name:
-            _check(one, above, tree, path, unit)
+            _check(one, above, path, unit)
             return one
     included = "; what it includes is not looked into" if next(tree.getroot().iter("include"), None) is not None else ""
     listed = ", ".join(names) or "no joint with a name"
     raise UsageError(f"{path} has no joint {name!r}{included}; expected one of its joints: {listed}")
 
 
-def _check(
-    one: _Element, above: tuple[_Element, ...], tree: ElementTree.ElementTree[_Element], path: Path, unit: str
-) -> None:
-    name, kind = str(one.get("name")), kind_of(one, tree)
-    if one.tag == "freejoint" or kind not in UNITS:
+def _check(one: _Element, above: tuple[_Element, ...], path: Path, unit: str) -> None:
+    name = str(one.get("name"))
+    kind = kind_of(path, name)
+    if kind not in UNITS:
         freedoms = 3 if kind == "ball" else 6
         raise UsageError(
             f"joint {name} of {path} has {freedoms} degrees of freedom ({'free' if freedoms == 6 else 'ball'}); "
@@ -88,22 +90,24 @@ def _check(
         )
 
 
-def kind_of(one: _Element, tree: ElementTree.ElementTree[_Element]) -> str:
-    """Type of a joint: its own, else that of its default class, else ``hinge``.
+def kind_of(path: Path, name: str) -> str:
+    """Type of a joint as MuJoCo compiles it: ``slide``, ``hinge``, ``ball`` or ``free``.
+
+    Default classes, their parents and the ``childclass`` of bodies may set it, so the joint's element alone does not
+    tell.
 
     Args:
-        one: element of the joint.
-        tree: the model, which has the default classes.
+        path: the model.
+        name: of the joint.
+
+    Raises:
+        DataError: MuJoCo refuses the model.
+        SetupError: MuJoCo is not installed.
     """
-    if one.tag == "freejoint":
-        return "free"
-    if one.get("type"):
-        return str(one.get("type"))
-    for default in tree.getroot().iter("default"):
-        given = default.find("joint")
-        if default.get("class", "main") == one.get("class", "main") and given is not None and given.get("type"):
-            return str(given.get("type"))
-    return "hinge"
+    mujoco, model = mujoco_replay.library(), mujoco_replay.load(path)
+    kinds = mujoco.mjtJoint
+    names = {kinds.mjJNT_SLIDE: "slide", kinds.mjJNT_HINGE: "hinge", kinds.mjJNT_BALL: "ball", kinds.mjJNT_FREE: "free"}
+    return names[kinds(int(model.jnt_type[model.joint(name).id]))]
 
 
 def in_degrees(tree: ElementTree.ElementTree[_Element]) -> bool:

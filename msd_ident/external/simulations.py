@@ -124,8 +124,9 @@ def _pusher(mujoco: Any, model: Any, joint: int) -> int | None:
 class FunctionSimulation:
     """A Python function ``simulate(time, force, position, velocity)`` that returns positions.
 
-    ``time`` (n,) [s] is the record's; ``force`` has one value for each sample of an evenly sampled record, the mean
-    until the next sample. ``position`` and ``velocity`` are those at the first sample. It returns (n,) readings.
+    ``time`` (n,) [s] is the record's, with its gaps; ``force`` (n,) has one value for each of these instants, the mean
+    until the next one, and the last is that at the last instant. ``position`` and ``velocity`` are those at the first
+    sample. It returns (n,) readings.
 
     Attributes:
         target: ``module:function``; the module may lie in the present folder.
@@ -165,7 +166,8 @@ class FunctionSimulation:
         """Simulated readings (n,) at the record's samples, in the position unit."""
         function = self._function()
         time = record.time.copy()
-        force = np.append(mujoco_replay.averages(record, 1)[:, 0], record.force_at(time[-1:]))
+        means = np.diff(mujoco_replay.impulses(record, time)) / np.diff(time)
+        force = np.append(means, record.force_at(time[-1:]))
         try:
             given = function(time, force, initial.position + initial.zero, initial.velocity)
             made = np.asarray(given, dtype=np.float64)

@@ -17,12 +17,12 @@ from msd_ident.workflow import pipeline
 
 #: Below this probability of a decision an experiment is not worth running.
 HOPELESS = 0.1
-#: Part of the force limit that the first push of an unknown rig has, and part of the travel that a step may plan on.
+#: Part of the force limit that the gentle step on an unknown rig has, and part of the travel that a step may plan on.
 _PROBE, _PLANNED = 0.05, 0.5
 #: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
 _SURE, _SHIFT = 0.9, frozenset({OFFSET})
 _REST, _LONGEST_STEP = 0.3, 3.0
-_PROBES = 4
+_FIRST, _GENTLE = "a first look", "a gentle step that sizes the first experiment"
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,9 @@ class Rig(Protocol):
 class Budget:
     """How much an investigation may use.
 
-    The gentle steps that find the size of a first experiment do not count.
-
     Attributes:
         runs: experiments after the first one.
-        seconds: duration of all experiments together [s].
+        seconds: duration of all experiments together [s], with that of the gentle step before them.
     """
 
     runs: int = 2
@@ -139,13 +137,13 @@ class Investigation:
         }
 
 
-#: Asked before each run with its purpose; False ends the investigation.
+#: Asked before each run with its purpose and profile; False ends the investigation.
 Ask = Callable[[str, Profile], bool]
 Tell = Callable[[Step], None]
 
 
 def always(purpose: str, profile: Profile) -> bool:
-    """Answer of ``ask`` that lets every experiment run."""
+    """Answer of ``ask`` that lets everything run."""
     return True
 
 
@@ -162,8 +160,8 @@ class Loop:
         limits: of the rig.
         budget: what may be used.
         options: how records are diagnosed.
-        ask: called before each experiment with its purpose and profile; it is run if the answer is True. The gentle
-            steps that find the size of a first experiment are played without asking.
+        ask: called before each run with its purpose and profile, also before the gentle step that sizes a first
+            experiment; it is run if the answer is True.
         tell: called after each experiment.
         records: measured so far.
         steps: experiments so far.
@@ -186,18 +184,19 @@ class Loop:
         """Run experiments until one explanation remains, no profile decides, the budget is spent, or ``ask`` declines.
 
         Args:
-            first: the first experiment; if None, a step whose size follows from gentle steps.
+            first: the first experiment; if None, a step whose size follows from a gentle one.
 
         Raises:
-            UsageError: the first profile is beyond the limits or declined, or the limits leave no room.
-            DataError: nothing moves, or the records are not those of one rig.
+            UsageError: the first profile is beyond the limits or declined, the gentle step is declined, or the limits
+                leave no room.
+            DataError: nothing moves, the gentle step was stopped, or the records are not those of one rig.
         """
-        profile = first or self._first()
+        profile, spent = (first, 0.0) if first is not None else self._sized()
         self.limits.check(profile)
-        if not self.ask("a first look", profile):
+        if not self.ask(_FIRST, profile):
             raise UsageError("the first experiment was declined; expected a yes to begin")
-        self._play("a first look", profile, None)
-        spent = profile.duration
+        self._play(_FIRST, profile, None)
+        spent += profile.duration
         for _ in range(self.budget.runs):
             looked = self.checked
             proposal, purpose = self._next()
@@ -226,23 +225,29 @@ class Loop:
             return "the next experiment would take longer than the budget allows"
         return "" if self.ask(purpose, proposal.profile) else "the next experiment was declined"
 
-    def _first(self) -> Profile:
-        """A step that uses half the travel, judged by how far a gentle one goes."""
+    def _sized(self) -> tuple[Profile, float]:
+        """A step that uses half the travel, judged by how far a gentle one goes; and how long that one took [s]."""
         force = _PROBE * self.limits.reach
         sign = 1.0 if self.limits.force[1] >= -self.limits.force[0] else -1.0
         hold = min(_LONGEST_STEP, 0.4 * self.limits.duration - _REST)
         if hold <= 0.0:
             raise UsageError(f"limits: duration is {self.limits.duration:g} s; expected at least a second")
+        gentle = stepped(sign * force, hold)
+        if not self.ask(_GENTLE, gentle):
+            raise UsageError(
+                "the gentle step was declined; expected a yes to begin, or a first experiment whose size is known: "
+                "give it with --first"
+            )
+        ran = self.rig.play(gentle, self.limits)
+        if ran.stopped:
+            raise DataError(
+                f"the gentle step of {sign * force:g} {gentle.unit} was stopped: {ran.stopped}; expected it to be "
+                "played to its end: correct the rig or its limits, or give a first experiment with --first"
+            )
         room = min(abs(x) for x in self.limits.travel if x != 0.0)
-        for _ in range(_PROBES):
-            profile = stepped(sign * force, hold)
-            ran = self.rig.play(profile, self.limits)
-            went = float(np.max(np.abs(ran.record.position - ran.record.position[0])))
-            factor = min(_PLANNED * room / max(went, 1e-12), self.limits.reach / force)
-            if went > 0.02 * room or factor * force >= self.limits.reach * (1.0 - 1e-9):
-                return stepped(sign * force * min(factor, self.limits.reach / force), hold)
-            force = min(5.0 * force, self.limits.reach)
-        return stepped(sign * force, hold)
+        went = float(np.max(np.abs(ran.record.position - ran.record.position[0])))
+        factor = min(_PLANNED * room / max(went, 1e-12), self.limits.reach / force)
+        return stepped(sign * force * factor, hold), gentle.duration
 
     def _play(self, purpose: str, profile: Profile, proposal: Proposal | None) -> None:
         ran = self.rig.play(profile, self.limits)

@@ -124,7 +124,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             position_unit=str(sheets[0]["position_unit"]),
             force_sign=int(result.get("force_sign", _old_sign(result))),
             force_hold=str(sheets[0].get("force_hold", "")),
-            zeros=tuple(_number(start["zero_m"]) for start in result.get("initial", ())),
+            zeros=tuple(_finite("zero_m", _number(start["zero_m"])) for start in result.get("initial", ())),
             causes=effects,
             base_depends_on={key: float(value) for key, value in result.get("missing_force_depends_on", {}).items()},
             base=_base(result),
@@ -186,8 +186,19 @@ def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
     model = Plant(values["mass"], values["damping"], values["stiffness"])
     for name in effects:
         effect = by_name(name)
-        model = model + effect.from_values({p.name: values.get(p.name, math.inf) for p in effect.parameters})
+        given = {p.name: values.get(p.name, math.inf) for p in effect.parameters}
+        limits = {key for key, none in effect.neutral if none == math.inf}
+        for key, value in given.items():
+            if key not in limits:
+                _finite(key, value)
+        model = model + effect.from_values(given)
     return model
+
+
+def _finite(name: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(f"{name} has no finite value")
+    return value
 
 
 def _base(result: Mapping[str, Any]) -> Model | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -46,13 +47,60 @@ def test_nothing_runs_unasked_or_beyond_the_limits() -> None:
         Loop(rig, LIMITS).run(STEP.scaled(2.0))
     with pytest.raises(UsageError, match="declined; expected a yes"):
         Loop(rig, LIMITS, ask=lambda purpose, profile: False).run(STEP)
+    with pytest.raises(UsageError, match="the gentle step was declined; expected a yes to begin"):
+        Loop(rig, LIMITS, ask=lambda purpose, profile: False).run()
     assert rig.runs == 0
+
+
+def test_each_run_was_asked_for() -> None:
+    """The gentle step too: its question shows the very profile that is played next."""
+    seen: list[tuple[str, Profile]] = []
+
+    class Watched(Rig):
+        def play(self, profile: Profile, limits: Limits) -> Ran:
+            seen.append(("played", profile))
+            return super().play(profile, limits)
+
+    def ask(purpose: str, profile: Profile) -> bool:
+        seen.append((purpose, profile))
+        return len(seen) < 3
+
+    with pytest.raises(UsageError, match="the first experiment was declined"):
+        Loop(Watched(), LIMITS, ask=ask).run()
+    assert [what for what, _ in seen] == ["a gentle step that sizes the first experiment", "played", "a first look"]
+    assert seen[0][1] == seen[1][1] and max(seen[0][1].extremes) < 0.1 * max(seen[2][1].extremes)
 
 
 def test_the_budget_is_kept() -> None:
     found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
+
+
+def test_the_gentle_step_counts_in_the_budget() -> None:
+    """After the first experiment there is time for another one only if the gentle step before it took none."""
+    limits = Limits((-10.0, 10.0), (-0.03, 0.03), 4.0)
+    asked: list[Profile] = []
+
+    def ask(purpose: str, profile: Profile) -> bool:
+        asked.append(profile)
+        return True
+
+    seconds = 2.0 * (0.3 + 2.0 * 1.3) + 0.1  # for the gentle step and the first experiment, and hardly more
+    found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), limits, Budget(1, seconds), ask=ask).run()
+    assert sum(profile.duration for profile in asked) <= seconds and len(found.steps) == 1
+    assert found.sentence.startswith("the next experiment would take longer than the budget allows")
+
+
+def test_a_gentle_step_that_was_stopped_ends_it() -> None:
+    class Stopping(Rig):
+        def play(self, profile: Profile, limits: Limits) -> Ran:
+            return replace(super().play(profile, limits), stopped="the encoder fell silent: no reading for 0.5 s")
+
+    rig = Stopping()
+    with pytest.raises(DataError, match=r"the gentle step of 0\.5 N was stopped: the encoder fell silent.*; expected "):
+        Loop(rig, LIMITS).run()
+    assert rig.runs == 1
 
 
 def pushed(force: float) -> tuple[Profile, Limits]:
@@ -171,6 +219,19 @@ def test_investigate_and_design_by_command(
     words = ("design", bag, "--limits", "l.yaml", "--check", "--out", "n.yaml", "--figure", "n.png", "--quiet")
     assert run(*words) == 0
     assert Path("n.yaml").read_text().startswith("# Play ") and Path("n.png").stat().st_size > 10_000
+
+
+def test_without_yes_the_command_asks_before_anything_moves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.stdin", io.StringIO("n\n"))
+    Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
+    assert run("investigate", "--limits", "l.yaml", "--rig", "ecp", "--out", "story") == 2
+    told = capsys.readouterr()
+    question = "Run 'step and release' (a gentle step that sizes the first experiment): 6.3 s, 0 to 0.5 N?"
+    assert question in told.out and "msd: the gentle step was declined; expected a yes to begin" in told.err
+    assert not list(Path("story").iterdir())
 
 
 def test_a_run_that_was_stopped_too_soon_says_so() -> None:

@@ -13,7 +13,7 @@ from exportrigs import ALL, saved
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial
 from msd_ident.export import TARGETS, Target
-from msd_ident.export.mujoco_replay import imported
+from msd_ident.export.mujoco_replay import imported, lagged
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import WORDS, rows
 from msd_ident.export.target import InitialState
@@ -154,6 +154,30 @@ def test_what_is_remembered_begins_where_the_motion_does(
     got = one.replay(out, plan, InitialState(record, Initial(*start, 0.0)))
     ours = Simulator(model, record).positions(model.values, *start)
     assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-4 * np.std(ours)
+
+
+@pytest.mark.xdist_group("fmu")
+@pytest.mark.parametrize(
+    ("target", "slope", "sign"),
+    [("mujoco", 0.0, 1), ("mujoco", 0.0, -1), ("mujoco", 0.05, 1), ("mujoco", 0.05, -1), ("python", 0.0, 1),
+     ("fmu", 0.0, 1)],
+)  # fmt: skip
+def test_a_lagged_force_that_was_in_volts_begins_in_newtons(
+    target: str, slope: float, sign: int, tmp_path: Path
+) -> None:
+    """Ten volts, which are twenty newtons, have acted for long on an actuator with a limit of five newtons."""
+    time = np.arange(301) / 1000.0
+    record = Record(time, 0.0 * time, np.array([-1.0, 0.1]), np.array([10.0, -10.0]), force_unit="V")
+    model = effect_examples.plant() + by_name("actuator_lag")(0.05) + by_name("force_gain_nonlinearity")(slope, 5.0)
+    plan = Plan(replace(saved(model), force_sign=sign), model, zero=ZERO, steps=4, force_scale=2.0)
+    assert lagged(record, plan) == pytest.approx(5.0)
+    one = BY_NAME[target]
+    out = tmp_path / f"rig{one.suffixes[0]}"
+    for path, content in one.files(plan, out).items():
+        path.write_bytes(content)
+    got = one.replay(out, plan, InitialState(record, Initial(0.0, 0.0, ZERO)))
+    ours = Simulator(model, replace(record, force=2.0 * record.force)).positions(model.values) + ZERO
+    assert np.sqrt(np.mean((got - ours) ** 2)) < 1e-3 * np.std(ours)
 
 
 @pytest.mark.parametrize("target", ["mujoco", "python"])

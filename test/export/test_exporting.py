@@ -17,6 +17,7 @@ from exportrigs import NOISE, measured, result, saved
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.export import Export, Options, export, into, target
+from msd_ident.export import robot as robots
 from msd_ident.export.mujoco_replay import averages
 from msd_ident.export.plan import force_power, scaled
 from msd_ident.model import Model, Plant
@@ -246,6 +247,30 @@ def test_a_joint_that_is_not_meant(joint: str, words: str, tmp_path: Path) -> No
     assert not (tmp_path / "out.xml").exists()
 
 
+@pytest.mark.parametrize(
+    ("defaults", "body", "own"),
+    [
+        ('<default class="rail"><joint type="slide"/></default>', 'childclass="rail"', ""),
+        ('<default class="rail"><joint type="slide"/><default class="fine"><joint damping="1"/></default></default>',
+         "", 'class="fine"'),
+        ('<joint type="slide"/><default class="fine"><geom rgba="1 0 0 1"/></default>', 'childclass="fine"', ""),
+        ('<joint type="slide"/><default class="arm"><joint type="hinge"/></default>', 'childclass="arm"',
+         'class="main"'),
+    ],
+)  # fmt: skip
+def test_a_joint_is_what_its_default_classes_make_it(defaults: str, body: str, own: str, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "robot.xml"
+    path.write_text(
+        f"<mujoco><default>{defaults}</default><worldbody><body {body}><frame><body>"
+        f'<joint name="cart" {own}/><geom size=".02"/></body></frame></body></worldbody></mujoco>'
+    )
+    tree = robots.parsed(path)
+    assert robots.joint(tree, path, "cart", "m").get("name") == "cart"
+    with pytest.raises(UsageError, match="joint cart of .* is a slide, which moves in m, and positions are in rad"):
+        robots.joint(tree, path, "cart", "rad")
+
+
 def test_other_refusals(tmp_path: Path) -> None:
     model, record = rig("coulomb_friction")
     robot = tmp_path / "robot.xml"
@@ -280,6 +305,26 @@ def test_other_refusals(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="holds <robot>; expected a MuJoCo model"):
         export(saved(model), into(tmp_path / "no.xml", "mujoco"), tmp_path / "a.xml")
     assert not list(tmp_path.glob("a.*"))
+
+
+def test_no_limit_of_the_force_is_none_in_every_file(tmp_path: Path) -> None:
+    """Without a limit and without a bend the gain does nothing: XML has no word for it, Python has infinity."""
+    model = effect_examples.plant() + effect_examples.by_name("force_gain_nonlinearity")(0.0, math.inf)
+    record = measured(model, effect_examples.record(1000.0, duration=1.0))
+    for name in ("mujoco", "mujoco-xml", "python"):
+        out = tmp_path / f"{name.replace('-', '_')}{target(name).suffixes[0]}"
+        found = export(saved(model), target(name), out, Options(), (record,))
+        assert found.proof is not None and found.proof.ratio == pytest.approx(1.0, abs=0.02), name
+        assert ("force_limit = math.inf" in out.read_text(encoding="utf-8")) == (name == "python")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_file_gets_finite_numbers_only(value: float, tmp_path: Path) -> None:
+    for name in ("mujoco", "sdf", "urdf", "python"):
+        out = tmp_path / f"rig{target(name).suffixes[0]}"
+        with pytest.raises(DataError, match=rf"a number of the model is {value:g}; expected a finite one"):
+            export(replace(saved(rig()[0]), zeros=(value,)), target(name), out)
+        assert not out.exists()
 
 
 def test_json_keeps_its_contract(tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:

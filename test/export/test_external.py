@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from exportrigs import measured, pushes, saved
 
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
+from msd_ident.estimate import Initial
 from msd_ident.export import target
 from msd_ident.export.plan import Plan
 from msd_ident.external import Comparison, FunctionSimulation, MujocoSimulation, TableSimulation, compare
@@ -151,6 +153,27 @@ def test_a_python_function(rig: tuple[Model, Record], tmp_path: Path, monkeypatc
     ):
         with pytest.raises(UsageError, match=words):
             FunctionSimulation(text).check(rig[1])
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_a_function_gets_a_force_for_each_instant(hold: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten samples are missing, and the later ones still get the force that acts from them to the next."""
+    (tmp_path / "their_watch.py").write_text(
+        "seen = {}\n\ndef simulate(time, force, position, velocity):\n"
+        "    seen.update(time=time, force=force)\n    return 0.0 * time\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "their_watch", raising=False)
+    stamps = np.arange(200) * 0.01
+    force = np.where(stamps < 1.2, 3.0, -1.0) if hold == "zero" else 2.0 * stamps
+    time = np.delete(stamps, range(60, 70))
+    record = Record(time, 0.0 * time, stamps, force, hold=hold)  # type: ignore[arg-type]
+    found = FunctionSimulation("their_watch:simulate").positions(record, Initial(0.0, 0.0, 0.0))
+    seen = sys.modules["their_watch"].seen
+    assert found.shape == seen["force"].shape == seen["time"].shape == (190,)
+    until = np.append(time[1:], time[-1])
+    expected = np.where(time < 1.195, 3.0, -1.0) if hold == "zero" else time + until
+    assert seen["force"] == pytest.approx(expected, abs=1e-9)
 
 
 def test_positions_of_a_file_must_cover_the_record(rig: tuple[Model, Record]) -> None:

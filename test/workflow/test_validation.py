@@ -179,6 +179,19 @@ def test_what_is_no_result_is_refused(text: str, words: str, tmp_path: Path) -> 
         msd_ident.load(tmp_path / "nothing.json")
 
 
+@pytest.mark.xdist_group("validation")
+@pytest.mark.parametrize("value", [None, float("nan"), float("inf")])
+@pytest.mark.parametrize("name", ["zero_m", "coulomb_force"])
+def test_a_number_that_is_missing_is_not_taken_for_an_infinite_one(
+    name: str, value: float | None, told: dict[str, Any]
+) -> None:
+    broken = json.loads(json.dumps(told))
+    place = broken["initial"][0] if name == "zero_m" else broken["refined"]["parameters"]["coulomb_force"]
+    place[name if name == "zero_m" else "value"] = value
+    with pytest.raises(DataError, match=rf"lacks what a simulation needs \(.*{name}.*\); expected .*: renew it with"):
+        saved_model.from_json_dict(broken)
+
+
 def test_other_units_and_demands_that_make_no_sense_are_refused(told: dict[str, Any]) -> None:
     model = saved_model.from_json_dict(told)
     with pytest.raises(
