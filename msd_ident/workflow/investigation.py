@@ -19,6 +19,8 @@ from msd_ident.workflow import pipeline
 HOPELESS = 0.1
 #: Part of the force limit that the gentle step on an unknown rig has, and part of the travel that a step may plan on.
 _PROBE, _PLANNED = 0.05, 0.5
+#: A rig that went less than this part of the travel may have stuck: the gentle step is repeated, this much stronger.
+_MOVED, _STRONGER = 0.02, 5.0
 #: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
 _SURE, _SHIFT = 0.9, frozenset({OFFSET})
 _REST, _LONGEST_STEP = 0.3, 3.0
@@ -226,13 +228,26 @@ class Loop:
         return "" if self.ask(purpose, proposal.profile) else "the next experiment was declined"
 
     def _sized(self) -> tuple[Profile, float]:
-        """A step that uses half the travel, judged by how far a gentle one goes; and how long that one took [s]."""
+        """A step that uses half the travel, judged by how far gentle ones go; and how long those took [s]."""
         force = _PROBE * self.limits.reach
         sign = 1.0 if self.limits.force[1] >= -self.limits.force[0] else -1.0
         hold = min(_LONGEST_STEP, 0.4 * self.limits.duration - _REST)
         if hold <= 0.0:
             raise UsageError(f"limits: duration is {self.limits.duration:g} s; expected at least a second")
-        gentle = stepped(sign * force, hold)
+        room = min(abs(x) for x in self.limits.travel if x != 0.0)
+        spent = 0.0
+        while True:
+            gentle = stepped(sign * force, hold)
+            went = self._tried(gentle)
+            spent += gentle.duration
+            if went >= _MOVED * room or force >= self.limits.reach:
+                break
+            force = min(_STRONGER * force, self.limits.reach)
+        factor = min(_PLANNED * room / max(went, 1e-12), self.limits.reach / force)
+        return stepped(sign * force * factor, hold), spent
+
+    def _tried(self, gentle: Profile) -> float:
+        """How far the rig goes in a gentle step [m or rad]."""
         if not self.ask(_GENTLE, gentle):
             raise UsageError(
                 "the gentle step was declined; expected a yes to begin, or a first experiment whose size is known: "
@@ -240,14 +255,12 @@ class Loop:
             )
         ran = self.rig.play(gentle, self.limits)
         if ran.stopped:
+            force = max(gentle.extremes, key=abs)
             raise DataError(
-                f"the gentle step of {sign * force:g} {gentle.unit} was stopped: {ran.stopped}; expected it to be "
+                f"the gentle step of {force:g} {gentle.unit} was stopped: {ran.stopped}; expected it to be "
                 "played to its end: correct the rig or its limits, or give a first experiment with --first"
             )
-        room = min(abs(x) for x in self.limits.travel if x != 0.0)
-        went = float(np.max(np.abs(ran.record.position - ran.record.position[0])))
-        factor = min(_PLANNED * room / max(went, 1e-12), self.limits.reach / force)
-        return stepped(sign * force * factor, hold), gentle.duration
+        return float(np.max(np.abs(ran.record.position - ran.record.position[0])))
 
     def _play(self, purpose: str, profile: Profile, proposal: Proposal | None) -> None:
         ran = self.rig.play(profile, self.limits)

@@ -41,6 +41,26 @@ def test_the_first_push_of_an_unknown_rig_is_gentle() -> None:
     assert 0.3 * 0.03 < moved < 0.03
 
 
+def test_a_rig_that_sticks_is_pushed_harder_step_by_step() -> None:
+    """What a stuck cart says about its spring is nothing: its full force might throw it against a stop."""
+    pushes: list[float] = []
+
+    class Watched(Rig):
+        def play(self, profile: Profile, limits: Limits) -> Ran:
+            pushes.append(max(map(abs, profile.extremes)))
+            return super().play(profile, limits)
+
+    asked: list[str] = []
+
+    def ask(purpose: str, profile: Profile) -> bool:
+        asked.append(purpose)
+        return True
+
+    Loop(Watched(coulomb_friction={"coulomb_force": 1.0}), LIMITS, Budget(0, 60.0), ask=ask).run()
+    assert pushes[:2] == pytest.approx([0.5, 2.5]) and len(pushes) == len(asked) == 3
+    assert asked[:2] == ["a gentle step that sizes the first experiment"] * 2
+
+
 def test_nothing_runs_unasked_or_beyond_the_limits() -> None:
     rig = Rig()
     with pytest.raises(UsageError, match="the limits allow -10 to 10"):
