@@ -26,7 +26,9 @@ from msd_ident.model import Plant  # noqa: E402
 from msd_ident.model.effects import LIBRARY, by_name  # noqa: E402
 from msd_ident.residuals import noise_model  # noqa: E402
 from msd_ident.selection.cross_validation import HeldOut, predict  # noqa: E402
-from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine  # noqa: E402
+from msd_ident.selection.experiment import Experiment  # noqa: E402
+from msd_ident.selection.hypothesis import Hypothesis  # noqa: E402
+from msd_ident.selection.hypothesis_fit import refine  # noqa: E402
 from msd_sim import lottery  # noqa: E402
 from msd_sim.api import simulate  # noqa: E402
 

@@ -93,15 +93,15 @@ def test_what_follows_from_a_constant_follows_in_the_study() -> None:
     code = """
 import json, sys
 from bench import sensitivity
-sys.meta_path.insert(0, sensitivity._Changed("msd_ident.selection.evidence", "NEAR", "24.0"))
+sys.meta_path.insert(0, sensitivity._Changed("msd_ident.selection.ranking", "NEAR", "24.0"))
 from msd_ident.design import nearest_rival
-from msd_ident.selection import coarse_to_fine, evidence
-print(json.dumps([evidence.NEAR, coarse_to_fine.NEAR, nearest_rival.SILENT, evidence.DECISIVE]))
+from msd_ident.selection import coarse_to_fine, ranking
+print(json.dumps([ranking.NEAR, coarse_to_fine.NEAR, nearest_rival.SILENT, ranking.DECISIVE]))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=REPOSITORY)
-    from msd_ident.selection import evidence
+    from msd_ident.selection import ranking
 
-    assert json.loads(done.stdout) == [24.0, 24.0, 24.0, evidence.DECISIVE]
+    assert json.loads(done.stdout) == [24.0, 24.0, 24.0, ranking.DECISIVE]
 
 
 def test_the_table_compares_with_the_untouched_run() -> None:

@@ -1,4 +1,4 @@
-"""Numbers of the code in the text: ``[[selection.evidence.DECISIVE]]`` becomes what that constant is."""
+"""Numbers of the code in the text: ``[[selection.ranking.DECISIVE]]`` becomes what that constant is."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from scipy import special
 
 from msd_ident.data.record import FloatArray
 from msd_ident.design.prediction import DRAWS, NUISANCES, Grid, Prediction, Predictor, Sensing
-from msd_ident.selection.evidence import DECISIVE
+from msd_ident.selection.ranking import DECISIVE
 from msd_ident.tuning import fixed
 
 _UNKNOWN = fixed(

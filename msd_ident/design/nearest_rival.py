@@ -18,7 +18,7 @@ from msd_ident.estimate.levels import STUCK
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model.base_model import OFFSET, OFFSET_FORCE
 from msd_ident.selection.candidate_models import CandidateModel, marginal
-from msd_ident.selection.evidence import NEAR
+from msd_ident.selection.ranking import NEAR
 from msd_ident.tuning import tuned
 
 #: Rise of chi² below which the data cannot object: twice the evidence at which a set is kept.

@@ -15,7 +15,7 @@ from msd_ident.design.profile import Profile
 from msd_ident.design.rival_refits import Refitted
 from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
-from msd_ident.selection.evidence import LEADERS
+from msd_ident.selection.ranking import LEADERS
 from msd_ident.tuning import tuned
 
 #: A rival that is found out less often than this by the best of all profiles cannot be parted by any.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.selection.evidence import DECISIVE
+from msd_ident.selection.ranking import DECISIVE
 from msd_ident.tuning import tuned
 
 MOST = tuned(6, unit="rivals", why="rivals of one design, at most", chosen="by hand")

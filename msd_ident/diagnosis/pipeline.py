@@ -30,7 +30,6 @@ from msd_ident.residuals.ringdown import RingDown
 from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
 from msd_ident.selection import (
     coarse_to_fine,
-    evidence,
     gain_laws,
     handover,
     identities,
@@ -42,8 +41,10 @@ from msd_ident.selection import (
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
 from msd_ident.selection.cause_assessment import assess, noted
-from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Experiment, Hypothesis
+from msd_ident.selection.evidence import NoiseScale, scale_from
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking, rank
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
 from msd_ident.tuning import fixed
 
@@ -132,7 +133,7 @@ def diagnose_records(
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
-        ranking = noted(evidence.rank({NOTHING: base}, evidence.NoiseScale()), experiment)
+        ranking = noted(rank({NOTHING: base}, NoiseScale()), experiment)
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, _Search(base, ranking, shared), progress)
@@ -204,8 +205,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     characteristics = None
     if lacks.exceeds:
         characteristics = nonparametric.measure(experiment.readings, shown.model, shown.initial, fits[0].see)
-    scale = evidence.scale_from(list(ranking.sets), experiment.readings)
-    tied = ranking.within(evidence.DECISIVE) if decision == "ambiguous" else [best]
+    scale = scale_from(list(ranking.sets), experiment.readings)
+    tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     alike = gain_laws.alike(experiment, best, scale)
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
@@ -308,4 +309,4 @@ def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple
         if fitted is not best
     ]
     kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[: evidence.LEADERS]
+    return tuple(kept or found[:3])[:LEADERS]

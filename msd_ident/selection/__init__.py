@@ -1,5 +1,5 @@
 """Which causes act: sets of effects are fitted, ranked by evidence and calibrated on the record itself.
 
 In: an ``Experiment`` and its base model. Out: ranked ``Hypothesis`` objects with probabilities and ties.
-Begin with ``hypothesis``, then ``structure_search`` and ``evidence``.
+Begin with ``experiment`` and ``hypothesis``, then ``structure_search``, ``evidence`` and ``ranking``.
 """

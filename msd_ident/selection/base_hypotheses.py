@@ -7,7 +7,9 @@ from msd_ident.estimate.base_fits import Shared, joint_fit, linear_fit
 from msd_ident.estimate.effort import SAMPLES
 from msd_ident.model import Model
 from msd_ident.model.base_model import OFFSET
-from msd_ident.selection.hypothesis import COULOMB, Experiment, Hypothesis, refine
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import COULOMB, Hypothesis
+from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.starting_values import plain_axes
 from msd_ident.selection.structure_search import NOTHING
 

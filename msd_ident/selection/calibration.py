@@ -35,8 +35,8 @@ import numpy as np
 
 from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
-from msd_ident.selection.evidence import Ranking, kinds
 from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.ranking import Ranking, kinds
 
 
 @dataclass(frozen=True)

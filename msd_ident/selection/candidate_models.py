@@ -12,8 +12,9 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection import rest_constraint
-from msd_ident.selection.evidence import LEADERS, NEAR, NoiseScale, Ranking
+from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 
 
 @dataclass(frozen=True)

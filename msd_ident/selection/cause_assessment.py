@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from msd_ident.model.effects import LIBRARY, by_name, spoken
-from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Causes, Experiment
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import Causes
+from msd_ident.selection.ranking import Ranking
 from msd_ident.tuning import tuned
 
 #: A set of causes -> what it leaves, in noise floors.

@@ -12,8 +12,11 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
 from msd_ident.selection.cause_assessment import noted
-from msd_ident.selection.evidence import LEADERS, LEAST_SPREAD, NEAR, Ranking
-from msd_ident.selection.hypothesis import NOISE_ERROR, REACH, Experiment, Hypothesis, refine
+from msd_ident.selection.evidence import LEAST_SPREAD
+from msd_ident.selection.experiment import NOISE_ERROR, Experiment
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.hypothesis_fit import REACH, refine
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.structure_search import Progress, Remembered, Search
 from msd_ident.tuning import tuned
 

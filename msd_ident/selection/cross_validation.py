@@ -26,7 +26,9 @@ from msd_ident.estimate.broyden import State, descend
 from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model import Model
-from msd_ident.selection.hypothesis import LEAST_FALL, Experiment, Hypothesis, weigh
+from msd_ident.selection.experiment import Experiment, weigh
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.hypothesis_fit import LEAST_FALL
 from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")

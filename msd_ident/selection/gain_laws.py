@@ -7,20 +7,11 @@ depends on the sign then fit equally well, each with its own mass, damping and s
 from __future__ import annotations
 
 from msd_ident.model.effects import by_name
-from msd_ident.selection.evidence import DECISIVE, NoiseScale
-from msd_ident.selection.hypothesis import (
-    REACH,
-    Causes,
-    Experiment,
-    Hypothesis,
-    StartingPoint,
-    begin,
-    causes_that_fit,
-    finish,
-    refine,
-    switched_off,
-    without,
-)
+from msd_ident.selection.evidence import NoiseScale
+from msd_ident.selection.experiment import Experiment, switched_off
+from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit, without
+from msd_ident.selection.hypothesis_fit import REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.ranking import DECISIVE
 from msd_ident.selection.starting_points import proposals
 
 

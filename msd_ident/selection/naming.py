@@ -1,6 +1,6 @@
 """Choice of the set to name among sets that the data cannot tell apart.
 
-The set leads that ``evidence.rank`` puts first, unless it names a cause with less probability than one that it
+The set leads that ``ranking.rank`` puts first, unless it names a cause with less probability than one that it
 leaves out: then the next that does not.
 """
 
@@ -12,10 +12,10 @@ from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
 from msd_ident.model.effects import by_name, spoken
-from msd_ident.selection import evidence
 from msd_ident.selection.cross_validation import HeldOut, predict
-from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Hypothesis
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
+from msd_ident.selection.ranking import DECISIVE, Ranking, alternatives, kinds
 from msd_ident.tuning import fixed, tuned
 
 CERTAIN = tuned(0.9, unit="1", why="probability from which a cause is named with certainty", chosen="by hand")
@@ -31,7 +31,7 @@ def leading(ranking: Ranking) -> Ranking:
     """
     if not ranking.best.causes:
         return ranking
-    near = max(ranking.evidence) - evidence.DECISIVE
+    near = max(ranking.evidence) - DECISIVE
     found = [one for one, value in zip(ranking.sets, ranking.evidence, strict=True) if value >= near and one.causes]
     asked = [ranking.best, *(one for one in found if one is not ranking.best)]
     margins = [margin(ranking, one.causes) for one in asked]
@@ -80,7 +80,7 @@ def margin(ranking: Ranking, named: Causes) -> float:
         ranking: sets with their probabilities.
         named: the named causes; the result is infinite if there are none.
     """
-    others = evidence.kinds(_all(ranking.sets)) - evidence.kinds(named)
+    others = kinds(_all(ranking.sets)) - kinds(named)
     least = min((ranking.of_cause(name) for name in named), default=math.inf)
     return least - max((ranking.of_cause(name) for name in others), default=0.0)
 
@@ -113,10 +113,10 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
         name: a cause of the leading set.
     """
     sure, named = ranking.of_cause(name), ranking.best.causes
-    found = list(evidence.alternatives(ranking, name))
+    found = list(alternatives(ranking, name))
     if not found and sure < CERTAIN:
         kind = by_name(name).cause()
-        near = [one for one in ranking.within(evidence.DECISIVE) if kind not in evidence.kinds(one.causes)]
+        near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
         found += _unnamed(near, named)
     found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + _ROUNDING]
     return tuple(dict.fromkeys(found))
@@ -138,7 +138,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
 
 def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:
     """Laws of these sets whose cause is not named in another form, sorted."""
-    known = evidence.kinds(named)
+    known = kinds(named)
     return sorted(name for name in _all(sets) if by_name(name).cause() not in known)
 
 

@@ -15,11 +15,14 @@ from msd_ident.estimate.effort import KEPT, SAMPLES
 from msd_ident.model.effects import by_name
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
-from msd_ident.selection import coarse_to_fine, evidence, naming
+from msd_ident.selection import coarse_to_fine, naming
 from msd_ident.selection.calibration import Calibration, Row, corrected
-from msd_ident.selection.evidence import NoiseScale, Ranking
+from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.excitation import poor
-from msd_ident.selection.hypothesis import COULOMB, Causes, Experiment, Hypothesis, causes_that_fit, formulated, refine
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, causes_that_fit
+from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.ranking import NEAR, Ranking, kinds
 from msd_ident.selection.structure_search import NOTHING, Progress
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 from msd_ident.tuning import tuned
@@ -129,7 +132,7 @@ def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
         near = [
             one
             for one, value in zip(ranking.sets, ranking.evidence, strict=True)
-            if by_name(cause).cause() not in evidence.kinds(one.causes) and value > top - evidence.NEAR
+            if by_name(cause).cause() not in kinds(one.causes) and value > top - NEAR
         ]
         for one in near[:KEPT]:
             found.setdefault(one.causes, one if one.causes < lead.causes else None)
@@ -192,7 +195,7 @@ def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Seq
     asked = frozenset().union(*(row.causes for row in rows))
     asking = replace(experiment, asked=asked)
     friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
-    scale = evidence.scale_from(list(ranking.sets), experiment.readings)
+    scale = scale_from(list(ranking.sets), experiment.readings)
     lead, thin = ranking.best, asking.thinned(SAMPLES)
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
 

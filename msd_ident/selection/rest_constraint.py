@@ -21,7 +21,8 @@ from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.effects.base import PLACE
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.selection.hypothesis import Hypothesis, weigh
+from msd_ident.selection.experiment import weigh
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.tuning import tuned
 
 _WORTH = tuned(0.05, unit="chi²", why="fall that is worth another step towards rest", chosen="by hand")

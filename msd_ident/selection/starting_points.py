@@ -19,17 +19,10 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
-from msd_ident.selection.evidence import FAINT
-from msd_ident.selection.hypothesis import (
-    COULOMB,
-    HOLDING_COULOMB,
-    SAME,
-    Causes,
-    Experiment,
-    Hypothesis,
-    StartingPoint,
-    formulated,
-)
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
+from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
+from msd_ident.selection.ranking import FAINT
 from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
 from msd_ident.tuning import tuned

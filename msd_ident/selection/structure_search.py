@@ -18,26 +18,19 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
-from msd_ident.selection.evidence import NoiseScale, Ranking, rank, scale_from
+from msd_ident.selection.evidence import NoiseScale, scale_from
+from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import (
-    COMPARABLE,
     COULOMB,
-    FAR,
     HOLDING_COULOMB,
-    REACH,
-    SOUGHT,
     Causes,
-    Experiment,
     Hypothesis,
-    StartingPoint,
-    begin,
     causes_that_fit,
-    finish,
-    formulated,
     imitated,
-    refine,
     without,
 )
+from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.ranking import Ranking, rank
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 

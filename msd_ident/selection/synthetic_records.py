@@ -23,7 +23,8 @@ from msd_ident.model.effects import by_name
 from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.evidence import NoiseScale, prior_widths
-from msd_ident.selection.hypothesis import Causes, Experiment, Hypothesis, formulated
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
 _STEPS = tuned(

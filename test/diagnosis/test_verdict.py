@@ -12,10 +12,10 @@ import pytest
 from msd_ident.diagnosis import verdict
 from msd_ident.diagnosis.result import Cause
 from msd_ident.residuals.unexplained import Remainder, Remainders
-from msd_ident.selection import evidence, naming
+from msd_ident.selection import naming
 from msd_ident.selection.cross_validation import HeldOut
-from msd_ident.selection.evidence import Ranking
 from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.ranking import DECISIVE, Ranking
 
 NAMES = ("backlash", "cogging", "coulomb_friction", "hysteresis", "quadratic_drag")
 GAIN = HeldOut(1.0, 0.1, 90.0, (80.0, 95.0))
@@ -29,7 +29,7 @@ class Set:
 
 
 def ranking(probabilities: Mapping[tuple[str, ...], float], first: tuple[str, ...] | None = None) -> Ranking:
-    """Sets with given probabilities; as ``evidence.rank`` has it, ``first`` leads, the others by falling evidence."""
+    """Sets with given probabilities; as ``ranking.rank`` has it, ``first`` leads, the others by falling evidence."""
     order = sorted(probabilities, key=lambda causes: (causes != first, -probabilities[causes]))
     total = sum(probabilities.values())
     chances = tuple(probabilities[causes] / total for causes in order)
@@ -44,7 +44,7 @@ def drawn(seed: int) -> Ranking:
     for _ in range(rng.integers(1, 9)):
         causes = tuple(sorted(rng.choice(NAMES, size=rng.integers(1, 4), replace=False).tolist()))
         sets[causes] = float(np.exp(-rng.exponential(3.0)))
-    near = [causes for causes, p in sets.items() if p >= max(sets.values()) * np.exp(-evidence.DECISIVE)]
+    near = [causes for causes, p in sets.items() if p >= max(sets.values()) * np.exp(-DECISIVE)]
     return ranking(sets, min(near, key=len))
 
 
@@ -89,7 +89,7 @@ def test_no_cause_is_named_with_less_probability_than_one_left_out(seed: int) ->
     near = [
         one.causes
         for one, value in zip(given.sets, given.evidence, strict=True)
-        if value >= max(given.evidence) - evidence.DECISIVE
+        if value >= max(given.evidence) - DECISIVE
     ]
     assert named in near
     for name in named:

@@ -20,7 +20,7 @@ import signature
 from msd_ident.cli import main
 from msd_ident.model.effects import LIBRARY, Effect
 from msd_ident.paper.tables import Table1, derive
-from msd_ident.selection.evidence import DECISIVE
+from msd_ident.selection.ranking import DECISIVE
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGES = REPOSITORY / "docs"

@@ -15,7 +15,8 @@ from msd_ident.model import Plant
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection.hypothesis import Experiment, begin, exactly, finish, refine, weigh
+from msd_ident.selection.experiment import Experiment, weigh
+from msd_ident.selection.hypothesis_fit import begin, exactly, finish, refine
 from msd_ident.selection.starting_points import proposals, starts
 from msd_sim.api import simulate
 

@@ -15,9 +15,10 @@ from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.calibration import Calibration, Row, corrected, odds
-from msd_ident.selection.evidence import Ranking
-from msd_ident.selection.hypothesis import Experiment, Hypothesis, formulated
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.naming import leading, tied
+from msd_ident.selection.ranking import Ranking
 
 RUB, PEAK, DRAG, NOTHING = (
     frozenset(names) for names in (["coulomb_friction"], ["stribeck_friction"], ["quadratic_drag"], [])

@@ -17,7 +17,9 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.cross_validation import FOLDS, predict, refitted, segments, training
-from msd_ident.selection.hypothesis import Experiment, Hypothesis, refine, weigh
+from msd_ident.selection.experiment import Experiment, weigh
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.hypothesis_fit import refine
 from msd_sim.api import simulate
 
 RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}

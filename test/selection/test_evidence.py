@@ -1,103 +1,25 @@
-"""Evidence: parameters pay, the likeliest set leads, model error tempers, probabilities add up."""
+"""Evidence of one set: model error tempers, repetition does not count, parameters cost."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from setrigs import BASE, fitted, steps
 
-from msd_ident.data.record import Record
-from msd_ident.estimate.broyden import State
-from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.model.effects.end_stop import EndStop
-from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
-from msd_ident.model.effects.power_drag import PowerDrag
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
-from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection import evidence, naming
-from msd_ident.selection.hypothesis import Experiment, Hypothesis
-from msd_sim.api import simulate
-
-BASE = Plant(1.0, 2.0, 400.0)
+from msd_ident.selection import evidence
+from msd_ident.selection.experiment import Experiment
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def experiment() -> Experiment:
-    made = simulate(
-        {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "experiment": "steps"}
-    )
-    return Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
-
-
-def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3) -> Hypothesis:
-    """A set with a given chi², spread evenly over all frequencies, every parameter known to its natural size over
-    ``known``.
-    """
-    problem = experiment.problem(model)
-    rows = np.zeros((problem.size, experiment.readings[0].record.samples))
-    rows[:, : problem.size] = known * np.diag(1.0 / problem.scale)
-    whole = np.random.default_rng(1).normal(size=experiment.readings[0].record.samples)
-    residual = whole * math.sqrt(chi / float(whole @ whole))
-    return Hypothesis(
-        frozenset(model.effect_names),
-        model,
-        problem,
-        State(
-            problem.vector(dict(zip(model.names, model.values.tolist(), strict=True)), problem.initial),
-            residual,
-            rows,
-            True,
-        ),
-        experiment.readings,
-    )
-
-
-def ranked(sets: Mapping[str, Hypothesis], noise: float = 840.0) -> evidence.Ranking:
-    """All sets, where noise alone leaves so much chi²."""
-    return evidence.rank({one.causes: one for one in sets.values()}, evidence.NoiseScale(noise))
-
-
-def odds(ranking: evidence.Ranking) -> dict[frozenset[str], tuple[float, float]]:
-    """Evidence and probability by set."""
-    return {
-        one.causes: (value, p)
-        for one, value, p in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True)
-    }
-
-
-def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:
-    friction, drag = CoulombFriction(0.1), QuadraticDrag(1.0)
-    for without, both, leads in ((1000.0, 990.0, 0), (5000.0, 840.0, 1)):
-        found = ranked(
-            {
-                "friction": fitted(experiment, BASE + friction, without),
-                "both": fitted(experiment, BASE + friction + drag, both),
-            }
-        )
-        assert len(found.best.causes) == 1 + leads
-
-
-def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Experiment) -> None:
-    """However uncertain a further cause makes the others: the smaller set's determinant may be wrong at a knee."""
-    found = ranked(
-        {
-            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0, known=1e6),
-            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 998.0, known=1.0),
-        }
-    )
-    assert found.best.causes == {"coulomb_friction"}
-    scale = evidence.NoiseScale(840.0)
-    gain = scale.of(found.sets[1]) - scale.of(found.sets[0])
-    assert 0.0 < gain < 0.1
-    assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
+    return steps()
 
 
 def test_what_repeats_in_one_octave_counts_once_and_in_three_octaves_three_times(experiment: Experiment) -> None:
@@ -113,144 +35,6 @@ def test_what_repeats_in_one_octave_counts_once_and_in_three_octaves_three_times
     falls = [left(100.0, bands) - left(1.0, bands) for bands in (1, 3)]
     assert falls[0] == pytest.approx(-0.5 * evidence.OCTAVE_SHAPES * math.log(1e4), rel=1e-2)
     assert falls[1] == pytest.approx(3.0 * falls[0], rel=1e-2)
-
-
-@pytest.mark.parametrize(
-    ("without", "both", "called"),
-    [
-        (100.0, 1.0, True),  # a tenth of what friction explains, and its form is seen
-        (20.0, 1.5, False),  # a fiftieth: another form of the friction would do
-        (2.9, 1.0, False),  # fainter than its form can be seen, and less than a fifth
-        (2.9, 2.8, False),
-    ],
-)
-def test_what_another_form_of_the_law_would_explain_is_no_cause(
-    experiment: Experiment, without: float, both: float, called: bool
-) -> None:
-    """``without`` and ``both`` are what friction alone and with drag leaves, in noise floors."""
-    nothing = 1000.0 if without > evidence.FAINT else 20.0
-    found = ranked(
-        {
-            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
-            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
-            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0 * both**2),
-        }
-    )
-    assert ("quadratic_drag" in found.best.causes) == called
-    assert found.of_cause("coulomb_friction") == pytest.approx(1.0)
-    assert found.of_cause("quadratic_drag") == pytest.approx(1.0 if called else 0.0)
-
-
-def test_a_small_cause_that_leaves_nothing_but_noise_is_named_and_never_certain(experiment: Experiment) -> None:
-    """A fiftieth of what friction explains: laws that are exact to the noise show no error that it could be."""
-    found = ranked(
-        {
-            "nothing": fitted(experiment, BASE, 840.0 * 1000.0**2),
-            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 20.0**2),
-            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
-        }
-    )
-    assert found.best.causes == {"coulomb_friction", "quadratic_drag"}
-    assert found.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
-
-
-@pytest.mark.parametrize(
-    ("without", "left", "sure"),
-    [
-        (2.5, 1.0, 3.0 / 4.0),  # faint, and less than a fifth of what Coulomb's friction explains
-        (20.0, 1.5, 3.0 / 4.0),  # a fiftieth
-        (100.0, 1.0, 1.0),
-    ],
-)
-def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
-    experiment: Experiment, without: float, left: float, sure: float
-) -> None:
-    """``without`` and ``left`` are what Coulomb's friction and Stribeck's leave, in noise floors."""
-    nothing = 1000.0 if without > evidence.FAINT else 60.0
-    found = ranked(
-        {
-            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
-            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
-            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01), 840.0 * left**2),
-        }
-    )
-    assert found.best.causes == {"stribeck_friction"}
-    assert found.of_cause("stribeck_friction") == pytest.approx(sure, abs=1e-3)
-    (said,) = naming.other_forms(found) or ("",)
-    assert ("of what Coulomb friction explains: another form of that law" in said) is (sure < 1.0)
-
-
-@pytest.mark.parametrize(("further", "sure"), [("quadratic_drag", 3.0 / 4.0), ("coulomb_friction", 60.0 / 61.0)])
-def test_what_is_seen_roughly_may_be_another_form(experiment: Experiment, further: str, sure: float) -> None:
-    """An eighth of what the first explains, seen at 8 floors; friction, which acts on nearly every rig, is surer."""
-    first, second = CoulombFriction(0.1), QuadraticDrag(1.0)
-    alone = first if further == "quadratic_drag" else second
-    found = ranked(
-        {
-            "nothing": fitted(experiment, BASE, 840.0 * 64.0**2),
-            "alone": fitted(experiment, BASE + alone, 840.0 * 8.0**2),
-            "both": fitted(experiment, BASE + first + second, 840.0),
-        }
-    )
-    assert found.best.causes == {first.name, second.name}
-    assert found.of_cause(alone.name) == pytest.approx(1.0)
-    assert found.of_cause(further) == pytest.approx(sure)
-
-
-def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Experiment) -> None:
-    found = ranked(
-        {
-            "nothing": fitted(experiment, BASE, 840.0 * 4.0**2),
-            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 2.9**2),
-            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
-        }
-    )
-    assert found.of_cause("quadratic_drag") > 0.9
-
-
-def test_the_likelier_of_two_laws_leads_and_the_other_is_told(experiment: Experiment) -> None:
-    """Neither is a part of the other, so that the simpler one has no claim to the headline."""
-    coulomb = fitted(experiment, BASE + CoulombFriction(0.1), 1000.0)
-    for chi in (940.0, 900.0, 860.0):
-        stribeck = fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01), chi, known=30.0)
-        found = ranked({"coulomb": coulomb, "stribeck": stribeck})
-        assert found.evidence[0] == max(found.evidence)
-        assert sum(found.probability) == pytest.approx(1.0)
-        assert found.of_cause("coulomb_friction") + found.of_cause("stribeck_friction") == pytest.approx(1.0)
-        (name,) = found.best.causes
-        other = {"coulomb_friction", "stribeck_friction"} - {name}
-        near = found.evidence[0] - found.evidence[1] <= evidence.DECISIVE
-        assert set(evidence.alternatives(found, name)) == (other if near else set())
-
-
-@pytest.mark.parametrize(("peak", "own"), [(1.005, False), (1.02, True)])
-def test_a_breakaway_no_higher_than_the_sliding_force_is_no_law_of_its_own(
-    experiment: Experiment, peak: float, own: bool
-) -> None:
-    found = ranked(
-        {
-            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 1000.0),
-            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.1 * peak, 0.3), 940.0, known=1e6),
-        }
-    )
-    assert found.best.causes == {"coulomb_friction"}
-    assert (len(found.sets) == 2) is own
-
-
-def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> None:
-    """Where few independent samples let the base lead a tie, and the likelier set predicts better beyond doubt."""
-    found = ranked(
-        {
-            "base": fitted(experiment, BASE, 1000.0),
-            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 980.0),
-            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 999.0),
-        }
-    )
-    assert not found.best.causes
-    friction = next(one for one in found.sets if one.causes == {"coulomb_friction"})
-    led = found.led_by(friction)
-    assert led.best is friction
-    assert odds(led) == odds(found)
 
 
 @pytest.mark.parametrize("samples", [1e3, 1e5, 1e7])
@@ -289,14 +73,6 @@ def test_a_strength_may_be_of_any_order_of_magnitude(experiment: Experiment) -> 
     assert costs[0] == pytest.approx(costs[1], abs=0.1)
 
 
-def test_a_law_no_better_than_its_limit_is_its_limit(experiment: Experiment) -> None:
-    """What the data does not see of a law costs nothing, so it would take a share of the simple law's probability."""
-    coulomb = fitted(experiment, BASE + CoulombFriction(0.1), 900.0)
-    for gain, own in ((1.0, False), (50.0, True)):
-        load = fitted(experiment, BASE + LoadDependentFriction(0.1, 0.02), 900.0 - gain)
-        assert (len(ranked({"coulomb": coulomb, "load": load}).sets) == 2) is own
-
-
 def test_a_strength_wanders_and_a_frequency_does_not(experiment: Experiment) -> None:
     """A parameter that is known a thousand times better costs no more, but for those that no law can be wrong about."""
     for model, costs in ((BASE + QuadraticDrag(1.0), 1), (BASE + PeriodicDisturbance(0.1, 20.0, 0.3), 3)):
@@ -309,23 +85,3 @@ def test_a_strength_wanders_and_a_frequency_does_not(experiment: Experiment) -> 
 def test_what_moves_a_cart_at_rest_is_not_there(experiment: Experiment) -> None:
     scale = evidence.NoiseScale(840.0)
     assert scale.log_likelihood(900.0, 1e4) < scale.log_likelihood(2000.0)
-
-
-def test_the_simple_law_leads_where_a_form_is_hardly_better(experiment: Experiment) -> None:
-    drag = fitted(experiment, BASE + QuadraticDrag(1.0), 900.0)
-    power = fitted(experiment, BASE + PowerDrag(1.0, 1.0, 1.7), 850.0)
-    found = ranked({"drag": drag, "power": power})
-    assert found.best.causes == {"quadratic_drag"}
-    assert found.of_cause("quadratic_drag") == found.of_cause("power_drag") == pytest.approx(1.0)
-
-
-def test_stops_beside_no_spring_are_no_rival_of_the_play_that_they_are(experiment: Experiment) -> None:
-    sets = {
-        "base": fitted(experiment, BASE, 1e6),
-        "play": fitted(experiment, BASE + Backlash(1e-3), 850.0),
-        "stops": fitted(experiment, Plant(1.0, 2.0, 0.0) + EndStop(1e-3, 400.0), 849.5),
-    }
-    assert ranked(sets).best.causes == {"backlash"}
-    assert frozenset({"end_stop"}) not in odds(ranked(sets))
-    sets["stops"] = fitted(experiment, Plant(1.0, 2.0, 100.0) + EndStop(1e-3, 400.0), 849.5)
-    assert frozenset({"end_stop"}) in odds(ranked(sets)), "beside a spring they are something else"

@@ -9,8 +9,9 @@ from msd_ident.data.record import Record
 from msd_ident.design import Profile, Segment
 from msd_ident.model import Plant, simulate
 from msd_ident.residuals import noise_model
-from msd_ident.selection import hypothesis, starting_points
-from msd_ident.selection.hypothesis import Experiment
+from msd_ident.selection import starting_points
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.second_masses import second_masses
 from msd_ident.workflow import pipeline
 from msd_sim import api
@@ -136,7 +137,7 @@ def test_a_guess_that_is_too_strong_is_tried_weakly() -> None:
     )  # fmt: skip
     record = Record(made.time, made.position, made.force_time, made.force)
     experiment = Experiment(noise_model.prepare([record]), Plant(1.0, 2.0, 400.0), frozenset())
-    base = hypothesis.refine(experiment, frozenset(), experiment.base, experiment.problem(experiment.base).initial)
+    base = refine(experiment, frozenset(), experiment.base, experiment.problem(experiment.base).initial)
     best = starting_points.proposals(experiment, frozenset({"drive_damping"}), [base])[0]
     assert best.fitted.model["drive_damping"] < 0.5, "the library's guess is 2 and more"
     assert best.promise < 0.1 * base.chi

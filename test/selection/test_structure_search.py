@@ -11,16 +11,9 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection.hypothesis import (
-    NOISE_ERROR,
-    SOUGHT,
-    Experiment,
-    Hypothesis,
-    StartingPoint,
-    formulated,
-    imitated,
-    refine,
-)
+from msd_ident.selection.experiment import NOISE_ERROR, SOUGHT, Experiment, formulated
+from msd_ident.selection.hypothesis import Hypothesis, imitated
+from msd_ident.selection.hypothesis_fit import StartingPoint, refine
 from msd_ident.selection.structure_search import Search
 from msd_sim.api import simulate
 

@@ -17,7 +17,8 @@ from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection import replication, synthetic_records
-from msd_ident.selection.hypothesis import Experiment, refine
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.workflow import pipeline
 from msd_sim.api import simulate
 

@@ -1,0 +1,182 @@
+"""The data of a diagnosis, with its weights and its base model: what all candidate sets of causes share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate import resolution
+from msd_ident.estimate.broyden import Weighting
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
+from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
+from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
+from msd_ident.model import Model
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.residuals.noise_model import Readings
+from msd_ident.tuning import tuned
+
+SOUGHT = tuned(
+    40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
+)
+NOISE_ERROR = tuned(
+    0.1, unit="1", why="relative error that the estimate of the noise's variance may have", chosen="by hand"
+)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """The data and the base model, which all candidate sets share.
+
+    Attributes:
+        readings: the records with their weights.
+        base: the base model.
+        fixed: base parameters that the data cannot give (stiffness without a spring, mass in a free decay).
+        rests: stretches of the records in which the cart stands still, which the fits leave out.
+        asked: the only causes in question; None for all of the library.
+    """
+
+    readings: tuple[Readings, ...]
+    base: Model
+    fixed: frozenset[str]
+    rests: tuple[Readings, ...] = ()
+    asked: frozenset[str] | None = None
+
+    @property
+    def evidence(self) -> float:
+        """Sum of the weights of all samples, in pieces of evidence."""
+        return sum(part.evidence for part in self.readings)
+
+    def worse(self, chi: float, times: float) -> float:
+        """The chi² of a set whose error has ``times`` the variance of another set's, along ``SOUGHT`` features.
+
+        Args:
+            chi: chi² of the other set. What it leaves above the noise by less than the uncertainty of the noise counts
+                as noise.
+            times: factor on the variance.
+        """
+        above = max(chi - (1.0 + NOISE_ERROR) * self.evidence, 0.0)
+        return chi + (times - 1.0) * (SOUGHT + above)
+
+    def thinned(self, keep: int) -> Experiment:
+        """The same experiment with about ``keep`` samples in all.
+
+        Every n-th sample is kept, but at least ``A_SWING`` samples in each swing. If these are still too many, only a
+        stretch of a record that goes on in the same way is kept.
+        """
+        total = sum(part.record.samples for part in self.readings)
+        swing = 2.0 * math.pi * self.typical.time
+        parts = []
+        for part in self.readings:
+            fewest = int(A_SWING * part.record.duration / swing)
+            own = max(keep * part.record.samples // total, FEWEST_READINGS)
+            few = part.thinned(max(own, fewest))
+            parts.append(few.stretch(own) if few.record.samples > 2 * own else few)
+        return replace(self, readings=tuple(parts))
+
+    def with_mean_force(self) -> Experiment:
+        """The same experiment with one force, the mean, between any two samples; its simulation takes fewer steps."""
+        return replace(self, readings=tuple(part.with_mean_force() for part in self.readings))
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The records."""
+        return tuple(part.record for part in self.readings)
+
+    @cached_property
+    def library(self) -> tuple[str, ...]:
+        """Names of the causes that can act here.
+
+        Causes on the spring are left out if there is none, and causes on the input if no force acts.
+        """
+        sprung = "stiffness" not in self.fixed
+        forced = any(bool(np.any(record.force_at(record.time))) for record in self.records)
+        return tuple(
+            effect.name
+            for effect in LIBRARY
+            if (sprung or not effect.needs_spring)
+            and (forced or effect.acts_on != "input")
+            and any(effect.fits(record) for record in self.records)
+            if self.asked is None or effect.name in self.asked
+        )
+
+    @property
+    def tried_alone(self) -> tuple[str, ...]:
+        """Causes that are tried in every search: all except those that are only another form of a simple law."""
+        return tuple(name for name in self.library if by_name(name).stands_alone or not by_name(name).form_of)
+
+    def forms(self, name: str) -> tuple[str, ...]:
+        """Other laws of the same cause."""
+        cause = by_name(name).cause()
+        return tuple(other for other in self.library if by_name(other).cause() == cause and other != name)
+
+    @cached_property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """Free entries of each record: the same for all candidates."""
+        return formulate(self.base, self.records, self.fixed).nuisances
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Ranges of the laws' inner parameters that the samples can resolve."""
+        return resolution.ranges(self.records, self.base)
+
+    @cached_property
+    def typical(self) -> Magnitudes:
+        """Typical force, length and time of the records."""
+        return magnitudes(self.records, self.base.mass)
+
+    def problem(self, model: Model, held: frozenset[str] = frozenset()) -> Problem:
+        """The fitting problem of a model on these records.
+
+        Args:
+            model: structure, and the values of what is not fitted.
+            held: further parameters that keep the model's values.
+        """
+        fixed = self.fixed | held | switched_off(model)
+        return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
+
+
+def formulated(
+    experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
+) -> tuple[Problem, Weighting, FloatArray]:
+    """A model's problem in units of the noise, and the vector of its values and initial states inside the bounds.
+
+    Parameters ``held`` stay as the model has them.
+
+    Args:
+        experiment: readings with their weights.
+        model: values to start from.
+        initial: initial state of each record.
+        held: parameters that are not fitted.
+    """
+    problem = experiment.problem(model, held)
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    return problem, weigh(problem, experiment.readings), point
+
+
+def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:
+    """A problem in units of the noise, with each run of equal readings counted once.
+
+    Args:
+        problem: model and records.
+        readings: the same records with their weights.
+        masks: for each record (n,): 0 for samples to leave out, else 1; None for all samples.
+    """
+    if masks is None:
+        return Weighting(problem, tuple(part.root for part in readings))
+    factors = [part.factor * mask for part, mask in zip(readings, masks, strict=True)]
+    return Weighting(problem, tuple(np.sqrt(factor) for factor in factors))
+
+
+def switched_off(model: Model) -> frozenset[str]:
+    """Parameters that are not fitted.
+
+    Those that an effect only states, and infinite limits, which mean that a part of the effect is absent.
+    """
+    return frozenset(name for effect in model.effects for name in effect.idle())

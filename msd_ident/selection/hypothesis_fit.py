@@ -1,0 +1,244 @@
+"""Fits of a set of causes from its starting points: a few steps from each, and the best refined."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate.broyden import State, descend
+from msd_ident.estimate.effort import LOOK, THOROUGH
+from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.problem import Initial, Problem
+from msd_ident.model import Model
+from msd_ident.selection.experiment import Experiment, formulated, weigh
+from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.tuning import fixed, tuned
+
+_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
+_KICK = tuned(0.6, unit="rad", why="turn of a phase that may lead to another valley", chosen="by hand")
+_FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
+_ASIDE = tuned(
+    6.0,
+    unit="standard deviations",
+    why="distance between the first reading and the fitted start that is not the noise's",
+    chosen="by hand",
+)
+FAR = tuned(
+    25.0,
+    unit="chi² for each piece of evidence",
+    why="far from the noise: what is left is the model's, not the data's",
+    chosen="by hand",
+)
+COMPARABLE = tuned(
+    4.0,
+    unit="1",
+    why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
+    chosen="by hand",
+)
+_HOPELESS_FAR = tuned(
+    1.5, unit="factor", why="chi² of another set far from the noise: with more, a set is not refined", chosen="by hand"
+)
+REACH = tuned(
+    10.0,
+    unit="1",
+    why="times the variance of the best set which a start may promise, or the chi² which a set may leave, to be "
+    "looked at",
+    chosen="by hand",
+)
+SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
+_SLACK = tuned(
+    1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
+)
+_SLACK_FAR = tuned(
+    5e-3,
+    unit="1",
+    why="far from the noise, part of what is left whose fall is not worth a simulation",
+    chosen="by hand",
+)
+LEAST_FALL = tuned(
+    0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
+)
+
+
+@dataclass(frozen=True)
+class StartingPoint:
+    """A start of a set.
+
+    A start is judged by the chi² that its first Gauss–Newton step predicts, not by its own: a guess of the right shape
+    but the wrong size is a good one.
+
+    Attributes:
+        promise: the predicted chi².
+        fitted: the set at the start.
+        beside: chi² of the smaller set from which the start was made.
+    """
+
+    promise: float
+    fitted: Hypothesis
+    beside: float
+
+    @property
+    def turn(self) -> float:
+        """Key by which starts are ordered, the smallest first: those that promise the largest reduction of chi²."""
+        promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
+        return promise * math.sqrt(promise / max(self.beside, 1e-300))
+
+    def worth(self, reach: float) -> bool:
+        """Whether to follow the start.
+
+        It promises a chi² below ``reach``, or less than half that of the smaller set. In the second case the first step
+        tells little about where the start leads.
+        """
+        return self.promise < max(reach, MOST_OF * self.beside)
+
+
+def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
+    """A few steps down from the most promising starts of a set.
+
+    Args:
+        experiment: readings with their weights.
+        found: starts by rising ``promise``; the first one is always followed.
+        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``).
+
+    Returns:
+        The sets as they are after these steps, by rising chi².
+    """
+    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
+    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
+    return sorted(ahead, key=lambda fitted: fitted.chi)
+
+
+def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) -> Hypothesis:
+    """The best of a set's beginnings, refined.
+
+    Args:
+        experiment: readings with their weights.
+        begun: result of ``begin``.
+        least: chi² of the best set so far; a set that stays far above it is not refined to full precision.
+    """
+    refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
+    best = min(refined, key=lambda fitted: fitted.chi)
+    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+        return best
+    kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
+    return min([best, *kicked], key=lambda fitted: fitted.chi)
+
+
+def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
+    """A few steps down from other starts, which may lead to another minimum.
+
+    One start on either side of a harmonic law's phase: where the cart sticks at the ripples, the error has several
+    minima within a cycle. And one from the first readings, if the fit begins far from them: a smaller model makes up
+    for missing laws with a shifted start, and with friction a larger model that starts from there keeps the shift.
+    """
+    weighting = weigh(fitted.problem, experiment.readings)
+    found = []
+    point = _begun(experiment, fitted)
+    if not np.array_equal(point, fitted.point):
+        state = weighting.exact(point, weighting.steps(fitted.state))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+    for entry, parameter in enumerate(fitted.problem.parameters):
+        if not parameter.is_phase:
+            continue
+        for turn in (-_KICK, _KICK):
+            point = fitted.point.copy()
+            point[entry] += turn
+            state = State(point, weighting.residual(point), fitted.state.jacobian, False)
+            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+    return found
+
+
+def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
+    """The fitted vector (p,), with records that begin far from their first reading moved to it."""
+    problem, point = fitted.problem, fitted.point.copy()
+    for entry, nuisance in enumerate(problem.nuisances, start=len(problem.free)):
+        if nuisance.kind == "initial position":
+            part = experiment.readings[nuisance.record]
+            first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
+            if abs(point[entry] - first) > _ASIDE * part.noise:
+                point[entry] = first
+    return np.asarray(np.clip(point, problem.lower, problem.upper))
+
+
+def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Beginnings with different chi², which are taken for different minima."""
+    kept: list[Hypothesis] = []
+    for fitted in begun:
+        if all(abs(fitted.chi - other.chi) > SAME * other.chi for other in kept):
+            kept.append(fitted)
+    return kept
+
+
+def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
+    for _ in range(THOROUGH // LOOK):
+        before = fitted.chi
+        fitted = _lower(experiment, fitted, LOOK)
+        fall = before - fitted.chi
+        if fall <= _settled_gain(experiment, fitted):
+            break
+        if fitted.chi > _hopeless(experiment, least) and fall < 0.5 * before:
+            return fitted
+    return exactly(experiment, fitted) if fitted.chi < _hopeless(experiment, least) else fitted
+
+
+def _hopeless(experiment: Experiment, least: float) -> float:
+    """The chi² above which a set has lost against one that leaves ``least``.
+
+    Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
+    """
+    if least > FAR * experiment.evidence:
+        return least * _HOPELESS_FAR
+    return experiment.worse(least, COMPARABLE)
+
+
+def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
+    """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
+    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
+    return LEAST_FALL + slack * max(fitted.chi - experiment.evidence, 0.0)
+
+
+def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
+    """The same set with a Jacobian that is computed at its point, after a last step with it.
+
+    Args:
+        experiment: readings with their weights.
+        fitted: returned as it is if its Jacobian is exact already.
+    """
+    if fitted.state.exact:
+        return fitted
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = weighting.exact(fitted.point, weighting.steps(fitted.state))
+    state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
+    if not state.exact:
+        state = weighting.exact(state.point, weighting.steps(state))
+    return _at(experiment, fitted.causes, fitted.problem, state)
+
+
+def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequence[Initial]) -> Hypothesis:
+    """A set fitted from given values to full precision.
+
+    Args:
+        experiment: readings with their weights.
+        causes: names of the set.
+        model: its values are the starting point.
+        initial: initial state of each record to start from.
+    """
+    problem, weighting, point = formulated(experiment, model, initial)
+    state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
+    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, LEAST_FALL)
+    return exactly(experiment, _at(experiment, causes, problem, state))
+
+
+def _lower(experiment: Experiment, fitted: Hypothesis, steps: int) -> Hypothesis:
+    weighting = weigh(fitted.problem, experiment.readings)
+    state = descend(weighting, fitted.state, steps, _settled_gain(experiment, fitted))
+    return _at(experiment, fitted.causes, fitted.problem, state)
+
+
+def _at(experiment: Experiment, causes: Causes, problem: Problem, state: State) -> Hypothesis:
+    model = problem.model.with_values(problem.values(state.point))
+    return Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
