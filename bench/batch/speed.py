@@ -22,6 +22,8 @@ from msd_ident.batching.work import Work
 OF_THE_RUN = ("seconds", "diagnosis_seconds", "worker")
 _ONE_BY_ONE = """
 import json, sys, time
+from msd_ident import parallel
+parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
 from msd_ident.batching.job import Job
 from msd_ident.batching.work import Work
 from msd_ident.batching import table
