@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from msd_ident.model.effects import by_name
+from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.evidence import LEAST_SPREAD, SHAPES, NoiseScale, log_evidence, log_prior
 from msd_ident.selection.experiment import NOISE_ERROR
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
@@ -28,10 +28,11 @@ FORM_PART = tuned(
     chosen="on 152 rigs of foreign laws (`python -m bench.blind --variants`, seeds 81000 and 91000) 10 of 12 false "
     "further causes lie below it, and below `ROUGH` or `LEAST_SPREAD`",
 )
-_FORM_ODDS = tuned(
+FORM_ODDS = tuned(
     60.0,
     unit="prior odds",
-    why="odds that a cause below `FORM_PART` is one of its own: 3 to 1 for most",
+    why="greatest odds of a cause below `FORM_PART`, and of one that a poor experiment without copies shows: 3 to 1 "
+    "for most",
     chosen="by hand",
 )
 DECISIVE = tuned(
@@ -69,6 +70,7 @@ class Ranking:
             data alone.
         further: causes of a set that may be another form of its other laws, each with the part of what those explain
             that it explains (``further_parts``).
+        unchecked: causes that a poor experiment shows, without copies to check them (``replication``): none is certain.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -76,6 +78,7 @@ class Ranking:
     probability: tuple[float, ...]
     left: Mapping[Causes, float] = field(default_factory=dict)
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
+    unchecked: frozenset[str] = frozenset()
 
     @property
     def best(self) -> Hypothesis:
@@ -95,12 +98,13 @@ class Ranking:
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""
         kind = by_name(name).cause()
-        return sum(
+        found = sum(
             p * (_of_its_own(law) if law in self.further.get(fitted.causes, ()) else 1.0)
             for fitted, p in zip(self.sets, self.probability, strict=True)
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
+        return min(found, _unchecked(kind)) if kind in self.unchecked else found
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -202,7 +206,15 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
 
 def _of_its_own(name: str) -> float:
     """Probability that a cause which may be another form of the other laws acts by itself."""
-    odds = _FORM_ODDS * by_name(name).prior_odds
+    odds = FORM_ODDS * by_name(name).prior_odds
+    return odds / (1.0 + odds)
+
+
+def _unchecked(cause: str) -> float:
+    """Greatest probability of a cause that needs copies and has none; prior odds below those of most causes do not
+    count once more.
+    """
+    odds = FORM_ODDS * max(by_name(cause).prior_odds, Effect.prior_odds)
     return odds / (1.0 + odds)
 
 

@@ -20,7 +20,7 @@ from msd_ident.selection.calibration import Calibration, Row, corrected
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.excitation import poor
 from msd_ident.selection.experiment import Experiment, formulated
-from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, causes_that_fit
+from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, causes_that_fit, without
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.ranking import NEAR, Ranking, kinds
 from msd_ident.selection.structure_search import NOTHING, Progress
@@ -51,11 +51,20 @@ class Explanation:
 
     Attributes:
         causes: names of its set.
-        fitted: the fitted set; None if strengths are to be drawn by lot.
+        fitted: the fitted set; None if strengths are to be drawn by lot, or if it is not fitted yet.
+        any_strength: whether the strengths of its laws are to be drawn by lot.
     """
 
     causes: Causes
     fitted: Hypothesis | None
+    any_strength: bool = False
+
+    def fitted_from(self, experiment: Experiment, lead: Hypothesis) -> Explanation:
+        """The same, fitted: a part of the leading set starts from that set without the other causes."""
+        if self.fitted is not None or self.any_strength:
+            return self
+        (gone,) = lead.causes - self.causes
+        return replace(self, fitted=refine(experiment, self.causes, *without(lead, gone)))
 
 
 @dataclass(frozen=True)
@@ -126,7 +135,7 @@ def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
     """
     lead = ranking.best
     fitted = {one.causes: one for one in ranking.sets}
-    found: dict[Causes, Hypothesis | None] = {lead.causes: lead}
+    found = {lead.causes: Explanation(lead.causes, lead)}
     top = max(ranking.evidence)
     for cause in sorted(lead.causes):
         near = [
@@ -135,14 +144,15 @@ def explanations(ranking: Ranking, library: Sequence[str]) -> list[Explanation]:
             if by_name(cause).cause() not in kinds(one.causes) and value > top - NEAR
         ]
         for one in near[:KEPT]:
-            found.setdefault(one.causes, one if one.causes < lead.causes else None)
+            part = one.causes < lead.causes
+            found.setdefault(one.causes, Explanation(one.causes, one if part else None, not part))
         for other in _family(cause, library):
             wanted = lead.causes - {cause} | {other}
             if causes_that_fit(wanted):
-                found.setdefault(wanted, None)
-        if (without := lead.causes - {cause}) in fitted:
-            found.setdefault(without, fitted[without])
-    return [Explanation(causes, one) for causes, one in found.items()]
+                found.setdefault(wanted, Explanation(wanted, None, True))
+        less = lead.causes - {cause}
+        found[less] = Explanation(less, fitted.get(less))
+    return list(found.values())
 
 
 def _family(cause: str, library: Sequence[str]) -> list[str]:
@@ -158,7 +168,7 @@ def checked(
     """The ranking as corrected by copies of the experiment, and their confusion matrix.
 
     No copies are made if no cause is named. Unless ``asked``, none are made either if the experiment is not poor or if
-    they cost more than ``_CHEAP``.
+    they cost more than ``_CHEAP``. A poor experiment without copies lets no cause be certain.
 
     Args:
         experiment: the measured records.
@@ -168,26 +178,46 @@ def checked(
         progress: called for each copy, see ``Progress``.
 
     Returns:
-        The corrected ranking and the matrix; the ranking as it was and None if no copies were made.
+        The corrected ranking and the matrix; None if no copies were made.
     """
     if not ranking.best.causes:
         return ranking, None
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and not (_poor(experiment, base) and cost(experiment, rows, counts) <= _CHEAP):
+    if not asked and not _poor(experiment, base):
         return ranking, None
+    if not asked and cost(experiment, rows, counts) > _CHEAP:
+        return replace(ranking, unchecked=kinds(ranking.best.causes)), None
+    rows = [row.fitted_from(experiment, ranking.best) for row in rows]
     study = _study(experiment, base, ranking, rows)
     tasks = [(row, number) for row, count in enumerate(counts) for number in range(count)]
     answers, imagined = _all(study, rows, tasks, progress)
     made = []
     for index, row in enumerate(rows):
         said = Counter(causes for (place, _), causes in zip(tasks, answers, strict=True) if place == index)
-        made.append(Row(row.causes, row.fitted is None, dict(said)))
+        made.append(Row(row.causes, row.any_strength, dict(said)))
     standins = {causes: _stood(experiment, found) for causes, found in imagined.items()}
     after = corrected(ranking, made, standins)
     names = sorted(ranking.best.causes)
     stated, allowed = ({name: one.of_cause(name) for name in names} for one in (ranking, after))
     return after, Calibration(tuple(made), stated, allowed)
+
+
+def left_unchecked(experiment: Experiment, base: Hypothesis, matrix: Calibration | None) -> str:
+    """A sentence that says so if the experiment is poor and no copies were made, otherwise an empty text.
+
+    Args:
+        experiment: the measured records.
+        base: the fitted base model.
+        matrix: the confusion matrix of the copies, if they were made.
+    """
+    if matrix is not None or not _poor(experiment, base):
+        return ""
+    return (
+        "One step, a ramp or a release excites little, and copies of this long record were not simulated to check "
+        "the probabilities: odds are at most 3 to 1 (60 to 1 for Coulomb friction). --calibrate makes the copies; "
+        "steps in both directions need none."
+    )
 
 
 def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
@@ -226,7 +256,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
 
 def _copies(rows: Sequence[Explanation]) -> list[int]:
     """Copies of each row: more where few rows lack a cause, which certainty needs."""
-    counts = [COPIES if row.fitted is not None else 2 * COPIES for row in rows]
+    counts = [2 * COPIES if row.any_strength else COPIES for row in rows]
     for cause in sorted(rows[0].causes):
         lacking = [i for i, row in enumerate(rows) if cause not in row.causes]
         for i in lacking:
@@ -251,7 +281,7 @@ def _all(
     for task, (imagined, said) in zip(tasks, parallel.each(one, tasks, told), strict=True):
         answers.append(said)
         left = _chi(study.experiment, imagined)
-        if rows[task[0]].fitted is None and left < nearest.get(imagined.causes, (math.inf,))[0]:
+        if rows[task[0]].any_strength and left < nearest.get(imagined.causes, (math.inf,))[0]:
             nearest[imagined.causes] = (left, imagined)
     return answers, {causes: found for causes, (_, found) in nearest.items()}
 

@@ -12,6 +12,7 @@ import pytest
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis, diagnose_records
 from msd_ident.errors import UsageError
+from msd_sim import lottery
 from msd_sim.api import simulate
 
 RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
@@ -145,3 +146,22 @@ def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
 def test_no_records_is_refused() -> None:
     with pytest.raises(UsageError, match="no records to diagnose"):
         diagnose_records([])
+
+
+def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certainty() -> None:
+    causes = {"coulomb_friction": {"coulomb_force": 0.2}, "quadratic_drag": {"drag_coefficient": 6.0}}
+    decay = {"name": "release", "duration": 4.0}
+    found = diagnose_records([measured(causes, damping=0.5, experiment=decay, initial_position=0.02, duration=4.0)])
+    assert found.verdict == "ambiguous" and found.calibration is None
+    assert {cause.name: cause.probability for cause in found.causes} == pytest.approx(
+        {"coulomb_friction": 60.0 / 61.0, "quadratic_drag": 3.0 / 4.0}
+    )
+    assert any("--calibrate makes the copies; steps in both directions need none" in said for said in found.warnings)
+
+
+def test_what_predicts_no_better_is_not_copied_and_gives_way_to_no_rival_of_the_copies() -> None:
+    """Friction alone fits one step into saturation but predicts nothing; a rival that was never fitted replaced it."""
+    drawn = lottery.draw(165179, "force_gain_nonlinearity", True, "step", 1000.0, ranges="wide")
+    made = simulate(drawn.spec)
+    found = diagnose_records([Record(made.time, made.position, made.force_time, made.force)])
+    assert found.causes == () and found.verdict == "unexplained" and found.calibration is None

@@ -113,6 +113,15 @@ def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], 
     assert after.of_cause("coulomb_friction") > 0.9
 
 
+def test_without_copies_of_a_poor_experiment_no_cause_is_certain(fitted: dict[frozenset[str], Hypothesis]) -> None:
+    after = replace(ranking(fitted, both=0.98, rub=0.01, nothing=0.01), unchecked=RUB | DRAG)
+    assert after.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
+    assert after.of_cause("coulomb_friction") == pytest.approx(60.0 / 61.0)
+    assert leading(after).best.causes == RUB | DRAG
+    unsure = replace(ranking(fitted, rub=0.6, nothing=0.4), unchecked=RUB)
+    assert unsure.of_cause("coulomb_friction") == pytest.approx(0.6), "never surer than before"
+
+
 def test_json_holds_every_count() -> None:
     found = Calibration(
         (row(RUB, rub=7, nothing=1), row(PEAK, rub=16)), {"coulomb_friction": 0.99}, {"coulomb_friction": 0.5}
