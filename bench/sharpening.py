@@ -119,7 +119,7 @@ def told(rows: list[Row], seed: int) -> str:
         f"| 95 % intervals after the designed experiment that contain the true µ | {100.0 * right:.0f} % | |",
         f"| processor time of a design [s], median | {np.median([row.seconds for row in rows]):.2f} | <= 5 |",
         "",
-        "| seed | true µ | half width, designed | single step | random steps | designed / single step | designed profile |",
+        "| seed | true µ | half width, designed | single step | random steps | designed / single | designed profile |",
         "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
