@@ -125,7 +125,7 @@ def _expert(rig: Rig, found: Diagnosis) -> float:
 
 
 def totals(rows: Sequence[Row]) -> list[str]:
-    """Rows that are right, with a false cause, and with the SEE reached: of the main records, and of the further ones."""
+    """Main and further records: rows that are right, that have a false cause, and that reach the SEE."""
     lines = []
     for title, chosen in (("main", [r for r in rows if not r.extra]), ("further", [r for r in rows if r.extra])):
         if chosen:
