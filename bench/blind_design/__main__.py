@@ -32,9 +32,9 @@ _BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 _PAGE = """# Blind study of designed experiments
 
 Made by `make blind-design` (`python -m bench.blind_design --docs docs`; the seeds are named below). Random rigs have a
-hidden effect, alone or with Coulomb friction. The first experiment is one force step. If its diagnosis is not
-*decided*, `investigate` continues with at most two designed experiments of at most 20 s each within the rig's limits.
-It gets only the records. Its result is then compared with the truth.
+hidden effect, alone or with Coulomb friction. The first experiment is one force step. In the rigs that it does not
+decide, `investigate` continues with at most two designed experiments of at most 20 s each within the rig's limits. It
+gets only the records. Its result is then compared with the truth.
 
 - *Decided*: the verdict is `adequate` or `explained`.
 - *True set*: the named causes are exactly the hidden ones, and none is tied.
