@@ -43,12 +43,13 @@ def table(rows: list[Row]) -> Table:
     """The figures for a terminal."""
     colour = {"aim": "green", "must": "yellow", "missed": "bold red", "": ""}
     out = Table(title=f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
-    for heading in ("figure", "median", "must", "aim", "reached", "detail"):
-        out.add_column(heading, justify="right" if heading in ("median", "must", "aim") else "left")
+    for heading in ("quantity", "median", "required", "goal", "reached", "detail"):
+        out.add_column(heading, justify="right" if heading in ("median", "required", "goal") else "left")
     for row in rows:
         sign = "≥ " if row.at_least else "≤ "
         bounds = ["" if bound != bound else f"{sign}{bound:g}" for bound in (row.must, row.aim)]
-        out.add_row(row.figure, f"{row.value:.3g} {row.unit}", *bounds, row.grade, row.detail, style=colour[row.grade])
+        reached = {"aim": "goal", "must": "required"}.get(row.grade, row.grade)
+        out.add_row(row.figure, f"{row.value:.3g} {row.unit}", *bounds, reached, row.detail, style=colour[row.grade])
     return out
 
 

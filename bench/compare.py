@@ -1,4 +1,4 @@
-"""``python -m bench.compare``: pairs of rigs by lot that differ in one parameter, in none, or in something else.
+"""``python -m bench.compare``: pairs of random rigs that differ in one parameter, in none, or in something else.
 
 Each record is 6 s at 1 kHz of steps, diagnosed on its own and then compared. A change counts as named where that
 parameter alone is said to differ; it must be where it exceeds three of its 95 % intervals. A false change is one that

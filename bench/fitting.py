@@ -1,4 +1,4 @@
-"""Speed and memory of the fit."""
+"""Measures the joint fit: its duration, how that grows with the length of the record, and its memory."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-"""``python -m bench.held_out``: does a useless effect lose on left-out data, and does a true one win?
+"""``python -m bench.held_out``: is a useless effect rejected on left-out data, and a true one accepted?
 
 python -m bench.held_out [--experiment steps] [--seeds 30] [--noise]
 
-Rigs by lot obey m x'' + b x' + k x = F exactly; each is extended by two effects that it does not have, and the
-extension must not be called better. Then each effect of the library acts, and must be; with ``--noise`` under so much
-noise that it is hardly visible.
+Random rigs obey m x'' + b x' + k x = F exactly; each is extended by two effects that it does not have, and the
+extension must not be called better. Then each effect of the library acts, and the extension must be called better; with
+``--noise`` the noise is so large that the effect is hardly visible.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How the benchmark measures: medians of repeated runs on one core, rows with what must and should be reached."""
+"""How the benchmark measures: medians of repeated runs on one core, rows with a required value and a goal."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Which experiment tells which pair of causes apart: ``python -m bench.planning`` writes docs/planning.md.
+"""Which experiment distinguishes which pair of causes: ``python -m bench.planning`` writes docs/planning.md.
 
-Every pair on one rig, without any record before: A is true at the stated size, B is refitted to it with all parameters
-free, and chi² that is left, over the duration, stands in the table. The experiments are those of ``msd design``.
+Every pair on one rig, without an earlier record: A is true at the stated size, B is fitted to its motion with all
+parameters free. The table has the remaining chi² divided by the duration. The experiments are those of ``msd design``.
 """
 
 from __future__ import annotations
@@ -120,15 +120,15 @@ def page(names: Sequence[str], table: np.ndarray) -> str:
         for name, values in SIZES.items()
     )
     lines = [
-        "# Which experiment for which pair",
+        "# Which experiment distinguishes which causes",
         "",
-        "Written by `python -m bench.planning`. The first cause of a pair is true, the second refitted to it with",
-        "all its parameters free and nothing measured before; the table has chi² that is left, for each second of",
-        "the experiment. A total of about 25 decides. Rig: 1 kg on 100 N/m with 1 N·s/m, 0.2 mm of noise at 500 Hz,",
-        "at most 10 N and 0.4 m.",
+        "Written by `python -m bench.planning`. The first cause of a pair is true. The second is fitted to the motion",
+        "of the first, with all parameters free and without an earlier record. The table gives the χ² that remains per",
+        "second of the experiment. About 25 in total decide between the two; the largest value of a row is bold. Rig:",
+        "1 kg on 100 N/m with 1 N·s/m, 0.2 mm of noise at 500 Hz, at most 10 N and 0.4 m.",
         f"Sizes, in SI units: {sizes}.",
         "",
-        "![chi² a second](images/planning.png)",
+        "![Remaining χ² per second](images/planning.png)",
         "",
         "| pair | " + " | ".join(names) + " |",
         "|---|" + "---|" * len(names),
@@ -139,10 +139,10 @@ def page(names: Sequence[str], table: np.ndarray) -> str:
         lines.append(f"| {called(pair)} | " + " | ".join(cells) + " |")
     lines += [
         "",
-        "A force offset on a linear spring is a shifted zero, which no profile tells from the plant alone: tilt the",
-        "rig by a known angle, or turn it round, and read the encoder with the spring relaxed. `msd design",
-        "--check` says so. The table is for orientation; `msd design` computes it for the given rig, with what",
-        "is known of it.",
+        "With a linear spring, a force offset is a shifted zero, which no profile can tell from the plant alone.",
+        "Tilt the rig by a known angle, or turn it round, and read the encoder with the spring relaxed; `msd design",
+        "--check` says so. The table is for orientation. `msd design` computes such values for the given rig from",
+        "its records.",
     ]
     return "\n".join(lines) + "\n"
 
@@ -156,7 +156,7 @@ def draw(names: Sequence[str], table: np.ndarray, target: Path) -> None:
     image = axis.imshow(np.log10(np.maximum(table, 1e-2)), cmap="viridis", aspect="auto", vmin=-2.0)
     axis.set_xticks(range(len(names)), [name.split(",")[0] for name in names], rotation=35, ha="right", fontsize=8)
     axis.set_yticks(range(len(PAIRS)), [called(pair) for pair in PAIRS], fontsize=8)
-    figure.colorbar(image, label="log10 of chi² a second")
+    figure.colorbar(image, label="log10 of the remaining χ² per second")
     figure.savefig(target, dpi=120)
 
 

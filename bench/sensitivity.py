@@ -3,8 +3,8 @@
 python -m bench.sensitivity [--cases 24] [--seed 870000] [--only NAME,…] [--out out/sensitivity.jsonl] [--docs DIR]
 
 Each run is a process of its own, in which one constant has another value from the start: what follows from it follows
-too. A run is one line of the file; runs that the file has already are not done again. A part between a half and 1 moves
-its distance from 1 (0.9 becomes 0.95 and 0.8); a ``factor`` becomes its root and its square.
+too. A run is one line of the file; runs that the file has already are not done again. For a part between a half and 1,
+its distance from 1 is halved and doubled (0.9 becomes 0.95 and 0.8); a ``factor`` becomes its root and its square.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from msd_ident import parallel, tuning
 
 parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
 
-#: Rooms in the order of their runs: those first that decide about causes.
+#: Subpackages in the order of their runs: those first that decide about causes.
 FIRST = ("selection", "residuals", "estimate", "diagnosis", "design")
 #: Where the table stands in ``docs/tuning.md``.
 BEGIN, END = "<!-- sensitivity: begin -->", "<!-- sensitivity: end -->"
@@ -139,7 +139,8 @@ def table(runs: Sequence[dict[str, Any]]) -> str:
     exact, false = f"{base['exact']} of {base['visible']}", base["false"]
     lines = [
         f"{base['cases']} cases, seed {base['seed']}. As they are, the constants give {exact} exact sets, "
-        f"{base['adequate']} of {base['clean']} clean rigs called adequate, {false} false causes with p > 0.9.",
+        f"{base['adequate']} of {base['clean']} rigs without a hidden effect are called adequate, "
+        f"{false} false causes have p > 0.9.",
         "",
         "| constant | value | halved: exact, adequate, false, changed, time | doubled: the same |",
         "|---|---|---|---|",

@@ -1,7 +1,7 @@
-"""Coverage study: do the 95 % intervals of m, b, k and Fc hold the truth in 92 to 98 % of random rigs?
+"""Coverage study: do the 95 % intervals of m, b, k and Fc contain the truth in 92 to 98 % of random rigs?
 
 Each rig has random mass, frequency, damping, friction, force, encoder step, noise (a tenth of an encoder step to ten),
-stick position, zero and sampling; ``msd_sim`` makes the record, and the fit starts 30 % wrong. The model is right.
+stick position, zero and sampling; ``msd_sim`` makes the record, and the fit starts 30 % off. The model is the true one.
 
     python bench/study_coverage.py [--rigs 200] [--seed 0] [--json FILE]
 """

@@ -1,8 +1,8 @@
-"""Recovery study: is every effect found again from records that an independent rig made?
+"""Recovery study: does the fit recover the true parameters of every effect from simulated records?
 
 For each effect and seed, a random rig with that effect is driven through one protocol (steps to both sides at two
 amplitudes, a sweep, a release) by ``msd_sim``; readings get noise of 0.1 % of the amplitude and encoder steps. The fit
-starts 30 % wrong in every parameter. A trial succeeds when every parameter lies within three standard deviations of
+starts with every parameter 30 % off. A trial succeeds when every parameter lies within three standard deviations of
 the truth. The target is 98 of 100.
 
     python bench/study_recovery.py [--trials 100] [--seed 0] [--jobs 2] [--json FILE] [EFFECT ...]

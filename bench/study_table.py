@@ -1,4 +1,4 @@
-"""Tables of both studies, from their trials, as a page: ``docs/accuracy.md``.
+"""Writes ``docs/accuracy.md``: recovery of parameters and coverage of intervals, from the trials of both studies.
 
 python bench/study_table.py --recovery FILE... --coverage FILE... --out docs/accuracy.md
 """
@@ -22,8 +22,8 @@ from msd_ident.quantity import Z95
 Trials = Sequence[dict[str, Any]]
 FloatArray = npt.NDArray[np.float64]
 
-#: A fit that ends this many noise floors away from the data ended in a wrong valley.
-WRONG_VALLEY = 1.15
+#: A fit that leaves more noise floors than this ended in a wrong local minimum.
+WRONG_MINIMUM = 1.15
 #: Chance that a normal deviation exceeds three of its standard deviations.
 BEYOND_THREE = math.erfc(3.0 / math.sqrt(2.0))
 _PAGE = """\
@@ -33,14 +33,16 @@ Written by `make study`, from records that `msd_sim` makes: it shares no code wi
 (estimate − truth) / reported standard deviation. If the standard deviations are right, z has a root mean square of 1,
 and 95 % of all |z| lie below {z95:.2f}.
 
-## Is every effect found again?
+## Recovery of parameters
 
-Each trial is a random rig with one effect: steps to both sides at two amplitudes, a sweep and a release, at 250 Hz,
-read with noise of 0.1 % of the amplitude and an encoder step of half of that. The fit starts 30 % wrong in every
-parameter. *Recovered*: every free parameter of plant and effect within three standard deviations, of the first hundred
-seeds and of all; the aim is 98 of 100. *By chance*: how many of a hundred right intervals recover, if the parameters'
-errors are independent, and the range that holds nineteen of twenty such hundreds. *Wrong valley*: SEE above {wrong}
-noise floors.
+Each trial is a random rig with one effect: steps in both directions at two amplitudes, a sweep, a release, at 250 Hz.
+The noise is 0.1 % of the amplitude, the encoder step half of that. The fit starts with every parameter 30 % off.
+
+- *Recovered*: every free parameter of plant and effect is within three standard deviations of the truth. The goal is 98
+  of 100.
+- *Expected*: trials of 100 that are recovered if all standard deviations are right and the errors of the parameters are
+  independent. In brackets: the range that contains 95 % of such sets of 100 trials.
+- *Wrong minimum*: the fit ended in a local minimum, with a SEE above {wrong} noise floors.
 
 {recovery}
 
@@ -48,12 +50,12 @@ noise floors.
 
 All parameters of all effects together: {together}.
 
-## Do the intervals cover the truth?
+## Coverage of the intervals
 
-Each rig has random mass, frequency, damping, dry friction, force, stick position, zero, sampling, encoder step and
-noise (a tenth of a step to ten); one step up and down. The model is right, the start 30 % wrong. Share of 95 %
-intervals that hold the truth, in per cent, to be between 92 and 98. Where each covers in exactly 95 %, nineteen of
-twenty sets of 200 rigs show {usual}.
+Each rig has random mass, frequency, damping, dry friction, force, position at rest, zero, sampling, encoder step and
+noise (0.1 to 10 encoder steps). The experiment is one step up and down. The model is the true one, and the fit starts
+with every parameter 30 % off. The columns m to Fc give the share of 95 % intervals that contain the truth; 92 to 98 %
+is required. If the true coverage is 95 %, 95 % of all sets of 200 rigs give {usual}.
 
 {coverage}
 """
@@ -65,13 +67,13 @@ def read(names: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def usual(trials: int, chance: float) -> tuple[int, int]:
-    """The range that holds nineteen of twenty counts of successes of this chance."""
+    """The range that contains 95 % of the counts of successes of this chance."""
     low, high = scipy.stats.binom.ppf([0.025, 0.975], trials, chance)
     return int(low), int(high)
 
 
 def by_chance(parameters: int) -> str:
-    """Trials of a hundred that right intervals recover: the mean, and the range of nineteen of twenty hundreds."""
+    """Trials of a hundred that right standard deviations recover: the mean, and the range of 95 % of such hundreds."""
     chance = (1.0 - BEYOND_THREE) ** parameters
     low, high = usual(100, chance)
     return f"{100.0 * chance:.1f} ({low} to {high})"
@@ -94,7 +96,7 @@ def recovery_row(effect: str, trials: Trials) -> str:
         f"{_recovered(trials)} of {len(trials)} ({100.0 * _recovered(trials) / len(trials):.1f} %)",
         by_chance(parameters),
         str(parameters),
-        str(sum(trial["see_over_floor"] > WRONG_VALLEY for trial in trials)),
+        str(sum(trial["see_over_floor"] > WRONG_MINIMUM for trial in trials)),
         f"{np.sqrt(np.mean(z**2)):.2f}",
         f"{np.max(np.abs(z)):.1f}",
         f"{np.median([trial['seconds'] for trial in trials]):.2f}",
@@ -110,8 +112,8 @@ def recovery_table(trials: Trials) -> str:
     """A line for each effect."""
     first = min(int(trial["seed"]) for trial in trials)
     lines = [
-        f"| effect | recovered, seeds {first} to {first + 99} | all seeds | by chance | free parameters | wrong valley "
-        "| rms z | largest abs(z) | s a fit |",
+        f"| effect | recovered, seeds {first} to {first + 99} | recovered, all seeds | expected | free parameters | "
+        "wrong minimum | rms z | largest abs(z) | processor time of a fit [s], median |",
         "|" + "---|" * 9,
     ]
     for effect in sorted({trial["effect"] for trial in trials}):
@@ -122,13 +124,13 @@ def recovery_table(trials: Trials) -> str:
 
 def failed_trials(trials: Trials) -> str:
     """The trials that were not recovered, by effect, with what lies beyond three standard deviations."""
-    lines = ["Not recovered (seed: what is beyond three standard deviations):", ""]
+    lines = ["Trials that are not recovered (seed: parameters beyond three standard deviations, and their z):", ""]
     for effect in sorted({trial["effect"] for trial in trials if not trial["recovered"]}):
         shown = []
         for trial in trials:
             if trial["effect"] == effect and not trial["recovered"]:
                 far = {name: z for name, z in trial["deviations"].items() if not abs(z) <= 3.0}
-                mark = f", SEE {trial['see_over_floor']:.1f} floors" * (trial["see_over_floor"] > WRONG_VALLEY)
+                mark = f", SEE {trial['see_over_floor']:.1f} floors" * (trial["see_over_floor"] > WRONG_MINIMUM)
                 shown.append(f"{trial['seed']}: " + ", ".join(f"{name} {z:.1f}" for name, z in far.items()) + mark)
         lines.append(f"- `{effect}`: " + "; ".join(shown))
     return "\n".join(lines)
@@ -163,9 +165,9 @@ def coverage_table(groups: Sequence[Trials]) -> str:
 
 
 def holds(recovery: Trials, coverage: Trials) -> bool:
-    """No fit in a wrong valley, 98 of 100 recovered, and the truth in 92 to 98 % of the intervals."""
+    """No fit in a wrong minimum, 98 of 100 recovered, and the truth in 92 to 98 % of the intervals."""
     covered = np.mean(np.abs([trial["deviations"] for trial in coverage]) < Z95, axis=0)
-    right = all(trial["see_over_floor"] <= WRONG_VALLEY for trial in recovery)
+    right = all(trial["see_over_floor"] <= WRONG_MINIMUM for trial in recovery)
     enough = _recovered(recovery) >= 0.98 * len(recovery)
     return right and enough and bool(np.all((covered >= 0.92) & (covered <= 0.98)))
 
@@ -182,7 +184,7 @@ def main() -> int:
     low, high = usual(200, 0.95)
     page = _PAGE.format(
         z95=Z95,
-        wrong=WRONG_VALLEY,
+        wrong=WRONG_MINIMUM,
         recovery=recovery_table(trials),
         failed=failed_trials(trials),
         together=summary(trials),

@@ -20,7 +20,7 @@ _Value = TypeVar("_Value")
 #: on it. ``interface``: a limit, default or definition that a user sees.
 Kind = Literal["mathematics", "accuracy", "resources", "interface"]
 
-#: Rooms whose constants are declared.
+#: Subpackages whose constants are declared.
 ROOMS = ("estimate", "residuals", "selection", "diagnosis", "design")
 
 
@@ -75,7 +75,7 @@ class Declared:
 
 
 def declared() -> list[Declared]:
-    """All declarations of the rooms, in the order of their rooms, files and lines."""
+    """All declarations, in the order of subpackages, files and lines."""
     package = Path(__file__).resolve().parent
     found = []
     for room in ROOMS:

@@ -1,1 +1,1 @@
-"""Many records: speed, overhead, scaling, memory, faults and an object store, measured with the real thing."""
+"""Measures ``msd batch``: speed, overhead, scaling, memory, faults, and an object store."""

@@ -1,4 +1,4 @@
-"""``python -m bench.batch``: the figures of many records.
+"""``python -m bench.batch``: measures ``msd batch`` on many records.
 
 python -m bench.batch                             # all, small
 python -m bench.batch --only speed --records 1000 # on a quiet machine

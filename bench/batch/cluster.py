@@ -1,5 +1,5 @@
-"""A scheduler and workers in processes of their own, started as the documentation says, and looked after like a
-service: what dies is started again.
+"""A scheduler and workers in processes of their own, started as the documentation says, and restarted when
+they end, as a service manager does.
 """
 
 from __future__ import annotations

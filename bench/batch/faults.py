@@ -1,6 +1,4 @@
-"""What may happen to a batch: workers and schedulers killed, a record removed, a disk that is full. No row may be lost
-or doubled.
-"""
+"""Faults of a batch: killed workers and schedulers, a removed record, a full disk. No row may be lost or duplicated."""
 
 from __future__ import annotations
 

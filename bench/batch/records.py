@@ -1,4 +1,4 @@
-"""Records by lot: rigs with mixed causes, 6 s at 1 kHz, each from its seed."""
+"""Random records: rigs with mixed causes, 6 s at 1 kHz, each from its seed."""
 
 from __future__ import annotations
 

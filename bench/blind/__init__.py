@@ -1,1 +1,1 @@
-"""The blind study: rigs by lot, hidden causes, and how often the diagnosis is right about them."""
+"""The blind study: random rigs with hidden effects, and how often the diagnosis names exactly these."""

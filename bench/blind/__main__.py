@@ -1,9 +1,9 @@
-"""``python -m bench.blind``: draw, diagnose, score.
+"""``python -m bench.blind``: draw random rigs, diagnose their records, count how often the result is the truth.
 
 python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--only WORD,…] [--every N] [--docs DIR]
 python -m bench.blind --variants [--rounds 2] …: foreign laws that the library does not have
-python -m bench.blind --forms [--rounds 2] …: laws of our own rig that are other forms of known causes
-python -m bench.blind --mujoco [--rounds 20] …: rigs of a second author, ten a round
+python -m bench.blind --forms [--rounds 2] …: other forms of known causes, on the simulated rig of this project
+python -m bench.blind --mujoco [--rounds 20] …: rigs that MuJoCo simulates, ten a round
 python -m bench.blind --score FILE... [--docs DIR]
 """
 
@@ -28,27 +28,32 @@ from bench.blind.picture import draw  # noqa: E402
 
 #: Plans besides the whole study.
 _KINDS = {
-    "variants": "laws that the library does not have, and nothing else",
-    "forms": "laws of our own rig that are other forms of known causes, and nothing else",
-    "mujoco": "rigs that MuJoCo simulates, ten a round, and nothing else",
+    "variants": "only laws that the library does not have",
+    "forms": "only other forms of known causes, on the simulated rig of this project",
+    "mujoco": "only rigs that MuJoCo simulates, ten a round",
 }
 
-_PAGE = """# Hidden causes, found or not
+_PAGE = """# Blind study
 
-Made by `make blind` (`python -m bench.blind --docs docs`; the seeds are named below). The rig draws a plant, an
-encoder and hidden effects from a seed and writes a file; the diagnosis gets only the path; then its
-result is compared with the truth. Strengths range from invisible to dominating the motion.
+Made by `make blind` (`python -m bench.blind --docs docs`; the seeds are named below). In each case a seed determines a
+plant, an encoder and hidden effects. The simulated rig writes a record, and the diagnosis gets only the path of the
+file. The result is then compared with the truth. Strengths range from invisible to dominating the motion.
 
-- *Visible*: the base model, or the truth without any one of its effects, leaves at least 3 noise floors. Only what is
-  visible must be found.
-- *Exact*: nothing missing and nothing extra. A cause that is declared tied with the truth counts as the truth, unless
-  more than three are tied; so does what is the same thing in every experiment ([identities](identities.md)).
-- *False*: a cause is named that is neither in the rig nor the same as what is. It counts with every verdict, visible or
-  not, tied or not, from a stated probability of 0.9 on.
-- *Coloured* noise is first-order autoregressive with a memory of 1 to 20 samples, *speed* noise 2 to 10 times as large
-  at top speed as at rest; all other cases have white noise. *Pairs* are two effects without Coulomb friction.
+- *Visible*: the base model leaves at least 3 noise floors. With two hidden effects, the true model without the less
+  visible one, refitted, must leave as much. Only visible effects must be found.
+- *Exact*: the named set of causes equals the true set. A named cause that is tied with a true one counts as the true
+  one if at most three are tied. A set that is equivalent to the true set in every experiment counts as the true set
+  ([identities](identities.md)).
+- *False*: a named cause that is in no set equivalent to the true one. It counts with every verdict, whether or not the
+  hidden effect is visible, and whether or not the cause is tied.
+- *Unknown law*: the hidden law is not in the library. A named cause of the same family is then not false
+  (`bench/blind/truth.py` has the families).
+- *Coloured* noise is first-order autoregressive with a memory of 1 to 20 samples. *Speed* noise is 2 to 10 times as
+  large at top speed as at rest. All other cases have white noise.
+- *Calibration*: every cause with a stated probability of at least 0.01, named or in a rival set. It is right only if it
+  acts itself, not if another one tied with it does. Causes that no experiment can decide are left out.
 
-The exact sets are those of steps of two amplitudes in both directions, 6 s at 1 kHz.
+Unless a row says otherwise, the experiment is steps of two amplitudes in both directions, 6 s at 1 kHz.
 
 ![Confusion matrix and reliability](images/blind_study.png)
 
@@ -62,13 +67,16 @@ _PAGES = {
         "blind-variants.md",
         """# Laws that the library does not have
 
-Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Rigs
-of `msd_sim/foreign`: known causes whose law has another form than any law of the library, one per rig, and noise or
-forces that no cause explains. The diagnosis gets only the path of a file.
+Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Each
+rig has one law of `msd_sim/foreign`: a known cause whose law has a form that the library lacks, or noise or a force
+that no cause of the library explains. The diagnosis gets only the path of a file.
 
-- *Family named*: a cause of the law's family is named, or tied with one that is, where the base model leaves at least 3
-  noise floors. Laws without a relative in the library count as named.
-- *A cause of no related law*: neither of the law's family nor what stands for a part of it (`bench/blind/truth.py`).
+- *Visible*: the base model leaves at least 3 noise floors.
+- *Family*: the causes of the library that describe the law or a part of it (`bench/blind/truth.py`). It is named if one
+  of its causes is named or tied with a named one. Where no cause has to be named, every visible case counts.
+- *False*: a named cause outside the family. A force offset is not false: with a linear spring it is a shifted zero.
+- *m and k within 2 %*: both relative errors are at most 2 %; in a free decay, the error of k/m.
+- *Covered*: m and k are within 2 % of their stated range: the 95 % interval, and the `spread` if there is one.
 
 {tables}
 """,
@@ -78,14 +86,15 @@ forces that no cause explains. The diagnosis gets only the path of a file.
         """# Rigs of a second author
 
 Made by `make blind ARGS="--mujoco"` (`python -m bench.blind --mujoco --docs docs`; the seeds are named below). MuJoCo
-simulates a slide joint with frictionloss, limits, armature, and a drive with gain, lag, saturation or dead zone
-(`bench/mujoco_rigs`, which imports neither the library nor our rig), drawn at random; solver steps are halved until the
-record no longer changes by a tenth of its noise. Limits are MuJoCo's own constraint: half of them with its default
-impedance, in which the stop replaces 90 % of all other forces instead of adding to them, half as a mere spring and
+simulates a slide joint with frictionloss, limits, armature, and a drive with gain, lag, saturation or dead zone. All
+values are drawn at random. `bench/mujoco_rigs` imports neither `msd_ident` nor `msd_sim`. Solver steps are halved until
+the record changes by less than a tenth of its noise. Limits are MuJoCo's own constraint. Half of them have its default
+impedance: the stop then replaces 90 % of all other forces instead of adding to them. The other half are a spring and a
 damper.
 
 - *Visible*, *exact*, *false*: as in the [blind study](blind-study.md).
-- *Interval*: the 95 % interval of the model with the named causes, against the truth per unit of command.
+- *Interval*: whether the 95 % interval of the extended model contains the true value per unit of command.
+- *Covered*: m and k are within 2 % of their stated range: the 95 % interval, and the `spread` if there is one.
 
 {tables}
 """,
@@ -95,7 +104,7 @@ damper.
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the study; exit code 0 whatever it finds, 1 when no case could be run."""
-    parser = argparse.ArgumentParser(prog="python -m bench.blind", description="Hidden causes, found or not.")
+    parser = argparse.ArgumentParser(prog="python -m bench.blind", description="How often hidden effects are named.")
     parser.add_argument("--rounds", type=int, default=8, help="rounds of all effects (about 110 cases each)")
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
@@ -110,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     kinds = parser.add_mutually_exclusive_group()
     for name, what in _KINDS.items():
         kinds.add_argument(f"--{name}", action="store_const", dest="plan", const=name, default="study", help=what)
-    parser.add_argument("--every", type=int, default=1, help="take every so many cases")
+    parser.add_argument("--every", type=int, default=1, help="run only every Nth case", metavar="N")
     parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
     given = parser.parse_args(arguments)
@@ -125,13 +134,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not outcomes:
         return 1
     seeds = [outcome.case.seed for outcome in outcomes]
-    head = f"{len(outcomes)} blind cases, seeds {min(seeds)} to {max(seeds)}" + f"; {failed} failed" * (failed > 0)
+    head = f"{len(outcomes)} cases, seeds {min(seeds)} to {max(seeds)}"
+    head += f"; {failed} ended in an error (not counted)" * (failed > 0)
     kind = _kind(outcomes)
     text = "\n".join([head, "", *(_TOLD[kind](outcomes))])
     print(text)
     part = bool(kind == "forms" or given.only or given.every > 1)
     if given.docs and part:
-        print("\na part of the study: the documentation is left as it is")
+        print("\nonly a part of the study was run: the documentation is left as it is")
     elif given.docs and kind in _PAGES:
         name, page = _PAGES[kind]
         (given.docs / name).write_text(page.format(tables=text), encoding="utf-8")
@@ -177,10 +187,10 @@ def _all(cases: Sequence[Case], jobs: int, path: Path | None) -> list[Outcome]:
 
 def _line(outcome: Outcome) -> str:
     named = ", ".join(f"{name} {p:.2f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in outcome.named)
-    mark, truth = "ok" if outcome.exact else "--", "+".join(outcome.truth) or "nothing"
+    mark, truth = "ok" if outcome.exact else "--", "+".join(outcome.truth) or "none"
     return (
         f"{mark} seed {outcome.case.seed} {outcome.case.experiment} {truth} "
-        f"[{outcome.without_floors:.1f} of {outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'nothing'} "
+        f"[{outcome.without_floors:.1f} of {outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'none'} "
         f"[{outcome.extended_floors:.2f}] {outcome.seconds:.1f} s"
     )
 

@@ -1,5 +1,5 @@
-"""One blind case: a rig by lot writes a file, the diagnosis gets its path and nothing else, then the envelope is
-opened.
+"""One blind case: a random rig writes a record, the diagnosis gets only the path of the file, and the result is
+compared with the truth.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Outcome:
 
     @property
     def exact(self) -> bool:
-        """Nothing missing and nothing extra, where a tie with the truth is the truth, and so is what is the same."""
+        """The named set is the true set or one equivalent to it; a cause tied with a true one counts as that."""
         return any(
             len(self.named) == len(one) and all(self.counts_as(name) for name in one)
             for one in same(frozenset(self.truth))

@@ -1,4 +1,4 @@
-"""The study as a picture: who was taken for whom, and whether stated probabilities hold."""
+"""The blind study as a picture: confusion matrix of the effects, and calibration of the stated probabilities."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def _confusion(axes: plt.Axes, outcomes: Sequence[Outcome]) -> None:
                 axes.text(column, row, table[name][answer], ha="center", va="center", color=colour, fontsize=8)
     axes.set_xticks(range(len(answers)), [_short(answer) for answer in answers], rotation=60, ha="right", fontsize=8)
     axes.set_yticks(range(len(hidden)), [_short(name) for name in hidden], fontsize=8)
-    axes.set_xlabel("named (or tied with what was named)")
-    axes.set_ylabel("hidden and visible")
-    what = "What was hidden, and what was named\n(steps of two amplitudes, both directions, 1 kHz)"
+    axes.set_xlabel("named, or tied with a named cause")
+    axes.set_ylabel("visible hidden effect")
+    what = "Hidden effect and named cause\n(steps of two amplitudes, both directions, 1 kHz)"
     axes.set_title(what, fontsize=10)
 
 
@@ -57,9 +57,9 @@ def _reliability(axes: plt.Axes, outcomes: Sequence[Outcome]) -> None:
     axes.errorbar(stated, observed, yerr=spread, fmt="o", color="tab:blue", capsize=3)
     for x, y, n in zip(stated, observed, [b.count for b in bins], strict=True):
         axes.annotate(f"{n}", (x, y), textcoords="offset points", xytext=(7, -11), fontsize=8)
-    axes.set(xlim=(-0.03, 1.03), ylim=(0.0, 1.05), xlabel="stated probability of a cause", ylabel="share right")
+    axes.set(xlim=(-0.03, 1.03), ylim=(0.0, 1.05), xlabel="stated probability of a cause", ylabel="share that acts")
     axes.set_title(
-        "Are the probabilities true?\n(all experiments; number of causes beside each point;\n"
-        "95 % range of the share right; band: ± 0.1)",
+        "Calibration of the probabilities\n(all experiments; number of causes beside each point;\n"
+        "bars: 95 % interval of the share; band: ± 0.1)",
         fontsize=10,
     )

@@ -1,4 +1,4 @@
-"""Which cases are drawn."""
+"""Cases of each blind study: which effects are hidden, in which experiment, at which rate and noise."""
 
 from __future__ import annotations
 

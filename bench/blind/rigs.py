@@ -1,4 +1,4 @@
-"""The three authors of blind rigs, behind one face: what is drawn, and how its record is written."""
+"""Random rigs of the three simulators with one interface: the true parameters, and how a record is written."""
 
 from __future__ import annotations
 

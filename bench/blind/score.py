@@ -1,4 +1,4 @@
-"""Figures of a blind study."""
+"""Counts a blind study: exact and false sets of causes, calibration of the probabilities, errors of the plant."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NEGLIGIBLE, POPULATED = 0.01, 10
 
 @dataclass(frozen=True)
 class Figure:
-    """One line of the table: what, how many of how many, must and aim in per cent."""
+    """One line of the table: what is counted, how many of how many, required share and goal in per cent."""
 
     what: str
     good: int
@@ -75,15 +75,15 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     odd = [o for o in white if o.case.kind == "odd" and o.base_floors >= VISIBLE]
     hidden = [o for o in white if o.case.hidden and not o.odd and o.without_floors < VISIBLE]
     found = [
-        _exact("single", [o for o in seen if o.case.kind == "single"], ">= 98", "99"),
-        _exact("beside Coulomb", [o for o in seen if o.case.kind == "beside"], ">= 97", "98"),
-        _exact("pairs without Coulomb", [o for o in seen if o.case.kind == "pair"], ">= 95", "97"),
+        _exact("one hidden effect", [o for o in seen if o.case.kind == "single"], ">= 98", "99"),
+        _exact("one hidden effect and Coulomb friction", [o for o in seen if o.case.kind == "beside"], ">= 97", "98"),
+        _exact("two hidden effects, no Coulomb friction", [o for o in seen if o.case.kind == "pair"], ">= 95", "97"),
         *(
             _exact(f"{noise} noise", [o for o in visible(outcomes) if o.case.noise == noise], "", "")
             for noise in ("coloured", "speed")
         ),
-        Figure("faint (3 to 20 floors), exact", *_share([o.exact for o in seen if o.without_floors <= FAINT]), "", ""),
-        Figure("invisible (below 3 floors): anything false named", *_share([bool(o.false) for o in hidden]), "", ""),
+        _exact("visibility of 3 to 20 noise floors", [o for o in seen if o.without_floors <= FAINT], "", ""),
+        Figure("hidden effect not visible: a false cause named", *_share([bool(o.false) for o in hidden]), "", ""),
     ]
     for experiment in sorted({o.case.experiment for o in outcomes}):
         share = _share([surely_false(o) for o in kinds(outcomes, experiment)])
@@ -93,11 +93,11 @@ def figures(outcomes: Sequence[Outcome]) -> list[Figure]:
     for noise in ("white", "coloured", "speed"):
         clean = [o for o in outcomes if o.case.hidden is None and o.case.noise == noise]
         named, doubted = [bool(o.false) for o in clean], [o.verdict != "adequate" for o in clean]
-        found.append(Figure(f"clean, {noise} noise: a cause named", *_share(named), "<= 0.3", "0"))
-        found.append(Figure(f"clean, {noise} noise: not called adequate", *_share(doubted), "", ""))
+        found.append(Figure(f"no hidden effect, {noise} noise: a false cause named", *_share(named), "<= 0.3", "0"))
+        found.append(Figure(f"no hidden effect, {noise} noise: verdict not `adequate`", *_share(doubted), "", ""))
     found += [
-        Figure(f"oddity: a cause of no related law with p > {SURE:g}", *_share([surely_false(o) for o in odd]), "", ""),
-        Figure("oddity: called unexplained", *_share([o.verdict == "unexplained" for o in odd]), "", ""),
+        Figure(f"visible unknown law: false cause with p > {SURE:g}", *_share([surely_false(o) for o in odd]), "", ""),
+        Figure("visible unknown law: `unexplained`", *_share([o.verdict == "unexplained" for o in odd]), "", ""),
     ]
     return [figure for figure in found if figure.total]
 
@@ -228,13 +228,13 @@ def failed(outcome: Outcome) -> list[str]:
         if outcome.base_floors >= VISIBLE and not family_named(outcome):
             wrong.append("family not named")
     elif (outcome.without_floors >= VISIBLE or outcome.case.hidden is None) and not outcome.exact:
-        wrong.append("not the exact set")
+        wrong.append("set not exact")
     if surely_false(outcome):
-        wrong.append("surely false")
+        wrong.append(f"false cause with p > {SURE:g}")
     if explained_falsely(outcome):
-        wrong.append("explained falsely")
+        wrong.append("`explained` with a false cause")
     if not outcome.plant_error <= NEAR:
-        stated = "" if not outcome.plant_stated <= NEAR else ", as stated"
+        stated = "" if not outcome.plant_stated <= NEAR else ", covered"
         wrong.append(f"m or k off by {100.0 * outcome.plant_error:.1f} %{stated}")
     return wrong
 
@@ -243,15 +243,15 @@ def second_author(outcomes: Sequence[Outcome]) -> list[Figure]:
     """Figures of MuJoCo's rigs."""
     seen = [o for o in outcomes if o.case.hidden is None or o.without_floors >= VISIBLE]
     found = [
-        Figure("exact set, visible or clean", *_share([o.exact for o in seen]), ">= 95", "98"),
+        Figure("exact set, visible or no hidden effect", *_share([o.exact for o in seen]), ">= 95", "98"),
         Figure(f"a false cause with p > {SURE:g}", *_share([surely_false(o) for o in outcomes]), "", "0"),
-        Figure("explained with a false cause", *_share([explained_falsely(o) for o in outcomes]), "", "0"),
+        Figure("verdict `explained` with a false cause", *_share([explained_falsely(o) for o in outcomes]), "", "0"),
         Figure(f"m and k within {100.0 * NEAR:g} %", *_share([o.plant_error <= NEAR for o in outcomes]), "", ""),
     ]
     for name in ("mass", "damping", "stiffness"):
-        found.append(Figure(f"interval of {name} holds the truth", *_share(_covers(outcomes, name)), "92 to 98", ""))
+        found.append(Figure(f"interval of {name} contains the truth", *_share(_covers(outcomes, name)), "92 to 98", ""))
         right = [o for o in outcomes if o.exact]
-        found.append(Figure(f"the same where the set is exact: {name}", *_share(_covers(right, name)), "", ""))
+        found.append(Figure(f"the same, exact sets only: {name}", *_share(_covers(right, name)), "", ""))
     return found
 
 

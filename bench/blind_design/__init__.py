@@ -1,1 +1,1 @@
-"""The blind study of designed experiments: rigs by lot, one step, then what the tool asks for."""
+"""The blind study of designed experiments: random rigs, one force step, then ``investigate``."""

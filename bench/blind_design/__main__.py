@@ -1,4 +1,4 @@
-"""``python -m bench.blind_design``: rigs that one step leaves open, designed experiments, the truth.
+"""``python -m bench.blind_design``: how often designed experiments find what one force step leaves open.
 
 python -m bench.blind_design [--runs 200] [--seed 1] [--jobs 2] [--minutes M] [--json FILE] [--effects NAME,…]
     [--compare 2] [--docs DIR]
@@ -29,13 +29,19 @@ _IDENTITY = "force_offset"
 _BINS = (0.0, 0.5, 0.8, 0.95, 1.0001)
 
 
-_PAGE = """# Investigated blind
+_PAGE = """# Blind study of designed experiments
 
-Made by `make blind-design` (`python -m bench.blind_design --docs docs`; the seed is named below). Rigs with a hidden
-effect, alone or with Coulomb friction, are drawn at random and pushed once. If the diagnosis of that step does not
-decide (another name, a tie, or no cause), `investigate` continues with at most two designed experiments of at most 20 s
-each within the rig's limits. It gets only the records; its result is then compared with the truth. A force offset,
-which a linear spring shows only as another zero, is counted separately.
+Made by `make blind-design` (`python -m bench.blind_design --docs docs`; the seeds are named below). Random rigs have a
+hidden effect, alone or with Coulomb friction. The first experiment is one force step. In the rigs that it does not
+decide, `investigate` continues with at most two designed experiments of at most 20 s each within the rig's limits. It
+gets only the records. Its result is then compared with the truth.
+
+- *Decided*: the verdict is `adequate` or `explained`.
+- *True set*: the named causes are exactly the hidden ones, and none is tied.
+- *Not decided by one step*: the diagnosis of the step is not decided, or does not name the true set.
+- *Random steps*: they replace the first designed experiment, in a part of the cases, and last 3 times as long.
+
+Rigs with a hidden force offset are counted separately: with a linear spring it is a shifted zero.
 
 {table}
 """
@@ -53,14 +59,14 @@ def cases(seed: int, names: Sequence[str]) -> Iterator[Case]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the study; exit code 0 whatever it finds."""
     parser = argparse.ArgumentParser(prog="python -m bench.blind_design", description="Designed experiments, blind.")
-    parser.add_argument("--runs", type=int, default=200, help="rigs that one step leaves open")
+    parser.add_argument("--runs", type=int, default=200, help="rigs to investigate, which one step does not decide")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--minutes", type=float, default=math.inf, help="end after this time, whatever was reached")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="begin no case after this time")
     parser.add_argument("--json", type=Path, help="file that gets every case as it is done, one JSON object a line")
     parser.add_argument("--score", type=Path, nargs="+", help="score what --json wrote, instead of a run")
     parser.add_argument("--effects", default=",".join(lottery.NAMES), help="hidden effects to draw from")
-    parser.add_argument("--compare", type=int, default=2, help="every so many cases also by random steps; 0: none")
+    parser.add_argument("--compare", type=int, default=2, help="every Nth case also with random steps; 0: none")
     parser.add_argument("--docs", type=Path, help="directory that gets blind-design.md")
     given = parser.parse_args(arguments)
     done = [Done.from_json_dict(line) for path in given.score for line in _lines(path)] if given.score else _all(given)
@@ -144,32 +150,32 @@ def told(done: Sequence[Done]) -> list[str]:
     compared = [o for o in fair if o.random_decided is not None]
     failed = [False] * sum(bool(one.failure) for one in done)
     lines = [
-        f"Blind design: {len(outcomes)} rigs that one step leaves open, of {len(done)} drawn, seeds "
-        f"{min(one.case.seed for one in done)} to {max(one.case.seed for one in done)}; "
-        f"{len(failed)} ended in an error and count as wrong",
+        f"{len(done)} rigs, seeds {min(one.case.seed for one in done)} to {max(one.case.seed for one in done)}; "
+        f"{len(outcomes)} not decided by one step; {len(failed)} ended in an error and count as wrong",
         "",
-        "| figure | got | of | must | aim |",
+        "| quantity | result | cases | required | goal |",
         "|---|---|---|---|---|",
-        _row("truth stands alone at the end", [o.right for o in fair] + failed, ">= 95 %", "99 %"),
-        _row("the same, force offsets included", [o.right for o in outcomes] + failed, "", ""),
-        _row("a limit exceeded", [o.worst > 1.0 + 1e-9 for o in outcomes], "0", "0"),
+        _row("decided with the true set at the end", [o.right for o in fair] + failed, ">= 95 %", "99 %"),
+        _row("the same, with the rigs that have a force offset", [o.right for o in outcomes] + failed, "", ""),
+        _row("a limit of the rig exceeded", [o.worst > 1.0 + 1e-9 for o in outcomes], "0", "0"),
         _row("decided after one designed experiment", [o.decided for o in compared], "", ""),
-        _row("decided after random steps 3 times as long", [bool(o.random_decided) for o in compared], "<=", ""),
-        _row("truth after one designed experiment", [o.true_after_one for o in compared], "", ""),
-        _row("truth after random steps 3 times as long", [bool(o.random_true) for o in compared], "<=", ""),
+        _row("decided after random steps", [bool(o.random_decided) for o in compared], "<= designed", ""),
+        _row("true set after one designed experiment", [o.true_after_one for o in compared], "", ""),
+        _row("true set after random steps", [bool(o.random_true) for o in compared], "<= designed", ""),
     ]
     if outcomes:
         slow = [o.design_seconds for o in outcomes]
-        lines.append(f"| processor seconds a design, median | {np.median(slow):.2f} | {len(slow)} | <= 5 | 1 |")
-        lines.append(f"| processor seconds a design, longest | {max(slow):.2f} | {len(slow)} | | |")
-        lines.append(f"| greatest part of a limit used | {max(o.worst for o in outcomes):.3f} | | <= 1 | |")
+        timed = "processor time of the slowest design of a case [s]"
+        lines.append(f"| {timed}, median | {np.median(slow):.2f} | {len(slow)} | <= 5 | 1 |")
+        lines.append(f"| {timed}, longest | {max(slow):.2f} | {len(slow)} | | |")
+        lines.append(f"| largest used part of a limit | {max(o.worst for o in outcomes):.3f} | | <= 1 | |")
     return lines + _calibration(fair) + _by_effect(done) + _missed(done)
 
 
 def _missed(done: Sequence[Done]) -> list[str]:
-    """Every case that did not come out, so that anybody can run it again."""
+    """Every case that is not decided with the true set at the end, with its seed."""
     lines = [
-        f"- seed {o.case.seed}: {' + '.join(o.truth)}; found {o.verdict} {' + '.join(o.found)}".rstrip()
+        f"- seed {o.case.seed}: true {' + '.join(o.truth)}; result {o.verdict}, {' + '.join(o.found) or 'no cause'}"
         for o in (one.outcome for one in done if one.outcome is not None and not one.outcome.right)
     ]
     lines += [
@@ -177,12 +183,16 @@ def _missed(done: Sequence[Done]) -> list[str]:
         for one in done
         if one.failure
     ]
-    return ["", "Not found:", "", *lines] if lines else []
+    return ["", "Cases that are not decided with the true set at the end:", "", *lines] if lines else []
 
 
 def _by_effect(done: Sequence[Done]) -> list[str]:
-    """How many of each effect were drawn, were left open by one step, and came out."""
-    lines = ["", "| hidden effect | drawn | left open by one step | truth at the end |", "|---|---|---|---|"]
+    """Of each effect: rigs, those that one step does not decide, and those decided with the true set at the end."""
+    lines = [
+        "",
+        "| hidden effect | rigs | not decided by one step | of these decided with the true set |",
+        "|---|---|---|---|",
+    ]
     for name in sorted({str(one.case.hidden) for one in done}):
         of_it = [one for one in done if str(one.case.hidden) == name]
         opened = [one.outcome for one in of_it if one.outcome is not None]
@@ -196,12 +206,12 @@ def _row(what: str, hits: Sequence[bool], must: str, aim: str) -> str:
 
 
 def _calibration(outcomes: Sequence[Outcome]) -> list[str]:
-    """Stated probabilities against what happened: of ties, a decision; of checks, that the truth came out."""
+    """Stated probabilities and observed shares: that a tie is decided, and that a check names the true set."""
     known = [o for o in outcomes if math.isfinite(o.expected)]
     ties = [(o.expected, o.decided) for o in known if o.purpose.startswith("to tell")]
     checks = [(o.expected, o.true_after_one) for o in known if not o.purpose.startswith("to tell")]
-    lines = ["", "| stated probability | designs | mean stated | came true |", "|---|---|---|---|"]
-    for what, pairs in (("of a decision between ties", ties), ("of showing what hides", checks)):
+    lines = ["", "| event and its stated probability | designs | mean stated | observed share |", "|---|---|---|---|"]
+    for what, pairs in (("tie decided", ties), ("hidden cause shown: true set named", checks)):
         for low, high in zip(_BINS[:-1], _BINS[1:], strict=True):
             lines += _reliability(
                 f"{what}, {low:.2f} to {min(high, 1.0):.2f}", [p for p in pairs if low <= p[0] < high]

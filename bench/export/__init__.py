@@ -1,1 +1,1 @@
-"""Whether an exported model moves in its target as it does here, and whether a wrong simulation's mistake is named."""
+"""Compares exported models with msd_ident in their target, and checks which errors of a wrong simulation are named."""

@@ -47,9 +47,9 @@ def _part(name: str, given: argparse.Namespace) -> Iterator[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the tables asked for."""
     parser = argparse.ArgumentParser(prog="python -m bench.export", description="Exported models in their targets.")
-    parser.add_argument("--only", choices=PARTS, help="one part; all without")
-    parser.add_argument("--count", type=int, help="rigs of a part")
-    parser.add_argument("--seed", type=int, default=7000, help="of the first rig")
+    parser.add_argument("--only", choices=PARTS, help="run only this part")
+    parser.add_argument("--count", type=int, help="number of rigs of a part")
+    parser.add_argument("--seed", type=int, default=7000, help="seed of the first rig")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     given = parser.parse_args(arguments)
     warm_up()

@@ -1,4 +1,4 @@
-"""Drawn rigs exported to MuJoCo and replayed there: what is exact, and what is approximated at a predicted cost."""
+"""Random rigs exported to MuJoCo and replayed there: error of exact exports, predicted error of approximated ones."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Row:
 
     @property
     def off(self) -> float:
-        """Replayed cost against the predicted one, less 1."""
+        """Relative difference of the replayed SEE and the predicted one."""
         return abs(self.replayed / self.predicted - 1.0)
 
 
@@ -107,7 +107,7 @@ def told(rows: list[Row], exactly: bool) -> list[str]:
 
 def _exact_cells(part: list[Row]) -> dict[str, str]:
     cells = {}
-    for label, name in (("SEE in MuJoCo / ours", "replayed"), ("at the record's step", "coarse"),
+    for label, name in (("SEE in MuJoCo / msd_ident", "replayed"), ("at the record's step", "coarse"),
                         ("without callbacks", "plain")):  # fmt: skip
         ratios = _ratios(part, name)
         cells[f"{label}: median"] = f"{np.median(ratios):.4f}" if ratios.size else "–"
@@ -116,23 +116,25 @@ def _exact_cells(part: list[Row]) -> dict[str, str]:
         )
     without = [row.plain_steps for row in part if row.plain_steps]
     return cells | {
-        "steps": f"{np.median([row.steps for row in part]):.0f}",
-        "steps without callbacks": f"{np.median(without):.0f}" if without else "–", **_gain_cells(part),
+        "steps per sample": f"{np.median([row.steps for row in part]):.0f}",
+        "without callbacks": f"{np.median(without):.0f}" if without else "–", **_gain_cells(part),
     }  # fmt: skip
 
 
 def _predicted_cells(part: list[Row]) -> dict[str, str]:
     off = np.array([row.off for row in part])
     return {
-        "replayed / predicted: median off": f"{100 * np.median(off):.2f} %", "largest": f"{100 * off.max():.2f} %",
-        "steps": f"{np.median([row.steps for row in part]):.0f}", **_gain_cells(part),
-    }  # fmt: skip
+        "difference of replayed and predicted SEE: median": f"{100 * np.median(off):.2f} %",
+        "largest": f"{100 * off.max():.2f} %",
+        "steps per sample": f"{np.median([row.steps for row in part]):.0f}",
+        **_gain_cells(part),
+    }
 
 
 def _gain_cells(part: list[Row]) -> dict[str, str]:
     return {
-        "m, b, k alone / corrected: median": f"{np.median([row.base / row.replayed for row in part]):.3g}",
-        "s": f"{np.median([row.seconds for row in part]):.2f}",
+        "SEE with m, b, k alone / exported: median": f"{np.median([row.base / row.replayed for row in part]):.3g}",
+        "export and replay [s]": f"{np.median([row.seconds for row in part]):.2f}",
     }
 
 
@@ -144,11 +146,11 @@ def _ratios(rows: list[Row], name: str) -> FloatArray:
 
 def _exact_totals(rows: list[Row]) -> list[str]:
     lines = []
-    runs = (("the file's step", "replayed"), ("the record's own step", "coarse"), ("no callbacks", "plain"))
+    runs = (("the file's step", "replayed"), ("the record's own step", "coarse"), ("without callbacks", "plain"))
     for label, name in runs:
         ratios = _ratios(rows, name)
         within = int(np.sum(ratios <= 1.1)), int(np.sum(ratios <= 1.02))
-        lines.append(f"{label}: within 1.1 times ours {within[0]} of {ratios.size}; within 1.02 {within[1]}")
+        lines.append(f"{label}: at most 1.1 times the SEE of msd_ident {within[0]} of {ratios.size}; 1.02 {within[1]}")
     worst = max(rows, key=lambda row: row.ratio)
     slowest = max(rows, key=lambda row: row.seconds)
     lines.append(f"longest export with replay: {slowest.seconds:.2f} s (seed {slowest.seed})")
@@ -159,6 +161,6 @@ def _predicted_totals(rows: list[Row]) -> list[str]:
     within = [sum(row.off <= bound for row in rows) for bound in (0.10, 0.05, 0.01)]
     worst = max(rows, key=lambda row: row.off)
     return [
-        f"replayed within 10 % of the predicted cost: {within[0]} of {len(rows)}; 5 %: {within[1]}; 1 %: {within[2]}",
+        f"replayed SEE within 10 % of the prediction: {within[0]} of {len(rows)}; 5 %: {within[1]}; 1 %: {within[2]}",
         f"worst: seed {worst.seed} ({worst.hidden}), {worst}",
     ]

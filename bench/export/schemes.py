@@ -73,7 +73,7 @@ def _made(scheme: Scheme) -> Iterator[None]:
 
 def told(rows: list[tuple[float, ...]]) -> list[str]:
     """The table by scheme."""
-    lines = ["| dry friction | SEE in MuJoCo / ours: median | largest | rigs within 1.1 |", "|---" * 4 + "|"]
+    lines = ["| dry friction | SEE in MuJoCo / msd_ident: median | largest | rigs with at most 1.1 |", "|---" * 4 + "|"]
     for scheme, column in zip(SCHEMES, np.array(rows).T, strict=True):
         within = f"{int(np.sum(column <= 1.1))} of {column.size}"
         lines.append(f"| {scheme} | {np.median(column):.4f} | {column.max():.4g} | {within} |")

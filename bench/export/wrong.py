@@ -1,4 +1,4 @@
-"""MuJoCo models with one known mistake: is it named?"""
+"""MuJoCo models with one known error: how often ``msd validate --mujoco`` names it."""
 
 from __future__ import annotations
 
@@ -89,7 +89,8 @@ def _write(model: Model, record: Record, path: Path) -> None:
 
 def told(cases: list[Case]) -> list[str]:
     """The table by mistake, and the totals."""
-    lines = ["| mistake | cases | named | first | interval holds | with others named | s |", "|---" * 7 + "|"]
+    heads = "cases | named | named first | true value within 3 standard deviations | others also named | s"
+    lines = [f"| error of the model | {heads} |", "|---" * 7 + "|"]
     for mistake in [*dict.fromkeys(one.mistake for one in cases), "all"]:
         part = [one for one in cases if mistake in ("all", one.mistake)]
         seconds = sum(one.seconds for one in part) / len(part)

@@ -1,4 +1,4 @@
-"""Rigs of a second author: drawn by lot and simulated by MuJoCo.
+"""Rigs of a second author: random, and simulated by MuJoCo.
 
 Nothing here imports ``msd_ident`` or ``msd_sim``: the diagnosis and these rigs share no line and no law's exact form.
 """

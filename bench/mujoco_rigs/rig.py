@@ -1,4 +1,4 @@
-"""A rig by lot, in MuJoCo's words: one slide joint, one actuator, an encoder, an experiment."""
+"""A random rig with MuJoCo's own parameters: one slide joint, one actuator, an encoder, an experiment."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Real rigs, measured by others: what is true about each, and what the diagnosis says."""
+"""Rigs that others measured: what is known about each, and what the diagnosis says."""

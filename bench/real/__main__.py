@@ -24,7 +24,7 @@ from msd_ident.model.simulator import warm_up
 from msd_ident.report import verdict_figure
 from msd_ident.workflow import pipeline
 
-_HEAD = "| rig | verdict | causes | judgement | values | SEE (of the expert's) | processor |\n" + "|---" * 7 + "|"
+_HEAD = f"| rig | {score.HEADS} | processor |\n" + "|---" * 7 + "|"
 
 
 def diagnosed(rig: Rig, path: Path, docs: Path | None = None) -> Row:
@@ -57,7 +57,7 @@ def _processor_time() -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table and the totals; exit code 0 whatever they say, also without the data."""
-    parser = argparse.ArgumentParser(prog="python -m bench.real", description="Measured rigs and the truth.")
+    parser = argparse.ArgumentParser(prog="python -m bench.real", description="Diagnoses of measured rigs.")
     parser.add_argument("--only", default="", help="rigs whose name holds this")
     parser.add_argument("--json", type=Path, help="file for all rows, one JSON object a line")
     parser.add_argument("--docs", type=Path, help="directory that gets the page, and its pictures where rigs are run")

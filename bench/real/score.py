@@ -1,4 +1,4 @@
-"""Whether a diagnosis of a real rig is right."""
+"""Compares the diagnosis of a measured rig with its known causes and published values."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from msd_ident.model.effects import by_name
 
 #: Probability from which on a cause is stated as certain.
 SURE = 0.9
-#: How far above the expert's SEE counts as reached.
+#: How far above the SEE of the manual fit counts as reached.
 REACHED = 1.5
+#: Columns of the table that a row fills.
+HEADS = "verdict | named causes with p (~ tied with) | result | published values, as found | SEE"
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class Row:
 
     @property
     def reached(self) -> bool | None:
-        """Whether the SEE is at most 1.5 times the expert's; ``None`` where none stands."""
+        """Whether the SEE is at most 1.5 times that of the manual fit; ``None`` where none stands."""
         return None if math.isnan(self.expert) else self.see <= REACHED * self.expert
 
 
@@ -116,22 +118,23 @@ def _values(rig: Rig, quantities: Mapping[str, float]) -> tuple[tuple[str, float
 
 
 def _expert(rig: Rig, found: Diagnosis) -> float:
-    """SEE of the expert in the position unit, NaN where none stands."""
+    """SEE of the manual fit in the position unit, NaN where there is none."""
     if rig.expert_share is not None:
         return rig.expert_share * float(np.std(found.records[0].position))
     return math.nan if rig.expert_see is None else rig.expert_see
 
 
 def totals(rows: Sequence[Row]) -> list[str]:
-    """Right, surely false and SEE reached, of the rows inside the totals, and of the extra ones."""
+    """Main and further records: rows that are right, that have a false cause, and that reach the SEE."""
     lines = []
-    for title, chosen in (("real", [r for r in rows if not r.extra]), ("extra", [r for r in rows if r.extra])):
+    for title, chosen in (("main", [r for r in rows if not r.extra]), ("further", [r for r in rows if r.extra])):
         if chosen:
             compared = [row.reached for row in chosen if row.reached is not None and not row.lacks]
             lines.append(
                 f"{title}: right {sum(row.right for row in chosen)} of {len(chosen)}; false cause with p > {SURE:g} in "
-                f"{sum(row.surely_false for row in chosen)}; SEE at most {REACHED:g} times the expert's in "
-                f"{sum(compared)} of {len(compared)}; {sum(row.seconds for row in chosen):.0f} s of processor time"
+                f"{sum(row.surely_false for row in chosen)}; SEE at most {REACHED:g} times that of the "
+                f"manual fit in {sum(compared)} of {len(compared)}; {sum(row.seconds for row in chosen):.0f} s of "
+                "processor time"
             )
     return lines
 
@@ -151,8 +154,8 @@ def judgement(row: Row) -> str:
         return "right"
     wrong = [f"false cause ({name}, p {p:.3f})" for name, p in row.false]
     wrong += [f"false finding ({code})" for code in row.false_findings]
-    wrong += ["nothing named"] if row.missed and not row.causes else [f"not named ({one})" for one in row.missed]
-    wrong += ["reference missed"] if not all(met for _, _, met in row.values) else []
+    wrong += ["no cause named"] if row.missed and not row.causes else [f"not named ({one})" for one in row.missed]
+    wrong += ["published value missed"] if not all(met for _, _, met in row.values) else []
     return ", ".join(wrong)
 
 

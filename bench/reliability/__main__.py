@@ -1,4 +1,6 @@
-"""Bags and data under faults, ``python -m bench.reliability [PART…]``: each part writes its rows into the page."""
+"""Bags and data under faults, ``python -m bench.reliability [PART…]``: each part writes its rows into
+docs/reliability.md.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,8 @@ def killed(root: Path, seed: int) -> Iterator[Row]:
     for batch in range(10):
         seeds = range(seed + 5 * batch, seed + 5 * batch + 5)
         found += kills.kill_writers(root / str(batch), seeds, 4.0, QueueLimits())
-    yield Row("recording killed with `kill -9`, 0 to 4 s after its begin", len(found), _readers(found))
-    yield Row("folder copied while it is written", len(found), "every copy opened in msd, rosbags and mcap")
+    yield Row("recording killed with `kill -9`, 0 to 4 s after it began", len(found), _readers(found))
+    yield Row("folder copied during the recording", len(found), "every copy opened in msd, rosbags and mcap")
 
 
 def recorders(root: Path, seed: int) -> Iterator[Row]:
@@ -44,7 +46,7 @@ def _readers(found: list[kills.Found]) -> str:
 
 
 def power(root: Path, seed: int) -> Iterator[Row]:
-    """The power gone after each system call of a recorder."""
+    """Power cuts after each system call of a recorder."""
     kept = 0
 
     def look(image: Path) -> None:
@@ -62,9 +64,9 @@ def power(root: Path, seed: int) -> Iterator[Row]:
                 kept = number + 1
         writer.close()
     yield Row(
-        "power cut after any system call (simulated: a disk that keeps what was synced alone)",
+        "power cut after each system call (simulated: a disk that keeps only what was synced)",
         disk.cuts,
-        "every image opened in msd, rosbags and mcap, with all that was synced",
+        "every remaining folder opened in msd, rosbags and mcap, with all synced messages",
     )
 
 
@@ -80,7 +82,8 @@ def full(root: Path, seed: int) -> Iterator[Row]:
     yield Row(
         "disk full (a file system of 64 kB to 2 MB)",
         len(sizes),
-        "recording stopped with one line; the bag closed, opened everywhere; kept + lost = sent",
+        "recording stopped with a one-line error; bag closed, opened in msd, rosbags and mcap; kept + lost = sent "
+        "messages",
     )
 
 
@@ -92,9 +95,10 @@ def cut(root: Path, seed: int) -> Iterator[Row]:
         whole = cuts.make(folder, compression)  # type: ignore[arg-type]
         found = list(cuts.cuts(whole, 500, seed, folder))
         yield Row(
-            f"file cut off at any byte, and at each of {len(whole.chunks)} borders of chunks ± 1 ({compression})",
+            f"file truncated at 500 random bytes, and at each of {len(whole.chunks)} ends of chunks and one byte "
+            f"beside them ({compression})",
             len(found),
-            "every complete chunk before the cut came back, no wrong message; repaired without loss",
+            "all messages of complete chunks recovered, no wrong message; repair lost none of them",
         )
 
 
@@ -109,9 +113,9 @@ def damaged(root: Path, seed: int) -> Iterator[Row]:
         said = ", ".join(f"{number} {word}" for word, number in sorted(found.counts.items()))
         right = "; no wrong message" if "with checksums" in kind.name else ""
         yield Row(
-            f"{kind.name}: bits, lengths, opcodes, stamps, names and schemas changed, pieces lost and repeated",
+            f"{kind.name}: bits, lengths, opcodes, stamps, names and schemas changed, pieces removed and repeated",
             count,
-            f"{said}, in one line{right}; no hang (longest {found.longest:.1f} s), below 1 GB",
+            f"{said}, each error in one line{right}; longest {found.longest:.1f} s, memory below 1 GB",
         )
 
 
@@ -122,7 +126,7 @@ def data(root: Path, seed: int) -> Iterator[Row]:
         counts = Counter(one.outcome for one in found)
         if counts["fooled"]:
             raise AssertionError(f"{fault.name}: {[one for one in found if one.outcome == 'fooled']}")
-        yield Row(fault.name, len(found), f"{counts['right']} right, {counts['doubted']} said to be in doubt, 0 fooled")
+        yield Row(fault.name, len(found), f"{counts['right']} right, {counts['doubted']} in doubt, 0 wrong unnoticed")
 
 
 PARTS: dict[str, Callable[[Path, int], Iterator[Row]]] = {
@@ -131,7 +135,7 @@ PARTS: dict[str, Callable[[Path, int], Iterator[Row]]] = {
 
 
 def main() -> int:
-    """Run the parts; a fault that was not borne ends in its words and exit code 1."""
+    """Run the parts; a fault that is not handled ends with a traceback that names it, and exit code 1."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; none: all")
     parser.add_argument("--seed", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Bags cut off at any byte: at least every complete chunk before the cut comes back, and no wrong message."""
+"""Truncates bags at any byte: all messages of complete chunks must be recovered, and no wrong one."""
 
 from __future__ import annotations
 

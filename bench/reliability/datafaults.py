@@ -1,4 +1,4 @@
-"""Data as a bad afternoon leaves it, made from the clean step of the demo's rig: each fault one function."""
+"""Faults of data, applied to the clean step of the demo's rig: each fault one function, named by its docstring."""
 
 from __future__ import annotations
 
@@ -51,21 +51,21 @@ def dropped(record: Record, rng: np.random.Generator) -> Record:
 
 
 def outliers(record: Record, rng: np.random.Generator) -> Record:
-    """1 % of the readings are wild, by up to 10 amplitudes either way."""
+    """1 % of the readings are outliers, 10 amplitudes off in either direction."""
     wild = rng.random(record.samples) < 0.01
     size = 10 * amplitude(record) * rng.choice([-1.0, 1.0], record.samples)
     return replace(record, position=np.where(wild, record.position + size, record.position))
 
 
 def outliers_of_any_size(record: Record, rng: np.random.Generator) -> Record:
-    """1 % of the readings are off by anything up to 10 amplitudes."""
+    """1 % of the readings are outliers, off by up to 10 amplitudes in either direction."""
     wild = rng.random(record.samples) < 0.01
     size = 10 * amplitude(record) * rng.uniform(-1.0, 1.0, record.samples)
     return replace(record, position=np.where(wild, record.position + size, record.position))
 
 
 def jitter(record: Record, rng: np.random.Generator) -> Record:
-    """The stamps scatter by half a period either way."""
+    """The stamps have a jitter of up to half a period in either direction."""
     shift = rng.uniform(-0.5, 0.5, record.samples) / RATE
     time = np.sort(record.time + shift)
     return replace(record, time=time + np.arange(time.size) * 1e-12)
@@ -77,18 +77,18 @@ def _stamped(record: Record, ns_x: np.ndarray, ns_f: np.ndarray) -> Record:
 
 
 def rounded_stamps(record: Record, rng: np.random.Generator) -> Record:
-    """Stamps of the position rounded to 10 ms, those of the force as they are."""
+    """Stamps of the position rounded to 10 ms, those of the force unchanged."""
     return _stamped(record, (np.rint(record.time * 100) * 1e7).astype(np.int64), _ns(record.force_time))
 
 
 def floored_stamps(record: Record, rng: np.random.Generator) -> Record:
-    """All stamps cut to 10 ms, those of the force too, which comes at any instant."""
+    """Stamps of the position rounded down to 10 ms, those of the force unchanged."""
     moved = replace(record, force_time=record.force_time)
     return _stamped(moved, (np.floor(record.time * 100 + 1e-6) * 1e7).astype(np.int64), _ns(record.force_time))
 
 
 def late_stamps(record: Record, rng: np.random.Generator) -> Record:
-    """100 Hz, read at any instant and stamped by a clock that ticks every 10 ms."""
+    """Sampled at 100 Hz, stamps rounded up to 10 ms."""
     every = np.arange(int(rng.integers(0, 10)), record.samples, 10)
     slow = _keep(record, every)
     ticks = (np.ceil(slow.time * 100 - 1e-6) * 1e7).astype(np.int64)
@@ -100,21 +100,21 @@ def _ns(time: FloatArray) -> np.ndarray:
 
 
 def zero_shift(record: Record, rng: np.random.Generator) -> Record:
-    """The zero of the encoder moves by 5 to 50 % of the amplitude between two samples."""
+    """The zero of the encoder jumps by 5 to 50 % of the amplitude."""
     at = rng.uniform(0.2, 0.8) * record.time[-1]
     size = rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.5) * amplitude(record)
     return replace(record, position=record.position + np.where(record.time > at, size, 0.0))
 
 
 def small_zero_shift(record: Record, rng: np.random.Generator) -> Record:
-    """The zero of the encoder moves by 0.2 to 5 % of the amplitude."""
+    """The zero of the encoder jumps by 0.2 to 5 % of the amplitude."""
     at = rng.uniform(0.2, 0.8) * record.time[-1]
     size = rng.choice([-1.0, 1.0]) * rng.uniform(0.002, 0.05) * amplitude(record)
     return replace(record, position=record.position + np.where(record.time > at, size, 0.0))
 
 
 def bump(record: Record, rng: np.random.Generator) -> Record:
-    """Somebody bumps the table: 2 to 20 N for 20 ms, of which nobody tells."""
+    """An unrecorded force of 2 to 20 N acts for 20 ms."""
     at = float(rng.uniform(0.1, 0.9) * record.time[-1])
     size = float(rng.choice([-1.0, 1.0]) * rng.uniform(2.0, 20.0))
     levels = {0.0: 0.0, 0.5: 10.425, 3.5: 0.0}
@@ -126,17 +126,17 @@ def bump(record: Record, rng: np.random.Generator) -> Record:
 
 
 def first_half(record: Record, rng: np.random.Generator) -> Record:
-    """Only the first half is there: the step up."""
+    """Only the first half of the record: the step up."""
     return record.window(record.time[0], record.time[-1] / 2)
 
 
 def last_half(record: Record, rng: np.random.Generator) -> Record:
-    """Only the last half is there: the release."""
+    """Only the last half of the record: the release."""
     return record.window(record.time[-1] / 2, record.time[-1])
 
 
 def no_middle(record: Record, rng: np.random.Generator) -> Record:
-    """Half of the record, somewhere in it, is missing."""
+    """Half of the record is missing, at a random place."""
     begin = rng.uniform(0.0, 0.5) * record.time[-1]
     return _keep(record, (record.time < begin) | (record.time > begin + record.time[-1] / 2))
 

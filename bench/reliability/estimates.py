@@ -1,4 +1,4 @@
-"""Estimates from bad data: right, or said to be in doubt; never wrong and sure of it."""
+"""Whether estimates from bad data are right, reported as doubtful, or wrong without a warning."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DOUBTS = ("the model lacks something", "Something pushed the cart", "did not con
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of one spoiled record.
+    """Result from one record with a fault.
 
     Attributes:
         worst: largest deviation from the clean result, in parts of what is allowed.

@@ -1,4 +1,4 @@
-"""A recording onto a disk that becomes full: a file system of its own, as small as it is told to be."""
+"""A recording onto a small file system of its own that becomes full: what is kept, lost and reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A recorder that is killed at any instant, and copies of its folder taken while it writes."""
+"""Kills a recorder at random instants, copies its folder during the recording, and compares what three readers find."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RATE, START_SECONDS = 1000, 20.0
 
 @dataclass(frozen=True)
 class Found:
-    """What a reader found of a recording that ended at an instant nobody chose.
+    """What a reader found of a recording that ended at a random instant.
 
     Attributes:
         where: the instant, in words.

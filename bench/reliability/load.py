@@ -1,4 +1,4 @@
-"""``python -m bench.reliability.load``: rig, recorder and identifier for long, while two processes burn the cores."""
+"""``python -m bench.reliability.load``: lost samples, fits and memory of the nodes on busy cores."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ NODES = ("rig", "recorder", "identifier")
 
 @dataclass
 class Load:
-    """What came of a time under load.
+    """Result of a run under load.
 
     Attributes:
         rate, seconds: of the rig [Hz], and how long it was recorded.
@@ -95,16 +95,16 @@ class Load:
         """For the table."""
         took = [duration for _, duration in self.fits]
         apart = np.diff([at for at, _ in self.fits])
-        used = ", ".join(f"{node} {level:.0f} MiB, grew by {growth:.1%}, at most {most:+.1%} for an instant"
+        used = ", ".join(f"{node} {level:.0f} MiB, grew by {growth:.1%}, at most {most:+.1%} at any instant"
                          for node in NODES for level, growth, most in [self.change(node)])  # fmt: skip
-        how = "in batches" if self.messages < self.samples else "single"
+        how = "messages in batches" if self.messages < self.samples else "single messages"
         wrong = "; ".join(self.wrong)
         outcome = (
             f"{self.missing} of {self.samples} samples missing in the bag by their stamps; the recorder said "
             f"“{self.said.partition(', in ')[0]}”; {len(took)} fits, one every {np.mean(apart):.1f} s, the slowest "
             f"took {max(took):.1f} s; memory after the warm-up: {used}{'; FAILED: ' + wrong if wrong else ''}"
         )
-        return Row(f"{self.rate:g} Hz {how} for {self.seconds / 60.0:.3g} min", 1, outcome)
+        return Row(f"{self.rate:g} Hz, {how}, {self.seconds / 60.0:.3g} min", 1, outcome)
 
 
 class Tester:
@@ -242,7 +242,7 @@ def main() -> int:
             found.append(load(rate, 60.0 * minutes, Path(folder), lambda line: print(line, flush=True)))
             print(found[-1].row.line, flush=True)
         if given.write:
-            put(f"load_{rate:g}", [found[-1].row], f"{os.cpu_count()} cores, {BURNERS} processes that load them")
+            put(f"load_{rate:g}", [found[-1].row], f"{os.cpu_count()} cores, {BURNERS} processes that keep them busy")
     return 1 if any(one.wrong for one in found) else 0
 
 

@@ -1,4 +1,4 @@
-"""Damaged bags, metadata, tables and configuration: one line or a result, never anything else."""
+"""Damages bags, metadata, tables and configuration: reading must give a result or an error of one line."""
 
 from __future__ import annotations
 

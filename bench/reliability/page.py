@@ -1,4 +1,4 @@
-"""docs/reliability.md: what was done to bags and data, how often, and what came of it; one block a part."""
+"""Writes docs/reliability.md: each fault, how often it was tried, and the result; one block for each part."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "reliability.md"
 
 #: Parts in the order of the page, and what stands above them.
 HEADS = {
-    "killed": "## Bags that are being written\n",
+    "killed": "## Interrupted recordings\n",
     "recorders": "",
     "power": "",
     "full": "",
-    "cut": "## Bags that are cut off or damaged\n",
+    "cut": "## Truncated and damaged files\n",
     "damaged": "",
     "data": (
-        "## Estimates from bad data\n\nThe demo's rig with the paper's parameters, 1 kHz. *Right*: m and k within 1 %, "
-        "µ within 5 % of the clean result.\n*In doubt*: a wrong number is left open, or a warning says that the "
-        "model does not explain the data.\n*Fooled* would be a wrong number without either.\n"
+        "## Estimates from bad data\n\nThe demo's rig with the paper's parameters, 1 kHz. *Right*: m and k are within "
+        "1 %, µ is within 5 % of the result from clean data.\n*In doubt*: a number is wrong, but it is reported as "
+        "open, or a warning doubts it, or the record is refused.\n*Wrong unnoticed*: a number is wrong without any of "
+        "these.\n"
     ),
     "load_1000": "## Nodes under load\n",
     "load_10000": "",
@@ -30,7 +31,7 @@ COMMANDS = {"load_1000": "make load", "load_10000": "make load"}
 
 @dataclass(frozen=True)
 class Row:
-    """A fault, how often it was tried, and what came of it."""
+    """A fault, how often it was tried, and the result."""
 
     fault: str
     tried: int
@@ -50,7 +51,7 @@ def put(part: str, rows: Sequence[Row], how: str, page: Path = PAGE) -> None:
             text = f"{text.rstrip()}\n\n{_begin(name)}\n{_end(name)}\n"
     head, _, rest = text.partition(_begin(part))
     tail = rest.partition(_end(part))[2]
-    table = "\n".join(("| fault | tried | outcome |", "|---|---|---|", *(row.line for row in rows)))
+    table = "\n".join(("| fault | cases | result |", "|---|---|---|", *(row.line for row in rows)))
     command = COMMANDS.get(part, f"make fuzz ARGS={part}")
     said = f"`{command}`, {how}:"
     above = f"{HEADS[part]}\n" if HEADS[part] else ""

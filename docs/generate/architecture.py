@@ -1,4 +1,4 @@
-"""The map of the rooms: a picture of their imports, and what each room says of itself. The imports are read by ast."""
+"""The map of the subpackages (rooms): a picture of their imports, and their docstrings. Imports are read by ast."""
 
 from __future__ import annotations
 
@@ -91,7 +91,8 @@ def picture() -> str:
             place[room] = left + at * (_BOX + _GAP), height - 2.0 - _TALL - number * (_TALL + _RISE)
     lines = [_arrow(place[room], place[one]) for room, one in direct()]
     boxes = [_box(room, *place[room]) for room in place]
-    head = f'<svg viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label="Rooms of msd_ident and their imports">'
+    label = "Subpackages of msd_ident and their imports"
+    head = f'<svg viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label="{label}">'
     return '<div class="rooms">\n' + "\n".join([head, *lines, *boxes, "</svg>"]) + "\n</div>\n"
 
 
@@ -130,7 +131,7 @@ def rooms() -> str:
         if said is None:
             raise AttributeError(f"the docstring of msd_ident.{room} has no line In:, Out: and Begin with")
         rows = [("In", said["takes"]), ("Out", said["gives"]), ("Begin with", said["begin"])]
-        uses = ", ".join(f"[{one}](#{one})" for one in sorted(imports()[room])) or "no other room"
+        uses = ", ".join(f"[{one}](#{one})" for one in sorted(imports()[room])) or "no other subpackage"
         lines = [(f"**{name}**", cell(plain(what.rstrip(".")))) for name, what in rows]
         found.append(
             f"### {room}\n\n{plain(text.split(chr(10) * 2)[0])}\n\n" + table(("", ""), [*lines, ("Imports", uses)])

@@ -17,13 +17,13 @@ _HEAD = """# Effects
 Everything that the diagnosis can name, one page each. The pages are made from the effects' own classes: a new effect in
 `msd_ident/model/effects/` has its page at the next build.
 
-Laws stand as forces on the left-hand side of
+Laws are forces on the left-hand side of
 
 ```math
 m\\,x'' + b\\,x' + k\\,x + \\text{effects} = F
 ```
 
-unless they say otherwise. Any of them can stand together, except two of one family.
+unless they say otherwise. Any of them can be combined, except two of one family.
 
 """
 
@@ -42,7 +42,7 @@ def index() -> str:
 
 def _identities() -> str:
     return (
-        "Some of these are the same thing in every experiment, others only in a short one: "
+        "Some of these cannot be distinguished in any experiment, others only in a long one: "
         "[identities and ties](../identities.md).\n"
     )
 
@@ -72,7 +72,7 @@ def page(effect: type[Effect]) -> str:
         "## In the model\n",
         _facts(effect),
         "## Starting values\n",
-        "Where a search begins: " + _lower(plain(effect.guess.__doc__)) + "\n",
+        "The search starts from: " + _lower(plain(effect.guess.__doc__)) + "\n",
         _advice(effect),
         _on_the_rig(effect),
         f"## Source\n\n{effect.source}\n",
@@ -101,16 +101,16 @@ def _facts(effect: type[Effect]) -> str:
         else "It is a **force on the mass**.",
         f"It is another law of the cause [`{effect.form_of}`]({effect.form_of}.md)." if effect.form_of else "",
         f"It vanishes, exactly, with {gone}.",
-        "It acts on the linear spring and means nothing without one." if effect.needs_spring else "",
-        "It only ever takes energy out of the motion." if effect.dissipative else "",
+        "It acts on the linear spring and has no effect without one." if effect.needs_spring else "",
+        "It only dissipates energy." if effect.dissipative else "",
         ""
         if effect.mirror
-        else "It tells directions apart: with force and position turned round the motion is another one.",
-        "" if effect.steady else "It knows the time: its law counts from the record's time 0.",
-        "The solver carries it by [exact propagation](../solver.md#exact-propagation) between located events."
+        else "It depends on the direction: with force and position inverted, the motion is not just inverted.",
+        "" if effect.steady else "Its law contains the time, counted from the record's time 0.",
+        "The solver simulates it by [exact propagation](../solver.md#exact-propagation) between located events."
         if effect.piecewise_linear
-        else "The solver carries it by the [general path](../solver.md#general-path).",
-        f"Family *{effect.family}*: a model holds one of it at most (also {', '.join(_links(relatives))})."
+        else "The solver simulates it by the [general path](../solver.md#general-path).",
+        f"Family *{effect.family}*: a model contains at most one effect of it (also {', '.join(_links(relatives))})."
         if effect.family
         else "",
     ]

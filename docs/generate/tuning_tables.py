@@ -1,4 +1,4 @@
-"""The constants of the rooms that identify and diagnose, as they are declared in the source."""
+"""The constants of the subpackages that identify and diagnose, as declared in the source."""
 
 from __future__ import annotations
 

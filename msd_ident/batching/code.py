@@ -9,7 +9,7 @@ from pathlib import Path
 import msd_ident
 from msd_ident.data.provenance import versions
 
-#: Rooms that move no digit of a row.
+#: Subpackages that change no digit of a row.
 _OUTSIDE = ("cli", "comparison", "live", "monitoring", "report", "ros")
 
 

@@ -1,4 +1,4 @@
-"""The explanations that a design must distinguish."""
+"""The explanations that a design must distinguish, their probabilities and their names."""
 
 from __future__ import annotations
 

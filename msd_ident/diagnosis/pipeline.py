@@ -48,7 +48,7 @@ from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking, rank
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
 from msd_ident.tuning import fixed
 
-_RIVAL = fixed(1e-4, "interface", "probability below which a rival is not worth a line")
+_RIVAL = fixed(1e-4, "interface", "probability below which a rival is not listed")
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:

@@ -28,7 +28,7 @@ MOST_OF = tuned(0.5, unit="1", why="part of a whole from which on something is m
 ALIKE = tuned(
     1.25,
     unit="1",
-    why="factor within which two sizes are the same: ranges of motion, natural frequencies, valleys next to each other",
+    why="factor within which two sizes are the same: ranges of motion, natural frequencies, neighbouring minima",
     chosen="by hand",
 )
 NATURAL_RANGE = tuned(

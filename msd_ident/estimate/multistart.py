@@ -29,11 +29,11 @@ from msd_ident.estimate.problem import Problem
 from msd_ident.tuning import tuned
 
 _FIRST = tuned(6, unit="steps", why="first look at a start", chosen="by hand")
-_EXPLORED = tuned(25, unit="steps", why="how far a valley is followed that may not be the deepest", chosen="by hand")
+_EXPLORED = tuned(25, unit="steps", why="how far a minimum is followed that may not be the lowest", chosen="by hand")
 _WORTH = tuned(1e-5, unit="1", why="fall of the error, as a part of it, that is worth a step there", chosen="by hand")
-_ENOUGH = tuned(5_000, unit="samples", why="enough to tell valleys apart, all records together", chosen="by hand")
+_ENOUGH = tuned(5_000, unit="samples", why="enough to distinguish local minima, all records together", chosen="by hand")
 _AT_FLOOR = tuned(
-    1.3, unit="noise floors", why="what the right valley of the right model leaves at most", chosen="by hand"
+    1.3, unit="noise floors", why="what the right minimum of the right model leaves at most", chosen="by hand"
 )
 _BLOCKS = tuned(
     (8, 32), unit="samples", why="lengths of the blocks whose sums tell a pattern from noise", chosen="by hand"
@@ -57,10 +57,10 @@ _DECIDED = tuned(0.12, unit="1", why="horizon from which on only the best starts
 _JUMPS = tuned(
     (0.55, 0.8, 1.25, 1.8),
     unit="1",
-    why="factors by which a jump tries the other valleys of a kinked parameter",
+    why="factors by which a jump tries the other minima of a kinked parameter",
     chosen="by hand",
 )
-_MOST_HOPS = tuned(4, unit="valleys", why="valleys next to each other that are gone through, at most", chosen="by hand")
+_MOST_HOPS = tuned(4, unit="minima", why="neighbouring minima that are tried in turn, at most", chosen="by hand")
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:

@@ -33,7 +33,7 @@ class GainsTarget(Target):
     suffixes = (".yaml", ".yml")
     what = "feedforward gains (kS, kV, kA, kG) as ROS 2 parameters"
     library = None
-    why_not = "gains move nothing by themselves"
+    why_not = "gains are not a simulation"
     needs_newtons = True
 
     def says(self, effect: type[Effect]) -> Saying:

@@ -86,8 +86,8 @@ _URDF = """<?xml version="1.0"?>
 _SAID = {
     "coulomb_friction": Saying("exact", "friction of the joint"),
     "force_offset": Saying("exact", "spring_reference"),
-    "end_stop": Saying("approximated", "limit; an engine may take it for hard, whatever stiffness stands there"),
-    "sensor_drift": Saying("cannot", "a sensor's drift is no matter of the joint"),
+    "end_stop": Saying("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
+    "sensor_drift": Saying("cannot", "the drift of a sensor is not part of a joint"),
     "actuator_lag": Saying("cannot", "no actuator: put the lag into the controller"),
     "time_offset": Saying("cannot", "no actuator: put the delay into the controller"),
     "periodic_disturbance": Saying("cannot", "no force that depends on time"),

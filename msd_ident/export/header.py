@@ -30,7 +30,7 @@ def lines(plan: Plan, target: str) -> list[str]:
 def _interval(plan: Plan, name: str) -> str:
     quantity = plan.saved.parameters.get(name)
     if quantity is None or plan.saved.model.names != plan.model.names:
-        return "put in place of what is missing" if quantity is None else f"was {quantity.value:.6g}"
+        return "refitted to replace what is missing" if quantity is None else f"was {quantity.value:.6g}"
     if not quantity.known:
         return f"open, {quantity.unit}"
     scale = plan.values[name] / quantity.value if quantity.value else 1.0
@@ -45,5 +45,5 @@ def _units(plan: Plan) -> list[str]:
     elif saved.scale_assumed:
         said.append("no force scale was measured: the motion is right, forces are those of a mass of 1 kg")
     if saved.force_sign < 0:
-        said.append("a positive force moves the encoder downwards: the actuator is turned")
+        said.append("a positive force moves the encoder downwards: the force of the actuator is inverted")
     return said

@@ -92,7 +92,7 @@ def remove():
         setter(None)
 {give}'''
 
-_TAKE = """    # The constraint of the XML is for those who do without this file.
+_TAKE = """    # The constraint of the XML is for use without this file.
     constraints.append((model, dof, float(model.dof_frictionloss[dof])))
     model.dof_frictionloss[dof] = 0.0
     dry.time = None

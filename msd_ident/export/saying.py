@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["exact", "approximated", "cannot"]
 #: Kind → words for tables.
-WORDS: dict[Kind, str] = {"exact": "exact", "approximated": "approximated", "cannot": "cannot be said"}
+WORDS: dict[Kind, str] = {"exact": "exact", "approximated": "approximated", "cannot": "not expressible"}
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""From a bag to a Record."""
+"""Reads the force and position signals of a bag into a Record."""
 
 from __future__ import annotations
 

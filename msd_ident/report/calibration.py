@@ -1,4 +1,4 @@
-"""The confusion matrix of an experiment in words, for page, Markdown and terminal."""
+"""The confusion matrix of an experiment as a table and sentences, for page, Markdown and terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from msd_ident.selection.calibration import Calibration, Row
     from msd_ident.selection.hypothesis import Causes
 
-#: Columns of a table: what was said most often; all else together is one more.
+#: Columns of a table: the most frequent results; all others together are one more.
 _MOST = 5
 OTHER = "something else"
 
@@ -60,20 +60,20 @@ def matrix(found: Calibration) -> Matrix:
 
 
 def sentences(found: Calibration) -> tuple[str, ...]:
-    """For each row: had it been X, we would have said X in so many per cent."""
+    """For each row: per cent of its copies that were diagnosed correctly, and the most frequent other result."""
     return tuple(_sentence(row) for row in found.rows)
 
 
 def _sentence(row: Row) -> str:
-    """Of one row, with what was said most often in its place."""
+    """Of one row, with the most frequent wrong result."""
     said = Counter({causes: count for causes, count in row.said.items() if causes != row.causes})
     strength = " of any strength" if row.any_strength else ""
     right = _share(row.right, row)
-    told = f"On this experiment, had it been {spoken(row.causes)}{strength}, we would have said so in {right}"
+    told = f"Of the copies with {spoken(row.causes)}{strength}, {right} were diagnosed correctly"
     if not said:
         return f"{told}."
     most = min(said, key=lambda causes: (-said[causes], sorted(causes)))
-    return f"{told}, {spoken(most)} in {_share(said[most], row)}."
+    return f"{told}, {_share(said[most], row)} as {spoken(most)}."
 
 
 def _share(count: int, row: Row) -> str:
@@ -81,10 +81,11 @@ def _share(count: int, row: Row) -> str:
 
 
 def corrections(found: Calibration) -> tuple[str, ...]:
-    """What became of each probability."""
+    """Each probability before and after the correction."""
     return tuple(
-        f"{words.effect(name)[0].upper()}{words.effect(name)[1:]}: {words.probability(before)} by the evidence, "
-        f"{words.probability(found.corrected[name])} as {found.copies} copies of this record allow."
+        f"{words.effect(name)[0].upper()}{words.effect(name)[1:]}: probability {words.probability(before)} by the "
+        f"evidence, {words.probability(found.corrected[name])} after correction by {found.copies} copies of this "
+        "record."
         for name, before in found.stated.items()
     )
 

@@ -1,4 +1,4 @@
-"""Terminal tables of a designed experiment."""
+"""Terminal tables of a designed experiment: what it detects, and the profiles that were considered."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def causes_table(diagnosis: Diagnosis) -> Table | None:
     """The causes by name, probability and parameters; ``None`` without any."""
     if not diagnosis.causes:
         return None
-    table = new_table("Causes", "name", "sure", "", "value ± 95 %", "unit")
+    table = new_table("Causes", "name", "probability", "", "value ± 95 %", "unit")
     for cause in diagnosis.causes:
         lead = (cause.name, words.probability(cause.probability))
         for name, quantity in cause.parameters.items():
@@ -54,11 +54,11 @@ def ties(diagnosis: Diagnosis) -> Iterator[str]:
 def models_table(diagnosis: Diagnosis) -> Table:
     """Base and extended model side by side, ± half of the 95 % interval.
 
-    Where other explanations or laws fit alike, no interval of one of them holds the truth: the range over all of them
-    stands in its place.
+    Where other explanations or laws fit equally well, the interval of one of them need not contain the truth: the range
+    over all of them replaces it.
     """
     ranges = {name: f"{low:.4g} to {high:.4g}" for name, (low, high) in diagnosis.spread.items()}
-    title = "Models, ± 95 %; ranges: over all that fit alike" if ranges else "Models, ± 95 %"
+    title = "Models, ± 95 %; ranges: over all equally good fits" if ranges else "Models, ± 95 %"
     table = new_table(title, "", "base", "extended", "unit")
     for name, quantity in diagnosis.base.quantities.items():
         other = numbers.with_band(diagnosis.extended.quantities[name])
@@ -94,11 +94,11 @@ def rivals_table(diagnosis: Diagnosis) -> Table | None:
 
 
 def calibration_table(diagnosis: Diagnosis) -> Table | None:
-    """What copies of the record were called; ``None`` where none were made."""
+    """How copies of the record were diagnosed; ``None`` where none were made."""
     if diagnosis.calibration is None:
         return None
     found = calibration.matrix(diagnosis.calibration)
-    table = new_table("Copies of this record", "had it been", "said so", "said instead", "copies")
+    table = new_table("Copies of this record", "simulated", "correct", "diagnosed otherwise", "copies")
     for column in (0, 2):
         table.columns[column].no_wrap = False
     for line in found.lines:

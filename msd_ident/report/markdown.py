@@ -84,11 +84,11 @@ def _diagnosis(found: Diagnosis) -> Iterator[str]:
 
 
 def _calibration(found: Calibration) -> Iterator[str]:
-    """What copies of the record were called, and what that means."""
+    """How copies of the record were diagnosed, and what follows for the probabilities."""
     table = matrix(found)
-    yield from ("", "## Had it been something else", "")
+    yield from ("", "## Copies of this record", "")
     rows = [(line.name, *(cell.text for cell in line.cells), str(line.copies)) for line in table.lines]
-    yield from _table(("had it been", *(f"said: {head}" for head in table.heads), "copies"), rows)
+    yield from _table(("simulated", *(f"diagnosed as {head}" for head in table.heads), "copies"), rows)
     yield ""
     yield from (f"- {plain(sentence)}" for sentence in table.sentences)
 
@@ -151,7 +151,7 @@ def _origin(provenance: Provenance | None) -> Iterator[str]:
         yield f"- {_code(origin.path)} ({origin.kind}, {origin.size} bytes, sha256 {_code(origin.sha256)}): {signals}"
     versions = ", ".join(f"{name} {version}" for name, version in provenance.versions.items())
     yield f"- {versions}; {provenance.drawn}; {provenance.made}"
-    yield f"- again with: {_code(provenance.command)}"
+    yield f"- command: {_code(provenance.command)}"
 
 
 def _code(text: str) -> str:

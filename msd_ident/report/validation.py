@@ -1,4 +1,4 @@
-"""Terminal tables of a validation."""
+"""Terminal output of a validation: errors on both records, and the tests of the residual in sentences."""
 
 from __future__ import annotations
 

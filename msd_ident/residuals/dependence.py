@@ -12,9 +12,7 @@ from msd_ident.residuals.disturbance import DisturbanceEstimate
 from msd_ident.tuning import tuned
 
 _BINS = tuned(16, unit="bins", why="bins over a signal's range in which a force is averaged", chosen="by hand")
-_WORTH = tuned(
-    0.15, unit="1", why="share of the variance below which a dependence is not worth a word", chosen="by hand"
-)
+_WORTH = tuned(0.15, unit="1", why="share of the variance below which a dependence is not reported", chosen="by hand")
 
 
 @dataclass(frozen=True)

@@ -90,8 +90,8 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
             where = f" of {record.name}" if len(records) > 1 else ""
             said.append(
                 f"Something pushed the cart at {push.time:.3f} s{where} with about {push.impulse:.3g} "
-                f"{record.force_unit}·s that are in no signal: a bump or a collision. It falsifies the "
-                "parameters: exclude this part with --start or --end, or repeat the record."
+                f"{record.force_unit}·s that are in no signal: a bump or a collision. It makes the "
+                "parameters wrong: exclude this part with --start or --end, or repeat the record."
             )
     return tuple(said)
 

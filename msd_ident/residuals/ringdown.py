@@ -34,7 +34,7 @@ _DRAGS = _reading("drag that grows with the square of the speed", DRAGS)
 _SOFTENS = _reading("a softening spring", SOFTENS)
 _HARDENS = _reading("a hardening spring", HARDENS)
 _DECISIVE = tuned(
-    16.0, unit="chi²", why="by how much a slope must beat a constant before a word is said", chosen="by hand"
+    16.0, unit="chi²", why="by how much a slope must be better than a constant to be reported", chosen="by hand"
 )
 _LEAST_RATIO = tuned(
     2e-4, unit="1", why="standard deviation of a damping ratio that is never undercut", chosen="by hand"

@@ -23,7 +23,7 @@ from msd_ident.residuals.adequacy import Adequacy
 from msd_ident.residuals.disturbance import DisturbanceEstimate
 from msd_ident.tuning import fixed
 
-TOLERANCE = fixed(1.0, "interface", "part of the motion [%] that a lab does not care about, unless it says otherwise")
+TOLERANCE = fixed(1.0, "interface", "default tolerance: unexplained part of the motion [%] that is acceptable")
 #: Part of a distribution beyond either end of an interval.
 _BEYOND = 0.5 * (1.0 - CONFIDENCE)
 #: Draws of the bootstrap, so that ``FEWEST`` of them lie beyond either end of the interval.

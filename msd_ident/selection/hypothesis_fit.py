@@ -19,7 +19,7 @@ from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
 _FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
-_KICK = tuned(0.6, unit="rad", why="turn of a phase that may lead to another valley", chosen="by hand")
+_KICK = tuned(0.6, unit="rad", why="change of a phase that may lead to another minimum", chosen="by hand")
 _FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
 _ASIDE = tuned(
     6.0,

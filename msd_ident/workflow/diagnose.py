@@ -1,4 +1,4 @@
-"""From records to a diagnosis."""
+"""The diagnosis of records as a user asks for it: preparation, decision about the spring, search, warnings."""
 
 from __future__ import annotations
 

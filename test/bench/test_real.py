@@ -62,12 +62,12 @@ def test_one_of_each_group_named_is_right() -> None:
     ("found", "said"),
     [
         (row(RUBS), "not named (force_offset)"),
-        (row(), "nothing named"),
+        (row(), "no cause named"),
         (row(RUBS, PUSHED, ("end_stop", 0.91, ())), "false cause (end_stop, p 0.910)"),
-        (row(RUBS, PUSHED, k=90.0), "reference missed"),
-        (row(RUBS, PUSHED, k=math.nan), "reference missed"),
+        (row(RUBS, PUSHED, k=90.0), "published value missed"),
+        (row(RUBS, PUSHED, k=math.nan), "published value missed"),
         (row(RUBS, PUSHED, code="missing_samples"), "false finding (missing_samples)"),
-        (refused(RIG, "no column"), "nothing named, reference missed"),
+        (refused(RIG, "no column"), "no cause named, published value missed"),
     ],
 )
 def test_what_is_wrong_is_said(found: Row, said: str) -> None:
@@ -81,7 +81,7 @@ def test_a_false_cause_counts_from_its_probability_and_not_from_the_verdict() ->
     sure = row(RUBS, PUSHED, ("end_stop", 0.95, ()))
     rows = [doubtful, replace(sure, verdict="unexplained"), replace(sure, extra=True)]
     real, extra = totals(rows)
-    assert "right 1 of 2; false cause with p > 0.9 in 1; SEE at most 1.5 times the expert's in 2 of 2" in real
+    assert "right 1 of 2; false cause with p > 0.9 in 1; SEE at most 1.5 times that of the manual fit in 2 of 2" in real
     assert "right 0 of 1; false cause with p > 0.9 in 1" in extra
     (alone,) = totals([replace(doubtful, lacks="gravity")])
     assert "in 0 of 0" in alone, "what the library has no law for is not compared with one who had it"
@@ -114,8 +114,8 @@ def test_without_the_data_one_line_says_so(
 @pytest.mark.parametrize(
     ("name", "total"),
     [
-        pytest.param("step_1", "extra", marks=pytest.mark.xdist_group("step_1")),
-        pytest.param("spring_cart_1", "real", marks=pytest.mark.long),
+        pytest.param("step_1", "further", marks=pytest.mark.xdist_group("step_1")),
+        pytest.param("spring_cart_1", "main", marks=pytest.mark.long),
     ],
 )
 def test_a_measured_rig_is_read_and_compared(
@@ -150,4 +150,4 @@ def test_rows_are_read_back_and_the_page_says_what_is_wrong(tmp_path: Path) -> N
     assert "images/real_spring_cart_1.png" in said
     wrong = said.partition("## Errors")[2].partition("##")[0]
     assert "`hanging_spring_disc`: false cause (end_stop, p 0.950)" in wrong and "spring_cart_1" not in wrong
-    assert "times the expert's" in wrong
+    assert "times that of the manual fit" in wrong

@@ -106,15 +106,15 @@ def test_a_clean_rig_is_to_be_called_adequate_whatever_its_noise() -> None:
     doubted = outcome((), truth=(), case=case, verdict="unexplained")
     invented = outcome((("cogging", 0.4),), truth=(), case=case, verdict="ambiguous")
     right = outcome((), truth=(), case=case, verdict="adequate")
-    assert figure("clean, coloured noise: a cause named", [doubted, invented, right]) == (1, 3)
-    assert figure("clean, coloured noise: not called adequate", [doubted, invented, right]) == (2, 3)
+    assert figure("no hidden effect, coloured noise: a false cause named", [doubted, invented, right]) == (1, 3)
+    assert figure("no hidden effect, coloured noise: verdict not `adequate`", [doubted, invented, right]) == (2, 3)
 
 
 def test_an_oddity_may_be_called_by_its_family_alone() -> None:
     case = Case(1, "fading_friction", False)
     related = outcome((("coulomb_friction", 0.99),), truth=("fading_friction",), odd=True, case=case)
     other = outcome((("quadratic_drag", 0.99),), truth=("fading_friction",), odd=True, case=case)
-    assert figure("oddity: a cause of no related law with p > 0.9", [related, other]) == (1, 2)
+    assert figure("visible unknown law: false cause with p > 0.9", [related, other]) == (1, 2)
     assert set(FAMILIES) == {*lottery.ODDITIES, *lottery.VARIANTS, *foreign.LAWS}
 
 
@@ -135,16 +135,16 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
     unnamed = one("end_stop", 0.5, hidden="band_limited_force")
     assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1, 1, 1)}
     said = told.variants([right, replace(unnamed, verdict="ambiguous")])
-    assert said[-3:] == ["| all | 2 | 2 | 2 | 0 | 0 | 2 | 2 |", "", "Nothing failed."]
+    assert said[-3:] == ["| all | 2 | 2 | 2 | 0 | 0 | 2 | 2 |", "", "No case has an error."]
     assert told.variants([outcome((("backlash", 1.0),))]) == []
     row = told.failures([right, wrong])[-1]
-    assert row.startswith("| 1 | steps | one_sided_stop | cogging 0.950 | explained") and "surely false" in row
-    assert score.failed(wrong) == ["family not named", "surely false", "explained falsely"]
+    assert row.startswith("| 1 | steps | one_sided_stop | cogging 0.950 | explained [1.00, 9.0] | family not named; ")
+    assert score.failed(wrong) == ["family not named", "false cause with p > 0.9", "`explained` with a false cause"]
     assert score.failed(far) == [
         "family not named",
-        "surely false",
-        "explained falsely",
-        "m or k off by 3.0 %, as stated",
+        "false cause with p > 0.9",
+        "`explained` with a false cause",
+        "m or k off by 3.0 %, covered",
     ]
 
 
@@ -186,7 +186,7 @@ def test_a_rig_of_the_second_author_is_run_and_told() -> None:
         assert 0.0 < std < 0.05 * truth
     text = "\n".join(told.second_author([found, replace(found, case=replace(found.case, hidden=None), truth=())]))
     assert "| dead_zone and frictionloss | 1 | 1 | 1 | 0 | 1 |" in text
-    assert "| interval of mass holds the truth |" in text and "surely false" in text
+    assert "| interval of mass contains the truth |" in text and "false cause with p > 0.9" in text
 
 
 def test_exact_sets_are_told_by_kind_and_noise() -> None:
@@ -199,11 +199,11 @@ def test_exact_sets_are_told_by_kind_and_noise() -> None:
     unseen = one(Case(1, "backlash", False, other="cogging"), ("backlash", "cogging"), floors=2.0)
     coloured = one(Case(1, "backlash", False, noise="coloured"), ("backlash",))
     outcomes = [single, beside, pair, unseen, coloured]
-    assert figure("exact set, single", outcomes) == (1, 1)
-    assert figure("exact set, beside Coulomb", outcomes) == (0, 1)
-    assert figure("exact set, pairs without Coulomb", outcomes) == (0, 1)
+    assert figure("exact set, one hidden effect", outcomes) == (1, 1)
+    assert figure("exact set, one hidden effect and Coulomb friction", outcomes) == (0, 1)
+    assert figure("exact set, two hidden effects, no Coulomb friction", outcomes) == (0, 1)
     assert figure("exact set, coloured noise", outcomes) == (1, 1)
-    assert figure("invisible (below 3 floors): anything false named", outcomes) == (0, 1)
+    assert figure("hidden effect not visible: a false cause named", outcomes) == (0, 1)
 
 
 def test_a_round_has_all_that_the_figures_need() -> None:
@@ -236,4 +236,4 @@ def test_a_part_of_the_study_leaves_the_documentation_alone(tmp_path: Path, caps
     assert main(["--score", str(outcomes), "--only", "steps", "--docs", str(tmp_path)]) == 0
     assert "left as it is" in capsys.readouterr().out and not (tmp_path / "blind-study.md").exists()
     assert main(["--score", str(outcomes), "--docs", str(tmp_path)]) == 0
-    assert "exact set, single" in (tmp_path / "blind-study.md").read_text(encoding="utf-8")
+    assert "exact set, one hidden effect" in (tmp_path / "blind-study.md").read_text(encoding="utf-8")

@@ -60,7 +60,7 @@ def test_copies_of_steps_are_made_when_asked_and_shown(
     path = written(tmp_path / "dragged.csv", rate=200, effects={"quadratic_drag": {"drag_coefficient": 4.0}})
     assert run(monkeypatch, path, "--calibrate", "--json", tmp_path / "found.json") == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "On this experiment, had it been quadratic drag, we would have said so in " in shown
+    assert "Of the copies with quadratic drag, " in shown
     found = json.loads((tmp_path / "found.json").read_text())["calibration"]
     assert found["rows"][0]["causes"] == ["quadratic_drag"]
     assert found["copies"] == sum(row["copies"] for row in found["rows"]) > 20

@@ -111,13 +111,13 @@ def test_verdict_and_sentences_are_those_of_the_json(text: str) -> None:
     assert "This data cannot tell these apart." in seen and "Push with 4 N and with 8 N" in seen
 
 
-def test_what_copies_of_the_record_were_called_is_a_table_and_a_sentence_each(text: str) -> None:
+def test_diagnoses_of_copies_are_a_table_and_a_sentence_each(text: str) -> None:
     seen = " ".join(Reader(text).seen.split())
     told = [
-        "On this experiment, had it been Coulomb friction, we would have said so in 88 %, the base model in 12 %.",
-        "had it been Stribeck friction of any strength, we would have said so in 75 %, Coulomb friction in 25 %.",
-        "had it been the base model, we would have said so in 100 %.",
-        "Coulomb friction: > 99.9 % by the evidence, 77.0 % as 44 copies of this record allow.",
+        "Of the copies with Coulomb friction, 88 % were diagnosed correctly, 12 % as the base model.",
+        "with Stribeck friction of any strength, 75 % were diagnosed correctly, 25 % as Coulomb friction.",
+        "Of the copies with the base model, 100 % were diagnosed correctly.",
+        "probability > 99.9 % by the evidence, 77.0 % after correction by 44 copies of this record.",
     ]
     shown = markdown.render([with_everything()], [provenance()])
     for sentence in told:
@@ -171,5 +171,5 @@ def test_the_markdown_has_the_verdict_the_tables_and_the_command() -> None:
     told = markdown.render([with_everything()], [provenance()])
     assert told.startswith("# rubbing: ambiguous\n")
     assert "| Coulomb friction |" in told and "Stribeck friction, hysteresis" in told
-    assert "again with: `msd diagnose rubbing.csv" in told and "ab" * 32 in told
+    assert "command: `msd diagnose rubbing.csv" in told and "ab" * 32 in told
     assert markdown.render([identified()]).startswith("# rubbing: identified\n")

@@ -48,7 +48,7 @@ def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() 
     console = Console(width=80, record=True, file=io.StringIO())
     console.print(diagnosis.models_table(found))
     text = console.export_text()
-    assert "ranges: over all that fit alike" in text
+    assert "ranges: over all equally good fits" in text
     (row,) = (line for line in text.splitlines() if line.strip().startswith("mass"))
     assert row.rstrip().endswith("2.6 to 2.9             kg") and "±" in row.split("2.6 to")[0]
     columns = diagnosis_columns(found)

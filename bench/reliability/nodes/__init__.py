@@ -1,1 +1,1 @@
-"""Faults done to the real nodes: what each is, what must be said about it, and that the numbers come back."""
+"""Faults of the real nodes: what each does, which message must report it, and whether the estimates recover."""

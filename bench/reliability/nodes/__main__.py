@@ -17,23 +17,23 @@ BEGIN, END = "<!-- soak: made by `make soak` -->", "<!-- end of soak -->"
 
 
 def table(found: Found, seed: int) -> str:
-    """What came of a soak, for the page."""
+    """The result of a soak, for the page."""
     early, late = found.memory
-    wrong = f"{len(found.wrong)} failed" if found.wrong else "none failed"
+    wrong = f"{len(found.wrong)} were handled wrongly" if found.wrong else "none was handled wrongly"
     lines = [
         "## Nodes under faults",
         "",
-        f"`make soak`, seed {seed}: {sum(found.done.values())} faults in {found.seconds / 60.0:.0f} minutes, done to",
-        f"one identifier and one recorder that never got new ones; {wrong}. After each of them the data is OK again",
-        "on `/diagnostics`, and mass and stiffness, identified from the live buffer, are within 1 % of the rig's;",
-        "an estimate that says of itself that it leaves more than two noise floors is asked for again, twice at most.",
-        f"Memory of the process: {early:.0f} MB after every fault was done once, {late:.0f} MB at the end.",
+        f"`make soak`, seed {seed}: {sum(found.done.values())} faults in {found.seconds / 60.0:.0f} minutes, on one",
+        f"identifier and one recorder that are not restarted; {wrong}. After each fault the data must be OK again",
+        "on `/diagnostics`, and mass and stiffness, identified from the live buffer, must be within 1 % of the rig's.",
+        "If an estimate leaves more than two noise floors, it is requested again, at most twice.",
+        f"Memory of the process: {early:.0f} MB after each fault was tried once, {late:.0f} MB at the end.",
         "",
-        "| fault | said on `/diagnostics` | tried | outcome |",
+        "| fault | part of the message on `/diagnostics` | times | result |",
         "|---|---|---|---|",
     ]
     for fault in FAULTS:
-        said = f"“{fault.words}”" if fault.words else "answered to the caller"
+        said = f"“{fault.words}”" if fault.words else "reported to the caller"
         lines.append(f"| {fault.name} | {said} | {found.done[fault.name]} | {found.outcome(fault.name)} |")
     return "\n".join(lines)
 
@@ -51,7 +51,7 @@ def write(text: str, page: Path) -> None:
 
 
 def main() -> int:
-    """Run the soak; 0 when every fault was borne, else 1."""
+    """Run the soak; 0 when every fault was handled, else 1."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)

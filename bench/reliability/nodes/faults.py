@@ -26,7 +26,7 @@ class Fault:
 
     Attributes:
         name: for the table.
-        do: does it, and raises ``Failed`` when the nodes do not bear it.
+        do: does it, and raises ``Failed`` if the nodes do not handle it.
         words: part of the sentence that ``/diagnostics`` must say; empty when the answer to the caller says it.
         share: how often a soak does it, beside the others.
     """
@@ -252,7 +252,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("time jumps back by less than a second", time_back_a_little, "the clock jumped back by 0."),
     Fault("time jumps forward", time_forward, "the clock jumped forward by"),
     Fault("time stands still", time_stands, "samples in a row stand still"),
-    Fault("single stamps from elsewhere", wild_stamps, "s from the others, left out"),
+    Fault("single stamps far from the others", wild_stamps, "s from the others, left out"),
     Fault("messages out of order", out_of_order, "samples come late"),
     Fault("messages twice", twice, "samples come twice"),
     Fault("NaN and infinity", not_finite, "is left out"),
@@ -261,7 +261,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("empty arrays", empty_arrays, "messages hold no position[0]"),
     Fault("oversized arrays", oversized_arrays, "100000 entries"),
     Fault("a message of 100 MB", hundred_megabytes, "12500001 entries", share=0.2),
-    Fault("wrong units suspected", wrong_units, "wrong by a factor of 1000?"),
+    Fault("positions in mm instead of m", wrong_units, "wrong by a factor of 1000?"),
     Fault("a fifth of the samples missing", samples_dropped, "are missing"),
     Fault("encoder silent", encoder_silent, "no position sample for", share=0.3),
     Fault("force topic silent", force_silent, "no message for", share=0.3),
@@ -269,16 +269,16 @@ FAULTS: tuple[Fault, ...] = (
     Fault("two publishers of the encoder", two_publishers, "2 publishers; expected one"),
     Fault("topic of another type", another_type, "expected to be told which field to use"),
     Fault("1000 messages at once", burst),
-    Fault("parameters set to nonsense", requests.nonsense),
+    Fault("parameters set to invalid values", requests.nonsense),
     Fault("service called 50 times at once", requests.fifty_at_once),
-    Fault("paths to nothing and elsewhere", requests.bad_paths),
-    Fault("a folder without rights", requests.folder_without_rights),
+    Fault("missing paths, and paths outside the folder", requests.bad_paths),
+    Fault("a folder without access rights", requests.folder_without_rights),
     Fault("a pipe in place of a file", requests.pipe),
     Fault("diagnosis cancelled", requests.cancelled),
     Fault("recorder started and stopped at random", requests.recordings),
     Fault("names too long", labs.long_names),
-    Fault("launch arguments that make no sense", labs.launch_arguments),
-    Fault("experimenter killed while it pushes", labs.dead_experimenter, share=0.2),
+    Fault("invalid launch arguments", labs.launch_arguments),
+    Fault("experimenter killed while it applies a force", labs.dead_experimenter, share=0.2),
     Fault("two recorders within a second", labs.two_recorders),
 )
 assert RATE * PERIOD_NS == 10**9

@@ -1,4 +1,4 @@
-"""Faults of a lab's day: long names, launch arguments that make no sense, a dead experimenter, two recorders."""
+"""Faults of operation: long names, invalid launch arguments, a killed experimenter, two recorders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of those who ask: nonsense, too much, too often, from nowhere."""
+"""Faults of requests: invalid values, bad paths, too many calls, cancelled goals."""
 
 from __future__ import annotations
 

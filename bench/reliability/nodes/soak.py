@@ -1,4 +1,4 @@
-"""Random faults from a seed, for as long as asked, to nodes that never get new ones."""
+"""Random faults from a seed, on nodes that are not restarted, and whether the nodes report them and recover."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bench.reliability.nodes.world import Failed, World
 
 @dataclass
 class Found:
-    """What came of a soak: how often each fault was done, what went wrong, memory [MB] early and at the end."""
+    """Result of a soak: how often each fault was done, what went wrong, memory [MB] early and at the end."""
 
     done: Counter[str] = field(default_factory=Counter)
     wrong: list[tuple[str, str]] = field(default_factory=list)
@@ -27,7 +27,9 @@ class Found:
     def outcome(self, name: str) -> str:
         """Of one fault, in words."""
         failures = [words for fault, words in self.wrong if fault == name]
-        return f"{len(failures)} failed, the first: {failures[0]}" if failures else "said, borne, numbers true again"
+        if failures:
+            return f"{len(failures)} failed, the first: {failures[0]}"
+        return "reported, data OK again, estimates within 1 %"
 
 
 def inject(world: World, fault: Fault, rng: random.Random) -> str:
@@ -66,7 +68,7 @@ def soak(
         if wrong:
             found.wrong.append((fault.name, wrong))
         spent = time.process_time() - spent
-        tell(f"{time.monotonic() - start:7.1f} s  {fault.name} ({spent:.1f} s of processor time): {wrong or 'borne'}")
+        tell(f"{time.monotonic() - start:7.1f} s  {fault.name} ({spent:.1f} s of processor time): {wrong or 'handled'}")
         if not waiting and not found.memory[0]:
             found.memory = (memory(), 0.0)
         time.sleep(min(pause, max(seconds - (time.monotonic() - start), 0.0)))

@@ -50,8 +50,8 @@ def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
             "warning",
             "closed_loop",
             f"the force follows the readings ({float(weights.sum()):.4g} {record.force_unit}/{record.position_unit}): "
-            "a controller makes it from them. Spring and controller hold the cart alike, and noise acts back on the "
-            "force: where parameters stay uncertain, push with a force that does not depend on the position",
+            "a controller computes it from them. A spring and a controller then have the same effect, and noise acts "
+            "back on the force: if parameters stay uncertain, push with a force that does not depend on the position",
         )
 
 

@@ -43,8 +43,8 @@ def relation(record: Record, motion: Motion) -> Iterator[Finding]:
         yield Finding(
             "error",
             "unrelated_force",
-            f"the motion accounts for {100.0 * max(share, 0.0):.0f} % of the force's variation, so that no mass, "
-            "damping and stiffness carry this record: a hand may move the cart, or the force be another quantity; "
+            f"the motion accounts for {100.0 * max(share, 0.0):.0f} % of the force's variation, so no mass, damping "
+            "and stiffness explain this record: a hand may move the cart, or the force is another quantity; "
             "check --force, or give --force none and --start for a part without force",
         )
 

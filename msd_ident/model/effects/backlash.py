@@ -82,7 +82,7 @@ class Backlash(Effect):
         return stiffness > 0.0 and model.stiffness <= _NO_SPRING * stiffness
 
     def neighbours(self, records: Sequence[Record]) -> tuple[Backlash, ...]:
-        """A little more or less play: there is a valley for every number of swings that ended within it."""
+        """A little more or less play: there is a minimum for every number of swings that ended within it."""
         del records
         hops = _HOPS if self.backlash_half_width > 0.0 else ()
         return tuple(Backlash(factor * self.backlash_half_width) for factor in hops)

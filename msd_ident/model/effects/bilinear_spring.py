@@ -55,6 +55,6 @@ class BilinearSpring(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[BilinearSpring, ...]:
-        """A tenth stiffer or softer beyond the middle and the quarters of the way."""
+        """A tenth stiffer or softer beyond the middle and the quarters of the travel."""
         places = np.quantile(record.position, (0.5, 0.25, 0.75))
         return tuple(cls(float(place), share * plant["stiffness"]) for place in places for share in (0.1, -0.1))

@@ -1,4 +1,4 @@
-"""A force that repeats along the way."""
+"""A force that repeats along the travel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stops at both ends of the way."""
+"""Stops at both ends of the travel."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class EndStop(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[EndStop, ...]:
-        """Stops within the last tenth and the last third of the way, as stiff as the spring and ten times stiffer."""
+        """Stops within the last tenth and third of the travel, as stiff as the spring and ten times stiffer."""
         reach = float(np.max(np.abs(record.position)))
         stiffness = typical.force(record, plant) / typical.amplitude(record)
         return tuple(cls(share * reach, n * stiffness) for share in (0.95, 0.85, 0.65) for n in (1.0, 10.0))

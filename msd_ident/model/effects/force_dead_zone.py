@@ -22,7 +22,7 @@ class ForceDeadZone(Effect):
     dead_zone: float
 
     name = "force_dead_zone"
-    parameters = (Parameter("dead_zone", "d", "N", 0.0, math.inf, "command that does nothing, either way"),)
+    parameters = (Parameter("dead_zone", "d", "N", 0.0, math.inf, "largest command without effect, either direction"),)
     acts_on = "input"
     law = "F - d·sign(F) where abs(F) > d, else 0"
     source = "valve overlap, motor driver with a threshold; Tao & Kokotovic 1994 (IEEE Trans. Automat. Contr. 39)"

@@ -70,5 +70,5 @@ class ForceOffset(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ForceOffset, ...]:
-        """A little either way; the surface has one valley."""
+        """A little either way; the error has one minimum."""
         return (cls(0.01 * typical.force(record, plant)),)

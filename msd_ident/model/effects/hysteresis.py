@@ -30,7 +30,7 @@ class Hysteresis(Effect):
             "hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force", gained=True, holds=True
         ),
         Parameter(
-            "hysteresis_length", "L", "m", 1e-9, math.inf, "way over which it turns round",
+            "hysteresis_length", "L", "m", 1e-9, math.inf, "displacement over which the force reverses",
             advice="ramp the force slowly up and down with small reversals", least=1e-3,
         ),
     )  # fmt: skip

@@ -53,7 +53,7 @@ class OneSidedStop(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[OneSidedStop, ...]:
-        """On either side, within the last tenth and the last third of the way."""
+        """On either side, within the last tenth and the last third of the travel."""
         low, high = float(np.min(record.position)), float(np.max(record.position))
         stiffness = typical.force(record, plant) / typical.amplitude(record)
         ends = [end for end in (high, low) if abs(end) > 0.1 * (high - low)]

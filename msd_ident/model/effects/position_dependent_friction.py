@@ -1,4 +1,4 @@
-"""Dry friction that changes along the way."""
+"""Dry friction that changes along the travel."""
 
 from __future__ import annotations
 

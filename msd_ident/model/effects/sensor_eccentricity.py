@@ -25,7 +25,7 @@ class SensorEccentricity(Effect):
     name = "sensor_eccentricity"
     parameters = (
         Parameter("eccentricity", "e", "m", 0.0, math.inf, "amplitude of the reading's error"),
-        Parameter("eccentricity_pitch", "p", "m", 1e-9, math.inf, "way of one turn of the encoder's wheel"),
+        Parameter("eccentricity_pitch", "p", "m", 1e-9, math.inf, "travel per turn of the encoder's wheel"),
         Parameter("eccentricity_phase", "phi", "rad", -math.inf, math.inf, "phase of the error at x = 0"),
     )
     exact = ("eccentricity_pitch", "eccentricity_phase")

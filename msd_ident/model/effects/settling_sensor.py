@@ -23,7 +23,7 @@ class SettlingSensor(Effect):
 
     name = "settling_sensor"
     parameters = (
-        Parameter("sensor_settling", "A", "m", -math.inf, math.inf, "drift of the reading in the end"),
+        Parameter("sensor_settling", "A", "m", -math.inf, math.inf, "final drift of the reading"),
         Parameter("sensor_settling_time", "T", "s", 1e-9, math.inf, "time in which the reading settles"),
     )
     acts_on = "sensor"

@@ -22,7 +22,7 @@ class SettlingStiffness(Effect):
 
     name = "settling_stiffness"
     parameters = (
-        Parameter("settling_ratio", "r", "1", -0.9, 10.0, "relative change of the stiffness in the end"),
+        Parameter("settling_ratio", "r", "1", -0.9, 10.0, "final relative change of the stiffness"),
         Parameter("settling_time", "T", "s", 1e-9, math.inf, "time in which the stiffness settles"),
     )
     acts_on = "force"

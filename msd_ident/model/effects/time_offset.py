@@ -53,7 +53,7 @@ class TimeOffset(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[TimeOffset, ...]:
-        """A sample and a fortieth of a swing, either way: with a swinging plant the surface has several valleys."""
+        """A sample and a fortieth of a swing, either way: with a swinging plant the error has several minima."""
         swing = 2.0 * math.pi / typical.natural_frequency(record, plant)
         steps = (0.7 * record.period, max(3.0 * record.period, 0.025 * swing))
         return tuple(cls(sign * step) for step in steps for sign in (1.0, -1.0))

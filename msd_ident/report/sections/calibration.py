@@ -1,4 +1,4 @@
-"""What copies of the record were called: the confusion matrix of this experiment."""
+"""How copies of the record were diagnosed: the confusion matrix of this experiment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Calibration(Section):
     """A table, and a sentence for each of its rows."""
 
     slug = "calibration"
-    title = "Had it been something else"
+    title = "Copies of this record"
 
     def __init__(self, found: Found) -> None:
         self._found = found

@@ -44,7 +44,7 @@ class Outcome(Section):
             Card("error of your simulation", marked.length("see_m", found.see, scale), ratio, "base"),
             Card("error when corrected", marked.length("corrected_see_m", found.rig.see, scale),
                  "SEE of the rig's model", "extended"),
-            Card("noise floor", marked.length("noise_floor_m", floor, scale), "what no model can beat", "noise"),
+            Card("noise floor", marked.length("noise_floor_m", floor, scale), "smallest error of any model", "noise"),
         ]  # fmt: skip
         return {
             "verdict": "ambiguous" if count else "explained",

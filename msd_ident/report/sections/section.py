@@ -1,4 +1,4 @@
-"""What every section of the page is."""
+"""Base class of the page's sections: title, template, plots and values."""
 
 from __future__ import annotations
 

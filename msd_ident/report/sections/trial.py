@@ -1,4 +1,4 @@
-"""A saved model on another record: what it explains there, in one sentence and three numbers."""
+"""A saved model on another record: explained motion and errors, in one sentence and four numbers."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ class Trial(Section):
             Card("motion explained", percent, "of its variance; only the initial state is refitted", "extended"),
             Card("error here", marked.length("see_m", found.see, scale), f"SEE: {floors}", "extended"),
             Card("error on its own record", own, found.saved.path, "base"),
-            Card("noise floor", floor, "what no model can beat", "noise"),
+            Card("noise floor", floor, "smallest error of any model", "noise"),
         ]
         good = found.adequacy.consistent or bool(found.options.require) and found.met
         return {
             "verdict": "unexplained" if not found.met else "explained" if good else "ambiguous",
-            "pill": "required part missed" if not found.met else "holds" if good else "tried",
+            "pill": "required part missed" if not found.met else "confirmed" if good else "error above the noise",
             "headline": found.sentence,
             "summary": " ".join(sentences(found)),
             "cards": cards,

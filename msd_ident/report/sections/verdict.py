@@ -75,7 +75,7 @@ class DiagnosisVerdict(Section):
         left = self._found.left.extended
         _, force = words.remainder(self._found)
         value = Marked("remainder.extended.motion_percent", left.motion_percent, f"{number(left.motion_percent, 2)} %")
-        seen = "missing force" if left.seen else "not seen: any slow missing force is"
+        seen = "missing force" if left.seen else "not detected; any slow missing force is"
         return Card("of the motion unexplained", value, f"{seen} {force}", "extended")
 
 
@@ -108,7 +108,7 @@ class IdentificationVerdict(Section):
             Card(
                 "noise floor",
                 marked.length("noise_floor_m", found.noise_floor, scale),
-                "what no model can beat",
+                "smallest error of any model",
                 "noise",
             ),
         ]

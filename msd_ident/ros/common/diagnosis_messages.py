@@ -1,4 +1,4 @@
-"""Diagnoses into messages."""
+"""Converts a diagnosis into its ROS message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results into messages."""
+"""Converts an identification into its ROS message, and the message into a sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages into what the live view shows."""
+"""Converts estimates and diagnoses from ROS messages into the values that the live view shows."""
 
 from __future__ import annotations
 
