@@ -133,6 +133,12 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {others} explains: another form of that "
             "law could do the same, so it is not certain that it is a cause of its own."
         )
+    if named in ranking.leaves:
+        others = " and ".join(spoken(other) for other in sorted(named))
+        said.append(
+            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {others} explains: the rig follows another "
+            "law, so no named cause is certain."
+        )
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
 
 

@@ -70,6 +70,8 @@ class Ranking:
             data alone.
         further: causes of a set that may be another form of its other laws, each with the part of what those explain
             that it explains (``further_parts``).
+        leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
+            its laws are not those of the rig, so none of its causes is certain.
         unchecked: causes that a poor experiment shows, without copies to check them (``replication``): none is certain.
     """
 
@@ -78,6 +80,7 @@ class Ranking:
     probability: tuple[float, ...]
     left: Mapping[Causes, float] = field(default_factory=dict)
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
+    leaves: Mapping[Causes, float] = field(default_factory=dict)
     unchecked: frozenset[str] = frozenset()
 
     @property
@@ -99,12 +102,17 @@ class Ranking:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""
         kind = by_name(name).cause()
         found = sum(
-            p * (_of_its_own(law) if law in self.further.get(fitted.causes, ()) else 1.0)
+            p * self._greatest(fitted.causes, law)
             for fitted, p in zip(self.sets, self.probability, strict=True)
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
-        return min(found, _unchecked(kind)) if kind in self.unchecked else found
+        return min(found, _uncertain(kind)) if kind in self.unchecked else found
+
+    def _greatest(self, causes: Causes, law: str) -> float:
+        """Greatest probability that a law of a set acts, if the set is the right one."""
+        other_form = _of_its_own(law) if law in self.further.get(causes, ()) else 1.0
+        return min(other_form, _uncertain(by_name(law).cause())) if causes in self.leaves else other_form
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -204,15 +212,27 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
     return found
 
 
+def _left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> float:
+    """What a set leaves above the noise, as a part of what it explains (rms of the position); 0 if unknown.
+
+    It is √((χ² − N) / (χ²(base) − χ²)), where the noise N may be larger than estimated by ``NOISE_ERROR``.
+    """
+    base, chi = sets.get(frozenset()), sets[causes].chi
+    if base is None or base.chi <= chi:
+        return 0.0
+    return math.sqrt(max(chi - (1.0 + NOISE_ERROR) * noise, 0.0) / (base.chi - chi))
+
+
 def _of_its_own(name: str) -> float:
     """Probability that a cause which may be another form of the other laws acts by itself."""
     odds = FORM_ODDS * by_name(name).prior_odds
     return odds / (1.0 + odds)
 
 
-def _unchecked(cause: str) -> float:
-    """Greatest probability of a cause that needs copies and has none; prior odds below those of most causes do not
-    count once more.
+def _uncertain(cause: str) -> float:
+    """Greatest probability of a cause whose law is not this rig's, or that needs copies and has none.
+
+    Prior odds that are lower than those of most causes do not count once more.
     """
     odds = FORM_ODDS * max(by_name(cause).prior_odds, Effect.prior_odds)
     return odds / (1.0 + odds)
@@ -257,6 +277,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
         further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
+        leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )
 
 

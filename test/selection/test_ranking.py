@@ -134,6 +134,23 @@ def test_what_is_seen_roughly_may_be_another_form(experiment: Experiment, furthe
     assert found.of_cause(further) == pytest.approx(sure)
 
 
+@pytest.mark.parametrize(("left", "sure"), [(30.0, 3.0 / 4.0), (10.0, 1.0), (1.04, 1.0)])
+def test_a_law_that_leaves_much_of_what_it_explains_is_not_certain(
+    experiment: Experiment, left: float, sure: float
+) -> None:
+    """Of 100 noise floors, drag leaves ``left``: with another law in its place, nothing would be left."""
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
+            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 840.0 * left**2),
+        }
+    )
+    assert found.best.causes == {"quadratic_drag"}
+    assert found.of_cause("quadratic_drag") == pytest.approx(sure, abs=0.03)
+    (said,) = naming.other_forms(found) or ("",)
+    assert ("What is left is 31 % of what quadratic drag explains: the rig follows another law" in said) is (sure < 1)
+
+
 def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Experiment) -> None:
     found = ranked(
         {
