@@ -27,6 +27,24 @@ from msd_ident.errors import DataError, UsageError
         ("force: 1\ntravel: 1\nduration: 1\nspeed: -1\n", "limits: speed is -1; expected more than 0"),
         ("force: 1\ntravel: 1\nduration: 1\nheat: 1\n", "limits: no limit is called 'heat'"),
         ("force: {", "is no YAML"),
+        pytest.param(
+            f"force: 1{'0' * 400}\ntravel: 1\nduration: 1\n",
+            "limits: force is beyond 1e308; expected a finite number",
+            id="huge force",
+        ),
+        pytest.param(
+            f"force: 1{'0' * 5000}\ntravel: 1\nduration: 1\n", "is no YAML (Exceeds the limit", id="5000 digits"
+        ),
+        pytest.param(
+            f"force: 0x{'f' * 5000}\ntravel: 1\nduration: 1\n",
+            "limits: force is beyond 1e308; expected a finite number",
+            id="huge hexadecimal",
+        ),
+        pytest.param(
+            "force: 2024-13-45\ntravel: 1\nduration: 1\n", "is no YAML (month must be in 1..12)", id="month 13"
+        ),
+        pytest.param("[" * 3000, "is no YAML (it is nested too deeply)", id="deep"),
+        pytest.param("rig: &a {rig: *a}", "limits that hold themselves; expected force", id="holding itself"),
     ],
 )
 def test_limits_refused(tmp_path: Path, text: str, words: str) -> None:

@@ -14,6 +14,9 @@ from msd_ident.design import Profile, Segment, read_profile, write_profile
 from msd_ident.design.profile_file import from_yaml, to_yaml
 from msd_ident.errors import DataError
 
+#: A whole number that no float holds.
+HUGE = "1" + "0" * 400
+
 forces = st.floats(-100.0, 100.0).map(lambda value: round(value, 3))
 durations = st.floats(0.01, 3.0).map(lambda value: round(value, 3))
 segments = st.one_of(
@@ -65,6 +68,35 @@ def test_csv(tmp_path: Path) -> None:
         ("rate: fast\nsegments: [{kind: hold, duration: 1}]", "rate is 'fast'; expected commands a second"),
         ("speed: 1\nsegments: [{kind: hold, duration: 1}]", "no entry is called 'speed'"),
         ("{", "no YAML"),
+        pytest.param(
+            "segments: [{kind: [step], duration: 1}]",
+            "segment 1 is of kind ['step']; expected one of step, hold",
+            id="kind that is a list",
+        ),
+        pytest.param(
+            f"segments: [{{kind: hold, duration: {HUGE}}}]",
+            "duration is beyond 1e308; expected a finite number",
+            id="huge duration",
+        ),
+        pytest.param(
+            f"segments: [{{kind: table, duration: 1, time: [0], values: [{HUGE}]}}]",
+            "values is no list of finite numbers",
+            id="huge force",
+        ),
+        pytest.param(
+            f"rate: {HUGE}\nsegments: [{{kind: hold, duration: 1}}]",
+            "rate is beyond 1e308; expected commands a second",
+            id="huge rate",
+        ),
+        pytest.param(
+            f"rate: 1{HUGE * 20}\nsegments: [{{kind: hold, duration: 1}}]",
+            "no YAML (Exceeds the limit",
+            id="5000 digits",
+        ),
+        pytest.param(
+            "name: 2024-13-45\nsegments: [{kind: hold, duration: 1}]", "no YAML (month must be in 1..12)", id="month 13"
+        ),
+        pytest.param("[" * 3000, "no YAML (it is nested too deeply)", id="deep"),
     ],
 )
 def test_profiles_refused(tmp_path: Path, text: str, words: str) -> None:
