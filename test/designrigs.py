@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
+
 from msd_ident.data.record import Record
 from msd_ident.design import Limits, Profile, Segment
+from msd_ident.design.prediction import Sensing
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model
+from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.investigation import Ran
 from msd_sim import api
@@ -14,7 +20,35 @@ from msd_sim import api
 ECP = {"mass": 0.94, "damping": 3.9, "stiffness": 694.0, "friction_coefficient": 0.0, "rate": 500.0}
 NOISE = {"counts_per_metre": 226600.0, "noise": 1e-5}
 LIMITS = Limits((-10.0, 10.0), (-0.03, 0.03), 20.0)
+#: One segment of each kind.
+ALL = Profile(
+    (
+        Segment("hold", 0.5),
+        Segment("step", 1.0, force=2.0),
+        Segment("ramp", 1.0, force=-1.0),
+        Segment("hold", 0.5),
+        Segment("sweep", 2.0, amplitude=1.5, offset=0.2, low_hz=0.5, high_hz=5.0),
+        Segment("prbs", 1.0, amplitude=1.0, shortest=0.1, seed=3),
+        Segment("release", 0.5),
+    ),
+    "all kinds",
+)
 STEP = Profile((Segment("hold", 0.3), Segment("step", 2.0, force=8.0)), "one step")
+
+
+#: An encoder with noise and no steps that are seen.
+SEEN = Sensing(1e-5, 0.0, 0.002)
+
+
+def explanation(
+    model: Model, *, probability: float = 0.5, evidence: float = 0.0, known: float = 0.01
+) -> CandidateModel:
+    """A model as an explanation that stands, every parameter known to ``known`` of itself."""
+    scale = np.abs(model.values)
+    return CandidateModel(
+        tuple(model.effect_names), probability, evidence, 1000.0, model, model.names, scale,
+        np.diag((known * scale) ** -2.0), (Initial(),),
+    )  # fmt: skip
 
 
 class Rig:

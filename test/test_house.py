@@ -202,6 +202,22 @@ def test_functions_are_short() -> None:
     assert not too_long, "\n".join(too_long)
 
 
+#: Rooms each module of which has tests of its own: ``test/ROOM/test_MODULE.py``.
+TESTED_ONE_BY_ONE = ("estimate", "residuals", "selection", "diagnosis", "design")
+
+
+@pytest.mark.parametrize("room", TESTED_ONE_BY_ONE)
+def test_each_module_has_tests_of_its_own(room: str) -> None:
+    bare = []
+    for path in sorted((REPOSITORY / "msd_ident" / room).glob("*.py")):
+        own = REPOSITORY / "test" / room / f"test_{path.name}"
+        tree = ast.parse(own.read_text(encoding="utf-8") if own.exists() else "", str(own))
+        tests = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")]
+        if path.stem != "__init__" and not tests:
+            bare.append(f"{own.relative_to(REPOSITORY)}: expected tests of {path.stem}")
+    assert not bare, "\n".join(bare)
+
+
 def test_few_functions_have_many_parameters() -> None:
     """Values that travel together are an object of the field."""
     many = []

@@ -10,7 +10,8 @@ from typing import Any
 
 import yaml
 
-from msd_ident.design.profile import Profile
+from msd_ident.design.profile import Profile, is_finite, shown
+from msd_ident.design.profile_file import load
 from msd_ident.errors import DataError, UsageError
 from msd_ident.paths import check_plain
 
@@ -106,7 +107,7 @@ def read_limits(path: Path) -> Limits:
     """
     check_plain(path, "limits in YAML")
     try:
-        tree = yaml.safe_load(path.read_text(encoding="utf-8"))
+        tree = load(path.read_text(encoding="utf-8"))
     except UnicodeDecodeError:
         raise DataError(f"{path} is no text; expected limits in YAML") from None
     except OSError as error:
@@ -125,7 +126,10 @@ def from_tree(tree: Any) -> Limits:
     Raises:
         UsageError: it does not hold them.
     """
-    block = _block(tree)
+    try:
+        block = _block(tree)
+    except RecursionError:
+        raise UsageError(f"limits that hold themselves; expected {_EXAMPLE}") from None
     if block is None:
         raise UsageError(f"no limits found; expected {_EXAMPLE}")
     unknown = [str(name) for name in block if name not in _NAMES]
@@ -162,6 +166,6 @@ def _pair(name: str, value: Any) -> tuple[float, float]:
 
 
 def _number(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise UsageError(f"limits: {name} is {value!r}; expected a finite number")
+    if not is_finite(value):
+        raise UsageError(f"limits: {name} is {shown(value)}; expected a finite number")
     return float(value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -33,6 +34,18 @@ RATE = fixed(250.0, "interface", "commands a second, unless a profile says other
 MOST_COMMANDS = fixed(1_000_000, "interface", "commands of a profile, at most")
 MOST_RATE = fixed(10_000.0, "interface", "commands a second, at most")
 LONGEST = fixed(86_400.0, "interface", "duration of a profile [s], at most: a day")
+
+
+def is_finite(value: Any) -> bool:
+    """Whether a value of a file is a finite number; a whole number may be larger than any float."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return -sys.float_info.max <= value <= sys.float_info.max
+
+
+def shown(value: Any) -> str:
+    """A value of a file in a message, without the digits of a number that no float holds."""
+    return "beyond 1e308" if isinstance(value, int) and abs(value) > sys.float_info.max else repr(value)
 
 
 @dataclass(frozen=True)
@@ -69,8 +82,8 @@ class Segment:
             raise UsageError(f"no kind of segment is called {self.kind!r}; expected one of {', '.join(NEEDS)}")
         for name in ("duration", "force", "amplitude", "offset", "low_hz", "high_hz", "shortest"):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-                raise UsageError(f"segment {self.kind}: {name} is {value!r}; expected a finite number")
+            if not is_finite(value):
+                raise UsageError(f"segment {self.kind}: {name} is {shown(value)}; expected a finite number")
         if not 0.0 < self.duration <= LONGEST:
             raise UsageError(
                 f"segment {self.kind}: duration is {self.duration:g} s; expected more than 0 s and at most a day"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment
+from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment, is_finite, shown
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.paths import check_plain
 from msd_ident.tuning import fixed
@@ -71,6 +71,20 @@ def to_tree(profile: Profile) -> dict[str, Any]:
     }
 
 
+def load(text: str) -> Any:
+    """Content of a YAML document.
+
+    Raises:
+        YAMLError: it is not YAML; nor is a number of 5000 digits, a date in month 13, or what is nested too deeply.
+    """
+    try:
+        return yaml.safe_load(text)
+    except RecursionError:
+        raise yaml.YAMLError("it is nested too deeply") from None
+    except ValueError as error:
+        raise yaml.YAMLError(str(error)) from None
+
+
 def from_yaml(text: str) -> Profile:
     """The profile that a YAML text describes.
 
@@ -78,7 +92,7 @@ def from_yaml(text: str) -> Profile:
         UsageError: it describes none; the line says which segment and what was expected.
     """
     try:
-        tree = yaml.safe_load(text)
+        tree = load(text)
     except yaml.YAMLError as error:
         raise UsageError(f"no YAML ({' '.join(str(error).split())}); expected a profile") from None
     return from_tree(tree)
@@ -94,17 +108,16 @@ def from_tree(tree: Any) -> Profile:
     if unknown:
         raise UsageError(f"no entry is called {unknown[0]!r}; expected schema, name, force_unit, rate, segments")
     rate = tree.get("rate", RATE)
-    if isinstance(rate, bool) or not isinstance(rate, int | float):
-        raise UsageError(f"rate is {rate!r}; expected commands a second")
+    if not is_finite(rate):
+        raise UsageError(f"rate is {shown(rate)}; expected commands a second")
     segments = tuple(_segment(entry, number) for number, entry in enumerate(tree["segments"], start=1))
     return Profile(segments, str(tree.get("name", "profile")), str(tree.get("force_unit", "N")), float(rate))
 
 
 def _segment(entry: Any, number: int) -> Segment:
-    if not isinstance(entry, Mapping) or entry.get("kind") not in NEEDS:
-        found = entry.get("kind") if isinstance(entry, Mapping) else entry
-        raise UsageError(f"segment {number} is of kind {found!r}; expected one of {', '.join(NEEDS)}")
-    kind = entry["kind"]
+    kind: Any = entry.get("kind") if isinstance(entry, Mapping) else entry
+    if not isinstance(entry, Mapping) or kind not in tuple(NEEDS):  # not in NEEDS itself: a list has no hash
+        raise UsageError(f"segment {number} is of kind {shown(kind)}; expected one of {', '.join(NEEDS)}")
     needed = ("duration", *NEEDS[kind])
     missing = [name for name in needed if name not in entry]
     if missing:
@@ -126,8 +139,8 @@ def _segment(entry: Any, number: int) -> Segment:
 
 
 def _numbers(value: Any, number: int, name: str) -> tuple[float, ...]:
-    if not isinstance(value, list) or any(isinstance(v, bool) or not isinstance(v, int | float) for v in value):
-        raise UsageError(f"segment {number}: {name} is no list of numbers; expected one")
+    if not isinstance(value, list) or not all(map(is_finite, value)):
+        raise UsageError(f"segment {number}: {name} is no list of finite numbers; expected one")
     return tuple(float(v) for v in value)
 
 

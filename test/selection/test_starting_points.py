@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from massrigs import swept
 
 from msd_ident.data.record import Record
 from msd_ident.design import Profile, Segment
-from msd_ident.model import Plant, simulate
+from msd_ident.model import Plant
 from msd_ident.residuals import noise_model
 from msd_ident.selection import starting_points
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.second_masses import second_masses
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -141,30 +141,6 @@ def test_a_guess_that_is_too_strong_is_tried_weakly() -> None:
     best = starting_points.proposals(experiment, frozenset({"drive_damping"}), [base])[0]
     assert best.fitted.model["drive_damping"] < 0.5, "the library's guess is 2 and more"
     assert best.promise < 0.1 * base.chi
-
-
-def swept(effects: dict[str, dict[str, float]]) -> Record:
-    """A rig of 0.96 kg swept from well below its resonance to well above that of its second mass."""
-    rig = {
-        "mass": 0.96, "damping": 1.35, "stiffness": 712.0, "friction_coefficient": 0.0, "effects": effects,
-        "encoder": {"counts_per_metre": 0.0, "noise": 1e-5}, "rate": 500.0, "seed": 5,
-        "experiment": {"name": "sweep", "duration": 10.0},
-    }  # fmt: skip
-    made = api.simulate(rig)
-    return Record(made.time, made.position, made.force_time, made.force)
-
-
-def test_a_heavy_second_mass_is_begun_where_a_regression_puts_it() -> None:
-    """The model without it has the sum of both masses, and from there no small change leads to two."""
-    second = {"second_mass": 0.36, "second_stiffness": 3017.0, "second_damping": 1.7}
-    record = swept({"second_mode": second})
-    whole = Plant(1.37, 1.354, 724.4)
-    residual = simulate(whole, record).position - record.position
-    start = second_masses(whole, record, residual, ())[0]
-    assert start.plant == pytest.approx((0.96, 1.35, 712.0), rel=0.15)
-    assert start.hung[:2] == pytest.approx((0.36, 3017.0), rel=0.2)
-    held = second_masses(whole, record, residual, ("mass",))
-    assert held and all(one.plant[0] == whole.mass for one in held)
 
 
 def test_a_heavy_second_mass_beside_friction_is_found() -> None:

@@ -18,7 +18,7 @@ from rclpy.parameter import Parameter
 
 from msd_ident.design.limits import Limits, from_tree
 from msd_ident.design.profile import Profile
-from msd_ident.design.profile_file import from_yaml
+from msd_ident.design.profile_file import from_yaml, load
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros.common import codes, names
 from msd_ident.ros.common.codes import code_of
@@ -135,9 +135,7 @@ def parsed(profile: str, limits: str) -> tuple[Profile, Limits]:
         UsageError: either makes no sense.
     """
     try:
-        return from_yaml(profile), from_tree(yaml.safe_load(limits))
-    except RecursionError:
-        raise UsageError("profile or limits are nested too deeply; expected what `msd design --out` writes") from None
+        return from_yaml(profile), from_tree(load(limits))
     except yaml.YAMLError as error:
         raise UsageError(
             f"limits are no YAML ({' '.join(str(error).split())}); expected force, travel, duration"

@@ -1,0 +1,88 @@
+"""Designs: they keep to the limits, find what hides, predict what comes, and say what no profile can part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from designrigs import LIMITS, Rig, stepped
+
+from msd_ident.design import Limits, Proposal, check, default_limits, design, proposing
+from msd_ident.errors import UsageError
+from msd_ident.workflow import pipeline
+
+
+@pytest.fixture(scope="module")
+def proposal() -> Proposal:
+    """What to do after one step of a rig whose actuator's gain bends, which the step does not show."""
+    diagnosis = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
+    assert diagnosis.verdict == "adequate"
+    found = check(diagnosis, LIMITS)
+    assert found is not None
+    return found
+
+
+def test_what_hides_behind_a_perfect_fit_is_looked_for_and_found(proposal: Proposal) -> None:
+    assert "force_gain_nonlinearity" in proposal.names
+    assert proposal.decided[proposal.names.index("force_gain_nonlinearity")] > 0.9
+    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.006})
+    first = stepped("force_gain_nonlinearity", "gain_slope", 0.006).records[0]
+    together = pipeline.diagnose([first, rig.play(proposal.profile, LIMITS).record])
+    assert [cause.name for cause in together.causes] == ["force_gain_nonlinearity"]
+    assert together.verdict == "explained"
+
+
+def test_the_motion_is_the_one_that_was_promised(proposal: Proposal) -> None:
+    record = Rig(force_gain_nonlinearity={"gain_slope": 0.006}).play(proposal.profile, LIMITS).record
+    low, high = proposal.travel
+    moved = record.position - record.position[0]
+    assert LIMITS.travel[0] <= low and high <= LIMITS.travel[1]
+    assert low * 1.1 - 1e-4 < moved.min() and moved.max() < high * 1.1 + 1e-4
+    assert high - low == pytest.approx(np.ptp(moved), rel=0.35)
+    assert max(map(abs, proposal.profile.extremes)) <= 10.0 * (1.0 + 1e-12)
+    assert proposal.profile.duration <= 20.0
+
+
+def test_the_contract(proposal: Proposal) -> None:
+    found = proposal.to_json_dict()
+    assert {
+        "sentence", "duration_s", "probability_of_decision", "profile", "travel_m", "peak_speed_m_s", "separates",
+    } <= set(found)  # fmt: skip
+    assert found["separates"][0] == "no cause"
+    assert "with probability" in found["sentence"] and "\n" not in found["sentence"]
+    assert 0.0 <= found["probability_of_decision"] <= 1.0
+
+
+def test_no_tie_no_design() -> None:
+    assert design(stepped("", "", 0.0), LIMITS) is None
+
+
+def test_what_no_profile_parts_gets_a_measurement() -> None:
+    """A force offset of a linear rig is a shifted zero: an identity."""
+    found = check(stepped("", "", 0.0), LIMITS)
+    assert found is not None and "force_offset" in found.names
+    assert any("force_offset" in said and "tilt the rig" in said for said in found.measurements)
+
+
+def test_limits_without_room() -> None:
+    with pytest.raises(UsageError, match="no experiment has room within these limits; expected more force"):
+        check(stepped("", "", 0.0), Limits((-10.0, 10.0), (-0.03, 0.03), 0.05))
+
+
+def test_without_limits_a_design_asks_for_no_more_than_was_measured() -> None:
+    diagnosis = stepped("", "", 0.0)
+    (record,) = diagnosis.records
+    limits = default_limits(diagnosis)
+    assert limits.force == (-8.0, 8.0) and limits.duration == 20.0
+    assert limits.travel[1] == -limits.travel[0] == np.max(np.abs(record.position - record.position[0]))
+    still = replace(record, force=0.0 * record.force)
+    with pytest.raises(UsageError, match="limits: force from -?0 to 0; expected one number above 0"):
+        default_limits(replace(diagnosis, records=(still,)))
+
+
+def test_a_verdict_that_is_not_ambiguous_needs_no_proposal() -> None:
+    diagnosis = stepped("", "", 0.0)
+    assert proposing(diagnosis) is diagnosis
+    alone = replace(diagnosis, verdict="ambiguous")
+    assert proposing(alone) is alone, "nothing is tied"

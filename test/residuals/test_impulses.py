@@ -1,0 +1,72 @@
+"""Pushes that are in no force signal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fitrigs import DEMO
+
+from msd_ident.data.record import Record
+from msd_ident.estimate import fit
+from msd_ident.residuals.impulses import pushes, sentences
+from msd_sim.api import simulate
+
+NOISE, LASTS = 1e-5, 0.02
+
+
+def bumped(*bumps: tuple[float, float], name: str = "record") -> Record:
+    """The demo rig under one step and back, with (instant [s], impulse [N·s]) that no signal has."""
+    at, force = [0.2, 1.7], [10.0, 0.0]
+    made = [(0.2, 10.0), (1.7, 0.0)]
+    for instant, impulse in bumps:
+        before = 10.0 if 0.2 <= instant < 1.7 else 0.0
+        made += [(instant, before + impulse / LASTS), (instant + LASTS, before)]
+    stamps, levels = zip(*sorted(made), strict=True)
+    found = simulate(
+        {
+            **{name: DEMO[name] for name in ("mass", "damping", "stiffness")},
+            "effects": {"coulomb_friction": {"coulomb_force": DEMO["coulomb_force"]}},
+            "encoder": {"counts_per_metre": 0.0, "noise": NOISE}, "seed": 4, "rate": 500.0, "duration": 3.2,
+            "force_time": stamps, "force": levels,
+        }
+    )  # fmt: skip
+    return Record(found.time, found.position, np.array(at), np.array(force), name=name)
+
+
+@pytest.mark.parametrize("impulse", [0.3, -0.3, 0.05])
+@pytest.mark.parametrize("instant", [1.1, 2.4])
+def test_instant_and_impulse_of_a_bump_are_found(instant: float, impulse: float) -> None:
+    (push,) = pushes(bumped((instant, impulse)), DEMO, NOISE, 0.0)
+    assert push.time == pytest.approx(instant + 0.5 * LASTS, abs=0.015)
+    assert push.impulse == pytest.approx(impulse, rel=0.1)
+
+
+def test_a_zero_elsewhere_hides_no_bump() -> None:
+    record = bumped((1.1, 0.3))
+    moved = replace(record, position=record.position + 0.05)
+    (here,), (there,) = pushes(record, DEMO, NOISE, 0.0), pushes(moved, DEMO, NOISE, 0.05)
+    assert there.time == here.time and there.impulse == pytest.approx(here.impulse)
+
+
+def test_what_comes_again_and_again_is_a_cause_and_no_bump() -> None:
+    assert pushes(bumped(), DEMO, NOISE, 0.0) == ()
+    assert len(pushes(bumped((0.9, 0.2), (2.4, 0.2)), DEMO, NOISE, 0.0)) == 2
+    assert pushes(bumped((0.7, 0.2), (1.3, 0.2), (2.1, 0.2), (2.7, 0.2)), DEMO, NOISE, 0.0) == ()
+
+
+def test_without_a_spring_or_in_a_gap_of_the_readings_nothing_is_said() -> None:
+    record = bumped((1.1, 0.3))
+    assert pushes(record, DEMO.with_values({"stiffness": 0.0}), NOISE, 0.0) == ()
+    seen = (record.time < 1.08) | (record.time > 1.15)
+    assert pushes(replace(record, time=record.time[seen], position=record.position[seen]), DEMO, NOISE, 0.0) == ()
+
+
+def test_the_record_is_named_where_there_are_several() -> None:
+    clean, bad = bumped(name="first"), bumped((2.4, 0.3), name="second")
+    both = fit(DEMO, [clean, bad], search="near")
+    (said,) = sentences([clean, bad], both, NOISE)
+    assert said.startswith("Something pushed the cart at 2.4") and " s of second with about 0." in said
+    (alone,) = sentences([bad], replace(both, initial=both.initial[1:]), NOISE)
+    assert " of second" not in alone

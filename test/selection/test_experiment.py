@@ -1,0 +1,83 @@
+"""The data that all sets of causes share: how it is thinned, what can act in it, and how chi² is compared."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from setrigs import BASE, pushed, rubbing
+
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
+from msd_ident.estimate.problem import Initial
+from msd_ident.model.effects import LIBRARY, by_name
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.selection.experiment import NOISE_ERROR, SOUGHT, Experiment, formulated, switched_off, weigh
+
+
+def test_what_is_hopeless_is_counted_from_the_noise() -> None:
+    """Beside a set that leaves noise alone, a few shapes of error more are hopeless, and not 4 times chi² alone."""
+    experiment = rubbing()
+    noise = experiment.evidence
+    assert experiment.worse(noise, 4.0) == noise + 3.0 * SOUGHT
+    assert experiment.worse((1.0 + NOISE_ERROR) * noise, 4.0) < 1.5 * noise
+    assert experiment.worse(100.0 * noise, 4.0) > 390.0 * noise
+
+
+@given(st.integers(10, 3000))
+def test_a_thinned_record_keeps_enough_samples_and_enough_of_each_swing(keep: int) -> None:
+    whole = pushed()
+    (few,) = whole.thinned(keep).records
+    swings = whole.records[0].duration / (2.0 * math.pi * whole.typical.time)
+    wanted = max(keep, FEWEST_READINGS, int(A_SWING * swings))
+    samples = whole.records[0].samples
+    assert min(wanted, samples) <= few.samples <= min(2 * wanted, samples)
+    assert set(few.position) <= set(whole.records[0].position), "samples are left out, and none is changed"
+
+
+def test_causes_that_cannot_act_are_not_in_the_library() -> None:
+    whole = pushed()
+    (part,) = whole.readings
+    assert "gravity" not in whole.library and {"backlash", "force_dead_zone"} <= set(whole.library)
+    springless = replace(whole, fixed=frozenset({"stiffness"}))
+    lost = set(whole.library) - set(springless.library)
+    assert lost and lost == {effect.name for effect in LIBRARY if effect.needs_spring} & set(whole.library)
+    free = replace(whole, readings=(replace(part, record=replace(part.record, force=0.0 * part.record.force)),))
+    assert {by_name(name).acts_on for name in free.library} == {"force", "sensor"}
+    turning = replace(whole, readings=(replace(part, record=replace(part.record, position_unit="rad")),))
+    assert "gravity" in turning.library
+    assert replace(whole, asked=frozenset({"cogging", "gravity"})).library == ("cogging",)
+
+
+def test_forms_of_a_cause_are_each_others_forms() -> None:
+    whole = pushed()
+    for name in whole.library:
+        assert name not in whole.forms(name)
+        assert all(name in whole.forms(other) for other in whole.forms(name)), name
+    assert {name for name in whole.library if not by_name(name).form_of} <= set(whole.tried_alone)
+
+
+@given(st.integers(0, 2**31))
+def test_what_a_mask_leaves_out_and_what_it_keeps_is_all(seed: int) -> None:
+    whole = pushed(CoulombFriction(0.3))
+    problem, weighting, point = formulated(whole, BASE, (Initial(),))
+    mask = np.random.default_rng(seed).integers(0, 2, whole.records[0].samples).astype(float)
+    kept, left = (weigh(problem, whole.readings, [part]).residual(point) for part in (mask, 1.0 - mask))
+    every = weighting.residual(point)
+    np.testing.assert_allclose(kept + left, every)
+    assert np.isclose(kept @ kept + left @ left, every @ every)
+
+
+def test_a_problem_begins_inside_its_bounds_and_holds_what_it_is_told() -> None:
+    whole: Experiment = pushed()
+    model = BASE.with_values({"mass": 1e9}) + ForceGainNonlinearity(0.01, math.inf)
+    assert switched_off(model) == {"force_limit"}
+    problem, _, point = formulated(whole, model, (Initial(1e-3),), frozenset({"damping"}))
+    assert set(problem.names[: len(problem.free)]) == {"mass", "stiffness", "gain_slope"}
+    assert np.all(problem.lower <= point) and np.all(point <= problem.upper)
+    values = dict(zip(model.names, problem.values(point), strict=True))
+    assert values["damping"] == 2.0 and values["stiffness"] == 400.0 and values["gain_slope"] == 0.01
+    assert values["force_limit"] == math.inf

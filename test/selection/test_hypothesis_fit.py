@@ -1,0 +1,56 @@
+"""Fits of a set: which starts are followed, and where they end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from setrigs import BASE, pushed, rubbing, stood
+
+from msd_ident.estimate.problem import Initial
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.selection.hypothesis_fit import StartingPoint, begin, exactly, finish, refine
+
+RUB = CoulombFriction(0.3)
+CAUSES = frozenset({"coulomb_friction"})
+
+
+def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
+    """A first step that takes most of a large error away tells little of where the descent ends."""
+    fitted = stood(rubbing(), BASE)
+    small, large = StartingPoint(9.0, fitted, beside=10.0), StartingPoint(40.0, fitted, beside=1000.0)
+    assert not small.worth(5.0) and small.worth(9.5)
+    assert large.worth(5.0)
+    assert large.turn < StartingPoint(30.0, fitted, beside=31.0).turn
+    assert StartingPoint(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"
+
+
+def test_a_set_is_refined_to_the_noise_and_no_further() -> None:
+    data = pushed(RUB)
+    wrong = BASE.with_values({"mass": 1.2, "damping": 1.5, "stiffness": 460.0}) + CoulombFriction(0.1)
+    found = refine(data, CAUSES, wrong, (Initial(),))
+    assert found.chi / data.evidence == pytest.approx(1.0, abs=0.15)
+    for name, truth in zip((BASE + RUB).names, (BASE + RUB).values, strict=True):
+        assert found.model[name] == pytest.approx(truth, rel=0.01)
+    again = refine(data, CAUSES, found.model, found.initial)
+    assert abs(again.chi - found.chi) < 0.1
+    assert found.state.exact and exactly(data, found) is found
+
+
+def test_the_first_start_is_followed_and_others_where_they_promise_enough() -> None:
+    data = pushed(RUB)
+    models = [BASE + CoulombFriction(force) for force in (0.6, 0.2, 0.4)]
+    sets = [stood(data, model) for model in models]
+    starts = [StartingPoint(promise, one, beside=1.0) for promise, one in zip((9.0, 5.0, 7.0), sets, strict=True)]
+    for reach, followed in ((1.0, 1), (6.0, 2), (100.0, 3)):
+        begun = begin(data, starts, reach)
+        assert len(begun) == followed
+        assert [one.chi for one in begun] == sorted(one.chi for one in begun)
+        assert begun[0].chi < max(one.chi for one in sets)
+
+
+def test_the_best_beginning_is_finished() -> None:
+    data = pushed(RUB)
+    begun = begin(data, [StartingPoint(1.0, stood(data, BASE + CoulombFriction(f)), 1.0) for f in (0.5, 0.1)], 10.0)
+    found = finish(data, begun, np.inf)
+    assert found.causes == CAUSES and found.chi <= begun[0].chi
+    assert found.chi / data.evidence == pytest.approx(1.0, abs=0.15)

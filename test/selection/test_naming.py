@@ -1,0 +1,89 @@
+"""Which set is named: no cause below its rival, and what could stand in its place is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from msd_ident.selection import naming
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.ranking import DECISIVE, Ranking
+
+NAMES = ("backlash", "cogging", "coulomb_friction", "hysteresis", "quadratic_drag")
+
+
+@dataclass(frozen=True, eq=False)
+class Set:
+    """What a ranking asks of a fitted set."""
+
+    causes: frozenset[str]
+
+
+def ranking(probabilities: Mapping[tuple[str, ...], float], first: tuple[str, ...] | None = None) -> Ranking:
+    """Sets with given probabilities; as ``ranking.rank`` has it, ``first`` leads, the others by falling evidence."""
+    order = sorted(probabilities, key=lambda causes: (causes != first, -probabilities[causes]))
+    total = sum(probabilities.values())
+    chances = tuple(probabilities[causes] / total for causes in order)
+    sets = tuple(cast(Hypothesis, Set(frozenset(causes))) for causes in order)
+    return Ranking(sets, tuple(np.log(chances).tolist()), chances)
+
+
+def drawn(seed: int) -> Ranking:
+    """Sets of one to three causes with any evidence; the simplest of those near the best leads."""
+    rng = np.random.default_rng(seed)
+    sets: dict[tuple[str, ...], float] = {}
+    for _ in range(rng.integers(1, 9)):
+        causes = tuple(sorted(rng.choice(NAMES, size=rng.integers(1, 4), replace=False).tolist()))
+        sets[causes] = float(np.exp(-rng.exponential(3.0)))
+    near = [causes for causes, p in sets.items() if p >= max(sets.values()) * np.exp(-DECISIVE)]
+    return ranking(sets, min(near, key=len))
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_no_cause_is_named_with_less_probability_than_one_left_out(seed: int) -> None:
+    """But where every explanation does so, and then the one left out stands beside it, tied."""
+    given = drawn(seed)
+    found = naming.leading(given)
+    named = found.best.causes
+    others = {name for one in found.sets for name in one.causes} - named
+    near = [
+        one.causes
+        for one, value in zip(given.sets, given.evidence, strict=True)
+        if value >= max(given.evidence) - DECISIVE
+    ]
+    assert named in near
+    for name in named:
+        above = {other for other in others if found.of_cause(other) > found.of_cause(name) + 1e-9}
+        assert above <= set(naming.tied(found, name))
+        if above:
+            assert all(naming.margin(given, causes) < 0.0 for causes in near)
+    if naming.margin(given, given.best.causes) >= 0.0:
+        assert found.best is given.best
+
+
+def test_the_simplest_leads_no_more_where_a_rival_is_likelier() -> None:
+    given = ranking({("coulomb_friction",): 0.15, ("cogging", "hysteresis"): 0.85}, ("coulomb_friction",))
+    found = naming.leading(given)
+    assert found.best.causes == {"cogging", "hysteresis"}
+    assert naming.tied(found, "cogging") == ("coulomb_friction",)
+
+
+def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:
+    given = ranking({("cogging",): 0.9, ("hysteresis",): 0.08, ("backlash",): 0.02})
+    found = naming.without(given, given.best)
+    assert found.best.causes == {"hysteresis"}
+    assert found.of_cause("hysteresis") == pytest.approx(0.8) and found.of_cause("cogging") == 0.0
+
+
+def test_what_may_be_another_form_is_told_with_its_part() -> None:
+    one = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9})
+    told = naming.other_forms(replace(one, further={frozenset({"backlash", "cogging"}): {"cogging": 0.084}}))
+    assert told == (
+        "Cogging explains 8 % of what backlash explains: another form of that law could do the same, so it is not "
+        "certain that it is a cause of its own.",
+    )
+    assert naming.other_forms(one) == ()

@@ -1,0 +1,72 @@
+"""A poor experiment is checked by copies, another one only when asked."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import pytest
+from copyrigs import DRAGS, RAMP, RUB, STEP, measured
+
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.selection import replication
+from msd_ident.workflow import pipeline
+
+
+@cache
+def diagnosed(name: str) -> Diagnosis:
+    return pipeline.diagnose([measured(STEP if name == "step" else RAMP, counts_per_metre=0.0, noise=5e-6)])
+
+
+def test_one_step_tells_coulomb_friction_and_shows_that_it_does() -> None:
+    found = diagnosed("step")
+    assert [cause.name for cause in found.causes] == ["coulomb_friction"]
+    assert found.calibration is not None
+    rows = {row.causes: row for row in found.calibration.rows}
+    assert rows[RUB].right >= rows[RUB].copies - 1
+    assert rows[frozenset()].right == rows[frozenset()].copies
+    assert rows[frozenset({"stribeck_friction"})].any_strength
+    assert found.causes[0].probability == pytest.approx(found.calibration.corrected["coulomb_friction"])
+    assert found.calibration.corrected["coulomb_friction"] <= found.calibration.stated["coulomb_friction"]
+
+
+def test_a_ramp_cannot_tell_the_laws_of_dry_friction_and_says_so() -> None:
+    """No motion is quick enough to show a friction that falls with the speed."""
+    found = diagnosed("ramp")
+    assert found.calibration is not None and found.calibration.stated["coulomb_friction"] > 0.9
+    assert found.calibration.corrected["coulomb_friction"] < 0.9
+    assert found.verdict == "ambiguous"
+    assert "stribeck_friction" in found.causes[0].tied_with
+    assert any(one.causes == ("stribeck_friction",) for one in found.contenders), "the next experiment may part them"
+
+
+def test_the_same_record_gets_the_same_matrix() -> None:
+    again = pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)])
+    assert again.calibration == diagnosed("step").calibration
+
+
+def test_steps_in_both_directions_are_checked_only_when_asked() -> None:
+    steps = {"name": "steps", "force": 4.0, "hold": 0.5}
+    record = measured(steps, DRAGS, counts_per_metre=0.0, noise=5e-6)
+    assert pipeline.diagnose([record]).calibration is None
+    asked = pipeline.diagnose([record], pipeline.Options(calibrate=True))
+    assert asked.calibration is not None and asked.verdict == "explained"
+    assert "calibration" in asked.to_json_dict()
+
+
+def test_copies_that_cost_too_much_are_not_made_unasked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replication, "_CHEAP", 0.0)
+    assert pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)]).calibration is None
+
+
+def test_what_progress_raises_ends_it() -> None:
+    class Enough(Exception):
+        pass
+
+    def tell(stage: str, fraction: float, cause: str) -> None:
+        assert math.isfinite(fraction)
+        if stage == "copies of this record":
+            raise Enough
+
+    with pytest.raises(Enough):
+        pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)], progress=tell)

@@ -1,0 +1,86 @@
+"""Starting values of a cause from the residual of a model without it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fitrigs import measured
+
+from msd_ident.data.record import Record
+from msd_ident.model import Model, Plant, simulate
+from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.selection.starting_values import FittedRecord, guesses, lines, plain_axes, ripples
+
+PLANT = Plant(1.0, 6.0, 400.0)
+NOISE = 1e-5
+
+
+def left(model: Model, begin: float = 0.0) -> FittedRecord:
+    """A record of a rig, whose clock may begin anywhere, and what its plant leaves there."""
+    encoder = {"counts_per_metre": 0.0, "noise": NOISE}
+    record = measured(model, {"name": "steps", "force": 8.0, "hold": 0.6}, rate=250.0, encoder=encoder, seed=1)
+    residual = simulate(PLANT, record).position - record.position
+    moved = replace(record, time=record.time + begin, force_time=record.force_time + begin)
+    return FittedRecord(PLANT, moved, residual, NOISE, 8.0, bare=True)
+
+
+@pytest.mark.parametrize("begin", [0.0, 1.3])
+@pytest.mark.parametrize("frequency", [12.0, 45.0])
+def test_a_line_of_the_residual_is_the_force_that_makes_it(frequency: float, begin: float) -> None:
+    found = left(PLANT + PeriodicDisturbance(0.5, frequency, 0.7), begin)
+    amplitude, omega, phase = lines(found.record, PLANT, found.residual)[0]
+    assert omega == pytest.approx(frequency, abs=0.5 * math.pi / found.record.duration)
+    assert amplitude == pytest.approx(0.5, rel=0.15)
+    middle = 0.5 * found.record.duration  # where a frequency that is a little off turns the phase least
+    expected = frequency * middle + 0.7
+    assert math.cos(omega * (begin + middle) + phase - expected) > 0.95
+
+
+def test_a_residual_of_nothing_has_no_line() -> None:
+    record = left(PLANT).record
+    assert lines(record, PLANT, np.zeros(record.samples)) == []
+
+
+@pytest.mark.parametrize("pitch", [2e-3, 5e-3])
+def test_a_ripple_of_the_missing_force_is_found(pitch: float) -> None:
+    found = left(PLANT + Cogging(0.5, pitch, 0.4))
+    best = ripples(found.record, PLANT, found.residual, NOISE)[0]
+    assert best[1] == pytest.approx(pitch, rel=0.05)
+    assert best[0] == pytest.approx(0.5, rel=0.6)
+
+
+def test_beside_other_effects_only_the_residual_is_asked() -> None:
+    found = left(PLANT + PeriodicDisturbance(0.5, 45.0, 0.7))
+    bare, beside = (guesses("periodic_disturbance", replace(found, bare=bare)) for bare in (True, False))
+    assert bare[:-1] == beside and len(beside) > 0
+    assert beside[0].values[1] == pytest.approx(45.0, rel=0.02)
+
+
+def test_a_force_gain_may_be_limited_below_the_largest_force() -> None:
+    found = left(PLANT)
+    limits = [one.force_limit for one in guesses("force_gain_nonlinearity", found) if math.isfinite(one.force_limit)]
+    assert limits and all(0.5 * 8.0 < limit < 8.0 for limit in limits)
+    none = guesses("force_gain_nonlinearity", replace(found, largest=0.0))
+    assert not any(math.isfinite(one.force_limit) for one in none)
+
+
+def axis(seed: int, velocity: float) -> Record:
+    experiment = {"name": "random_steps", "force": 8.0, "duration": 3.0, "profile_seed": seed}
+    return measured(
+        Plant(2.0, 15.0, 0.0), experiment, rate=250.0, encoder={"counts_per_metre": 0.0, "noise": NOISE}, seed=seed,
+        initial_velocity=velocity, zero=0.02 * seed,
+    )  # fmt: skip
+
+
+def test_an_axis_without_a_spring_needs_no_start() -> None:
+    (best, initial), second = plain_axes([axis(1, 0.3), axis(2, -0.1)])
+    assert best.stiffness == 0.0 and second[0].stiffness == 0.0
+    assert best["damping"] / best["mass"] == pytest.approx(7.5, rel=0.1)
+    assert best["mass"] == pytest.approx(2.0, rel=0.1)
+    assert [one.velocity for one in initial] == pytest.approx([0.3, -0.1], abs=0.03)
+    assert [one.position for one in initial] == pytest.approx([0.02, 0.04], abs=2e-3)
+    assert second[0]["damping"] / second[0]["mass"] != best["damping"] / best["mass"]
