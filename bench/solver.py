@@ -31,7 +31,7 @@ _AGAIN = 60
 PLANT = Plant(0.9407, 3.927, 694.1)
 RUBBING = PLANT + CoulombFriction(0.3) + ForceOffset(0.1)
 
-#: Strengths at which every effect of the library is plainly at work on the plant above.
+#: Strengths at which these effects are plainly at work on the plant above.
 STRENGTHS: dict[str, dict[str, float]] = {
     "actuator_lag": {"lag_time": 0.004},
     "asymmetric_spring": {"quadratic_stiffness": 4e3},

@@ -27,7 +27,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
     "test_colcon", "ros/test_faults", "blind/", "test_a_demo_finds_the_rig", "docs/test_tutorial", "ros/test_huge_bag",
-    "live/", "report/", "ros/", "diagnose/", "design/", "test_fooled", "test_pipeline", "cli/", "fit/",
+    "live/", "report/", "ros/", "diagnosis/", "design/", "test_fooled", "test_pipeline", "cli/", "estimate/",
     "msd_sim/test_node",
 )  # fmt: skip
 

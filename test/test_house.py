@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.base import KINDS
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -68,8 +69,9 @@ AT_HOME = {
 
 LONGEST_FUNCTION = 60
 #: Parameters from which on a function has many, and how many of msd_ident may have: commands, one for each option;
-#: laws of effects; the innermost functions of the solver; and a few that are called from outside.
-MANY_PARAMETERS, MOST_WITH_MANY = 6, 30
+#: the innermost functions of the solver; and a few that are called from outside. Laws of effects are not counted: the
+#: names of their parameters say what they depend on.
+MANY_PARAMETERS, MOST_WITH_MANY = 6, 25
 
 #: Modules outside the library that name single effects or their parameters, and why; everybody else asks an effect for
 #: what it is (a role in the structure, a sign, a sentence, a bound).
@@ -154,7 +156,7 @@ def test_imports_point_one_way() -> None:
             allowed = FLOOR[there] < FLOOR[here]
         if not allowed:
             upward.append(f"{name} imports {target}")
-    assert not upward, "\n".join(upward)
+    assert not upward, "\n".join(["a room knows itself and those before it in STOREYS:", *upward])
 
 
 @pytest.mark.parametrize(("package", "other"), [("msd_ident", "msd_sim"), ("msd_sim", "msd_ident")])
@@ -166,7 +168,7 @@ def test_world_and_observer_do_not_know_each_other(package: str, other: str) -> 
 def test_library_stays_in_its_room(library: str) -> None:
     strays = [f"{name} imports {target}" for name, target in edges() if target.split(".")[0] == library
               and not within(name, AT_HOME[library])]  # fmt: skip
-    assert not strays, "\n".join(strays)
+    assert not strays, "\n".join([f"{library} is for {', '.join(AT_HOME[library])} only:", *strays])
 
 
 def test_no_import_cycles() -> None:
@@ -198,7 +200,7 @@ def test_functions_are_short() -> None:
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 lines = (node.end_lineno or node.lineno) - node.lineno + 1
                 if lines > LONGEST_FUNCTION:
-                    too_long.append(f"{name}.{node.name} has {lines} lines")
+                    too_long.append(f"{name}.{node.name} has {lines} lines; expected at most {LONGEST_FUNCTION}")
     assert not too_long, "\n".join(too_long)
 
 
@@ -226,9 +228,11 @@ def test_few_functions_have_many_parameters() -> None:
             if within(name, ("msd_ident",)) and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 given = node.args.posonlyargs + node.args.args + node.args.kwonlyargs
                 count = sum(one.arg not in ("self", "cls") for one in given)
-                if count >= MANY_PARAMETERS:
+                law = within(name, ("msd_ident.model.effects",)) and (node.name in KINDS or "reversal_" in node.name)
+                if count >= MANY_PARAMETERS and not law:
                     many.append(f"{name}.{node.name} has {count} parameters")
-    assert len(many) <= MOST_WITH_MANY, "\n".join(many)
+    rule = f"{len(many)} functions have {MANY_PARAMETERS} parameters or more; expected at most {MOST_WITH_MANY} of them"
+    assert len(many) <= MOST_WITH_MANY, "\n".join([rule, *many])
 
 
 def test_only_the_library_names_single_effects() -> None:
@@ -238,8 +242,9 @@ def test_only_the_library_names_single_effects() -> None:
         if found := [] if library else sorted(set(_effects_named(tree))):
             named[module] = found
     others = {module: found for module, found in named.items() if module not in NAMES_EFFECTS}
-    assert not others, "\n".join(f"{module} names {', '.join(found)}" for module, found in others.items())
-    assert set(named) == set(NAMES_EFFECTS), "an exception that needs to be none any more"
+    asked = "ask the effect for its part in place of its name (CONTRIBUTING.md, Rules that tests check):"
+    assert not others, "\n".join([asked, *(f"{module} names {', '.join(found)}" for module, found in others.items())])
+    assert set(named) == set(NAMES_EFFECTS), "a module in NAMES_EFFECTS names no effect any more: take it out"
 
 
 def _effects_named(tree: ast.Module) -> Iterator[str]:

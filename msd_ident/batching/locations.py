@@ -12,9 +12,11 @@ from typing import Any
 
 from msd_ident.batching.needs import library
 from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.io.bag_folder import STORAGE
+from msd_ident.io.columns import SUFFIXES as TABLES
 
 #: Names of files that hold a record.
-SUFFIXES = (".mcap", ".db3", ".csv", ".mat")
+SUFFIXES = (*STORAGE, *TABLES)
 #: What makes a folder a bag.
 _METADATA = "metadata.yaml"
 _PATTERN = re.compile(r"[*?\[]")

@@ -1,4 +1,7 @@
-"""One row for each record: what the record is, what was found, or why nothing was."""
+"""One row for each record: what the record is, what was found, or why nothing was.
+
+What a row holds is a column of the table only if ``table.schema`` has it too.
+"""
 
 from __future__ import annotations
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 #: Rows, and seconds, after which a part is written: what a power cut costs.
 PART_ROWS, PART_SECONDS = 500, 5.0
 _KEY = b"msd.schema"
+#: Columns of words and of numbers; those of other types stand in ``schema``. A further one needs no new version of the
+#: schema: it is null in tables from before.
 _TEXTS = (
     *("path", "name", "joint", "robot", "day", "sha256", "code", "job", "options", "force_unit", "position_unit"),
     *("verdict", "summary", "page", "worker", "error"),
@@ -52,7 +54,7 @@ def schema() -> pa.Schema:
 
 
 def made(rows: Sequence[Row]) -> pa.Table:
-    """Rows as a table; a column that a row does not have is null in it."""
+    """Rows as a table; a column that a row does not have is null in it, what is no column of ``schema`` is left out."""
     return library("pyarrow").Table.from_pylist(list(rows), schema=schema())
 
 

@@ -142,10 +142,10 @@ def _show(found: _Contents, console: Console) -> None:
 
     info = found.info
     console.print(f"[bold]{escape(info.path)}[/bold]", soft_wrap=True)
-    unit = "messages" if info.kind not in ("CSV file", "MAT file") else "lines"
+    unit = "lines" if info.is_table else "messages"
     console.print(f"{info.kind}, {info.messages} {unit} in {info.duration:.3f} s{_start(info.start_ns)}\n")
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("column" if unit == "lines" else "topic", overflow="fold")
+    table.add_column("column" if info.is_table else "topic", overflow="fold")
     table.add_column("type", overflow="fold")
     for name in ("number", "rate, Hz", "longest gap, s"):
         table.add_column(name, justify="right")

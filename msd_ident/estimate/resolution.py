@@ -1,4 +1,4 @@
-"""Ranges of the effects' inner parameters that a record's samples can resolve.
+"""Ranges of the effects' parameters that a record's samples can resolve.
 
 A pitch finer than the noise, a frequency above half the sampling rate or a stop out of reach changes nothing in the
 data. A search that gets there finds nothing, and its simulations need very short solver steps. Each effect knows its
@@ -20,7 +20,7 @@ from msd_ident.model.effects.base import RecordScales
 
 
 def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:
-    """Ranges of the effects' inner parameters that the samples can resolve.
+    """Ranges of the effects' parameters that the samples can resolve.
 
     Args:
         records: the records of one experiment.

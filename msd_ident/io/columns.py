@@ -1,4 +1,8 @@
-"""What every file of columns offers, whatever its format: a table of text, a MAT file."""
+"""What every file of columns offers, whatever its format: a table of text, a MAT file.
+
+A further format is a class like ``mat_file.MatFile`` in a file of its own, chosen in ``open_columns``. Which column is
+which signal, units in headings, runs, missing lines and uneven stamps are the same for all, see ``csv_file``.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,20 @@ from typing import Protocol
 
 from msd_ident.data.record import FloatArray
 
+#: Endings of files of columns, by which ``msd batch`` finds them in folders.
+SUFFIXES = (".csv", ".mat")
+
 
 class Columns(Protocol):
-    """Named columns of numbers."""
+    """Named columns of numbers.
+
+    A heading may end with its unit, such as ``position_mm`` (``units`` has the list). Times are a column too; a format
+    that states a sampling interval in its place makes one.
+    """
 
     @property
     def kind(self) -> str:
-        """Kind of file, in words."""
+        """Kind of file, in words, e.g. ``MAT file``."""
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -22,7 +33,7 @@ class Columns(Protocol):
 
     @property
     def lines(self) -> int:
-        """Number of lines."""
+        """Number of lines, at least roughly: what ``msd info`` shows without a time column."""
 
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         """The columns of these places, each (n,); NaN where there is no number.

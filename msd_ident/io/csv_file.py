@@ -1,4 +1,4 @@
-"""Files of columns, CSV or MAT: to a Record and back."""
+"""Files of columns, of any format, to a Record; and a Record to a CSV file."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class Chosen:
     counter: int | None
 
 
-def read_csv(path: str | os.PathLike[str], options: SourceOptions) -> Record:
-    """Record from a file of columns (CSV or MAT). An empty cell means that there is no sample in it.
+def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
+    """Record from a file of columns, whatever its format. An empty cell means that there is no sample in it.
 
     Args:
         path: of the file.
@@ -173,7 +173,7 @@ def _times(
 
 
 def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = False) -> None:
-    """Write a record so that ``read_csv`` gives exactly the same samples.
+    """Write a record so that ``read_table`` gives exactly the same samples.
 
     The columns are ``time_s``, the force and the position with their units. Where force and position have stamps of
     their own, each line has one of them and an empty cell for the other.

@@ -53,7 +53,7 @@ class BagInfo:
 
     Attributes:
         path: as given.
-        kind: ``rosbag2 folder``, ``MCAP file``, ``SQLite file``, ``CSV file`` or ``MAT file``.
+        kind: ``rosbag2 folder``, ``MCAP file`` or ``SQLite file``; of a table ``Columns.kind``, e.g. ``CSV file``.
         start_ns: log time of the first message [ns]; 0 for a table or without messages.
         duration: from the first to the last message [s].
         messages: number of messages, or of lines in a table.
@@ -62,6 +62,7 @@ class BagInfo:
         force: the same for the force; ``none`` for a free decay.
         problem: why position or force cannot be used, empty when they can.
         notes: what was lost or repaired on reading.
+        is_table: it has columns and lines, not topics and messages.
     """
 
     path: str
@@ -74,6 +75,7 @@ class BagInfo:
     force: str
     problem: str
     notes: tuple[str, ...]
+    is_table: bool = False
 
 
 def describe(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> BagInfo:
@@ -155,4 +157,4 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
     rate = (time.size - 1) / duration if duration > 0 else float("nan")
     gap = float(np.max(np.diff(time))) if time.size > 1 else float("nan")
     topics = tuple(TopicInfo(name, "column", lines, duration, rate, gap) for name in columns)
-    return BagInfo(str(path), table.kind, 0, duration, lines, topics, position, force, problem, ())
+    return BagInfo(str(path), table.kind, 0, duration, lines, topics, position, force, problem, (), is_table=True)

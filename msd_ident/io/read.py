@@ -13,7 +13,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.io import runs
 from msd_ident.io.bag import is_bag
 from msd_ident.io.columns import open_columns
-from msd_ident.io.csv_file import read_csv
+from msd_ident.io.csv_file import read_table
 from msd_ident.io.reader import read_bag
 from msd_ident.io.source_options import SourceOptions
 
@@ -37,7 +37,7 @@ def read(
         DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
     """
     try:
-        record = _read_bag(path, options, told) if is_bag(path) else read_csv(path, options)
+        record = _read_bag(path, options, told) if is_bag(path) else read_table(path, options)
         if options.hold == "band_limited" and not options.no_force:
             record = band_limited(record)
         if options.start is not None or options.end is not None:

@@ -22,10 +22,10 @@ class SourceOptions:
 
     Attributes:
         force: ``TOPIC:FIELD`` (``/joint_states:effort[elbow]``, ``/force:wrench.force.x``), a topic alone, or a
-            column of a CSV file; ``none`` when no force acts (free decay); empty for the default: the topic or column
+            column of a table; ``none`` when no force acts (free decay); empty for the default: the topic or column
             called ``force``.
         position: the same; by default the topic called ``encoder`` or ``encoder_batch``, or the column ``position``.
-        time: column of a CSV file with the time; by default the one called ``time``.
+        time: column of a table with the time; by default the one called ``time``.
         rate: samples a second of a file without times; its lines are taken as evenly spaced.
         run: number of the run, where a file has several side by side (``Position (mm) Run #1``); ``all`` for each as
             a record, see ``msd_ident.io.read_all``.

@@ -18,6 +18,7 @@ from msd_ident.report.writing import write_text
 
 #: Digits of a number on the page; the table has all.
 _DIGITS = 6
+#: Columns of the table that the page shows too, in this order: words first, then numbers.
 _TEXTS = ("name", "robot", "joint", "day", "verdict", "error", "summary", "path", "sha256", "code", "page")
 _NUMBERS = (
     *("left_percent", "see", "noise_floor", "temperature", "load", "amplitude", "peak_force", "samples", "duration_s"),

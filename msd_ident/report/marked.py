@@ -1,4 +1,7 @@
-"""Numbers with their path in the JSON: the page contains both, and a test compares them."""
+"""Numbers with their path in the JSON: the page contains both, and a test compares them.
+
+So a new number on the page of a diagnosis stands in ``Diagnosis.to_json_dict`` and in ``docs/json.md`` too.
+"""
 
 from __future__ import annotations
 

@@ -46,6 +46,8 @@ def test_digits_are_those_of_one_by_one(kept: Path, records: Path) -> None:
     rows = table.read(str(kept)).to_pylist()
     work = Work(Job())
     alone = [row for path in sorted(records.rglob("*.csv")) for row in work(str(path)).rows]
+    lost = {name for row in alone for name in row} - set(table.schema().names)
+    assert not lost, f"{lost} is in the rows and no column: add it in batching/table.py"
     again = table.made(alone).to_pylist()
     assert list(map(of_the_record, rows)) == list(map(of_the_record, again)) and len(rows) == 4
 

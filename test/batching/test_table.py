@@ -12,6 +12,7 @@ import pyarrow.parquet as parquet  # noqa: E402
 from batchrigs import row  # noqa: E402
 
 from msd_ident.batching import needs, table  # noqa: E402
+from msd_ident.batching.row import PARAMETERS  # noqa: E402
 from msd_ident.errors import DataError, SetupError, UsageError  # noqa: E402
 
 
@@ -19,6 +20,14 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     made = table.made([row(1), row(2, error="none", verdict=None)])
     table.Store(str(tmp_path / "t.parquet")).finish(made)
     assert table.read(str(tmp_path / "t.parquet")).equals(made)
+
+
+def test_every_column_is_in_the_documentation(repository: Path) -> None:
+    page = (repository / "docs" / "batch.md").read_text(encoding="utf-8")
+    ends = tuple(f"{name}{end}" for name in PARAMETERS for end in ("", "_std"))  # as PARAMETER, base_mass, p_EFFECT
+    for name in table.schema().names:
+        if not name.startswith("p_") and name.removeprefix("base_") not in ends:
+            assert f"`{name}`" in page, f"docs/batch.md does not have the column {name}"
 
 
 def another(path: Path) -> None:

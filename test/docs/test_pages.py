@@ -66,6 +66,11 @@ def test_equations_and_numbers_are_set(site: Path) -> None:
     assert f"Less than {DECISIVE} nats" in (site / "diagnosis.html").read_text(encoding="utf-8")
 
 
+def test_the_readme_counts_the_effects() -> None:
+    said = f"{len(LIBRARY)} are in its library"
+    assert said in (REPOSITORY / "README.md").read_text(encoding="utf-8"), f"expected in README.md: … {said}"
+
+
 def test_each_command_and_option_is_on_its_page() -> None:
     page = command_page.page()
     for name in main.COMMANDS:

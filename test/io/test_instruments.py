@@ -169,7 +169,7 @@ def test_a_mat_file_is_read(tmp_path: Path) -> None:
     record = read(path)
     np.testing.assert_array_equal(record.position, X)
     np.testing.assert_allclose(record.time, T, atol=1e-12)
-    assert describe(path).kind == "MAT file"
+    assert describe(path).kind == "MAT file" and describe(path).is_table
     assert [topic.name for topic in describe(path).topics] == ["time", "force", "position"]
 
 

@@ -13,7 +13,7 @@ from effect_examples import EXAMPLES, example, model, neutral, plant, record, si
 
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
-from msd_ident.model.effects import LIBRARY, by_name, structural
+from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, structural
 from msd_ident.model.effects.base import DELAY, KINDS, LAG, PLAY, SECOND_MASS
 from msd_ident.model.plant import PLANT_PARAMETERS
 
@@ -26,10 +26,11 @@ def spread(values: np.ndarray) -> float:
 
 
 def test_library_is_complete_and_each_effect_is_a_file() -> None:
-    assert set(NAMES) == set(EXAMPLES)
+    differ = set(NAMES) ^ set(EXAMPLES)
+    assert not differ, f"{differ} stands in the library or in EXAMPLES of effect_examples.py alone"
     assert list(NAMES) == sorted(NAMES)
     for effect in LIBRARY:
-        assert effect.__module__.endswith(f".{effect.name}")
+        assert effect.__module__.endswith(f".{effect.name}"), "an effect's name is that of its file"
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -58,6 +59,23 @@ def test_says_of_its_own_parameters_alone(name: str) -> None:
         assert parameter.ceiling is None or parameter.ceiling(10.0, 0.01) > 0.0
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_laws_use_nothing_but_their_arguments_and_math(name: str) -> None:
+    """Exports copy the source of a law, and of nothing beside it."""
+    for kind, law in by_name(name).laws().items():
+        others = set(inspect.getclosurevars(law).globals) - {"math"}
+        assert not others, f"{kind} of {name} uses {others} of its module, which exported files do not have"
+
+
+def test_memory_names_are_those_of_one_effect() -> None:
+    taken = {*ARGUMENTS, *(p.name for p in PLANT_PARAMETERS)} | {p.name for e in LIBRARY for p in e.parameters}
+    for effect in LIBRARY:
+        for name, _ in effect.memory:
+            assert name not in taken, f"{effect.name} remembers {name}, which is a name of something else too"
+            taken.add(name)
+            assert f"reversal_{name}" in effect.laws(), f"{effect.name} does not say what {name} becomes at a reversal"
+
+
 @pytest.mark.parametrize(("role", "parameters"), [(PLAY, 1), (LAG, 1), (DELAY, 1), (SECOND_MASS, 3)])
 def test_each_part_of_the_structure_is_one_effect(role: str, parameters: int) -> None:
     (effect,) = (effect for effect in LIBRARY if effect.structure == role)
@@ -76,7 +94,8 @@ def test_a_parameter_name_means_one_thing() -> None:
     meaning = {parameter.name: parameter for parameter in PLANT_PARAMETERS}
     for effect in LIBRARY:
         for parameter in effect.parameters:
-            assert meaning.setdefault(parameter.name, parameter) == parameter
+            known = meaning.setdefault(parameter.name, parameter)
+            assert known == parameter, f"{effect.name}: another effect or the plant says otherwise of {parameter.name}"
 
 
 @pytest.mark.parametrize("hold", ["zero", "linear"])
@@ -85,8 +104,9 @@ def test_zero_strength_is_the_plain_plant(name: str, hold: str) -> None:
     measured = record(hold=hold)
     plain = simulate(plant(), measured).position
     zero = simulate(plant() + neutral(name), measured).position
-    assert np.max(np.abs(zero - plain)) <= 1e-12 * spread(plain)
-    assert np.max(np.abs(simulate(model(name), measured).position - plain)) > 1e-4 * spread(plain)
+    assert np.max(np.abs(zero - plain)) <= 1e-12 * spread(plain), "neutral does not make the effect vanish"
+    moved = np.max(np.abs(simulate(model(name), measured).position - plain))
+    assert moved > 1e-4 * spread(plain), "the example hardly moves the plant: make it stronger"
 
 
 @pytest.mark.parametrize("hold", ["zero", "linear"])
@@ -100,7 +120,8 @@ def test_small_strength_is_near_the_plain_plant(name: str, hold: str) -> None:
         fading["force_limit"] = math.inf
     plain = simulate(plant(), measured).position
     faded = simulate(plant() + by_name(name)(**fading), measured).position
-    assert np.max(np.abs(faded - plain)) <= 1e-5 * spread(plain)
+    left = np.max(np.abs(faded - plain)) / spread(plain)
+    assert left <= 1e-5, "a millionth of the example's strength still shows"
 
 
 def length_power(unit: str) -> int:
@@ -121,7 +142,8 @@ def test_millimetres_and_metres_give_the_same_motion(name: str, hold: str) -> No
     small = whole.with_values({n: whole[n] * factor[n] for n in whole.names})
     metres = simulate(whole, measured, 0.004, -0.03)
     millimetres = simulate(small, replace(measured, force=1000.0 * measured.force), 4.0, -30.0)
-    assert np.max(np.abs(1e-3 * millimetres.position - metres.position)) <= 1e-7 * spread(metres.position)
+    apart = np.max(np.abs(1e-3 * millimetres.position - metres.position))
+    assert apart <= 1e-7 * spread(metres.position), "a parameter's unit does not fit the law"
 
 
 @pytest.mark.parametrize("name", [effect.name for effect in LIBRARY if effect.dissipative])
@@ -159,9 +181,9 @@ def turned(effect: Effect) -> float:
 @pytest.mark.parametrize("name", NAMES)
 def test_mirror_symmetry_where_the_law_has_it(name: str) -> None:
     if by_name(name).mirror:
-        assert turned(example(name)) <= 1e-8
+        assert turned(example(name)) <= 1e-8, "mirror is set, and the turned motion is another one"
     else:
-        assert turned(example(name)) > 1e-4
+        assert turned(example(name)) > 1e-4, "mirror is not set, and the turned motion is the same"
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -171,9 +193,9 @@ def test_a_later_clock_moves_only_what_knows_the_time(name: str) -> None:
     there = simulate(model(name), later, 0.004, -0.03).position
     difference = float(np.max(np.abs(there - here))) / spread(here)
     if by_name(name).steady:
-        assert difference <= 2e-7
+        assert difference <= 2e-7, "steady is set, and the motion depends on the time"
     else:
-        assert difference > 1e-4
+        assert difference > 1e-4, "steady is not set, and the motion does not depend on the time"
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -205,7 +227,7 @@ def test_neighbours_are_other_effects_of_the_kind(name: str) -> None:
     effect = by_name(name)(**EXAMPLES[name])
     others = effect.neighbours([record()])
     assert all(type(other) is type(effect) and other != effect for other in others)
-    assert bool(others) == (name == "backlash")
+    assert bool(others) == (name == "backlash"), "name here every effect whose example has neighbours"
     assert not by_name(name).from_values(EXAMPLES[name] | dict(effect.neutral)).neighbours([record()])
 
 
@@ -242,4 +264,5 @@ def test_what_depends_on_the_place_says_so() -> None:
         loose = model(name).with_values({"stiffness": 0.0})
         paths = np.stack([simulate(loose, measured, start, 0.0).position - start for start in (0.001, 0.0025)])
         here, there = paths[:, np.all(np.isfinite(paths), axis=0)]
-        assert (np.max(np.abs(here - there)) > 1e-6 * spread(here)) == (effect.placed() or name == "backlash"), name
+        knows, says = np.max(np.abs(here - there)) > 1e-6 * spread(here), effect.placed() or name == "backlash"
+        assert knows == says, f"{name}: placed() is {says}, and {knows} is what its motion says"

@@ -60,7 +60,7 @@ def test_tables_are_as_agreed(name: str) -> None:
     if not path.exists():
         path.write_text(text, encoding="utf-8")
         pytest.fail(f"{path} was not there and is written; read it")
-    assert text == path.read_text(encoding="utf-8")
+    assert text == path.read_text(encoding="utf-8"), f"if it is meant so, delete {path}, run again, read and commit"
 
 
 def test_brackets_in_names_are_no_markup() -> None:

@@ -67,7 +67,10 @@ def text() -> str:
 def at(found: object, key: str) -> object:
     """The value at a path like ``causes.0.probability``."""
     for part in key.split("."):
-        found = found[int(part)] if isinstance(found, list) else found[part]  # type: ignore[index]
+        keys = range(len(found)) if isinstance(found, list) else found
+        place = int(part) if isinstance(found, list) else part
+        assert place in keys, f"the page shows {key}, and the JSON (to_json_dict) has no {part} there"
+        found = found[place]  # type: ignore[index]
     return found
 
 

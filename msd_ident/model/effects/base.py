@@ -43,7 +43,7 @@ KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map
 
 @dataclass(frozen=True)
 class RecordScales:
-    """What records show, in their units: what the ranges of inner parameters are made of.
+    """What records show, in their units: what the ranges of parameters are made of, see ``Effect.resolvable``.
 
     Attributes:
         mass, stiffness: of roughly the base model.
@@ -85,7 +85,8 @@ class Parameter:
         kinked: the error over it has a valley for every number of half-swings.
         multistable: it gives the cart many places to rest in, so that a small error sends it to another one.
         within_reach: a distance [m] from zero that the motion reaches at its ends or not at all.
-        least, most: smallest and largest size that a record of the motion could tell, in natural sizes of its unit.
+        least, most: smallest and largest size that a record of the motion could tell, as factors of the size that its
+            unit has on the rig (``estimate.parameter_units.Magnitudes``).
         ceiling: largest size that a record could tell, in its unit, from duration and sample period [s]; in place of
             ``most``.
         regressor: what its force is proportional to, where the equation of motion is linear in it, as arrays (n,) of
@@ -147,17 +148,24 @@ class Harmonic:
 class Effect:
     """Base of all effects: a frozen dataclass whose fields are its parameters.
 
+    Every effect sets ``name`` (that of its file), ``parameters``, ``acts_on``, ``law``, ``source``, ``neutral`` and
+    ``guess``; all else has a default. The docstrings of its module, of its class and of ``guess`` stand on its page of
+    the documentation.
+
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
-    motion, ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is commanded,
-    else 0), a commanded force ``u`` [N], any parameter of the effect or of the plant, any of its ``memory``.
+    motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
+    commanded, else 0), a commanded force ``u`` [N], any parameter of the effect or of the plant, any of its ``memory``.
+    Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 
     - ``force(...)`` [N]: on the left-hand side of m x'' + b x' + k x + force = F, smooth between guards;
     - ``constant(...)`` [N]: the same for a force that depends on parameters alone;
     - ``disturbance(t, ...)`` [N]: the same for a force that depends on time alone;
     - ``friction(...)`` [N]: dry friction while sliding, against the motion, and ``breakaway(...)`` [N] at rest;
-    - ``reversal(...)``: the new values of ``memory`` when the motion turns at x (one function a memory name);
+    - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
+      name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
+      in which ``direction`` is 0;
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;
     - ``reading(...)`` [m]: what the sensor makes of x.
 
@@ -208,7 +216,8 @@ class Effect:
     held: ClassVar[tuple[str, ...]] = ()
     #: Its force law is not smooth at v = 0, so the solver stops there.
     turns: ClassVar[bool] = False
-    #: Start values of what the law remembers from the last reversal: (name, value) pairs.
+    #: Start values of what the law remembers from the last reversal: (name, value) pairs. No other effect uses these
+    #: names: they share one vector.
     memory: ClassVar[tuple[tuple[str, float], ...]] = ()
     #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
     #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
@@ -325,7 +334,10 @@ class Effect:
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """Ranges of inner parameters, by name, within which the samples of these records can tell them."""
+        """Ranges of parameters, by name, within which the samples of these records can tell them.
+
+        Parameters that are not named keep their bounds.
+        """
         del seen
         return {}
 
