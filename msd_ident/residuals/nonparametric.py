@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -122,7 +122,7 @@ class _Curves:
         return np.clip(np.nan_to_num(out - data.position, nan=reach, posinf=reach, neginf=-reach), -reach, reach)
 
     def cost(self, point: FloatArray) -> float:
-        """Half the weighted sum of squares, with a slight wish for smooth curves where nothing is measured."""
+        """Half the weighted sum of squares."""
         error = sum(part.chi(self.residual(point, r)) for r, part in enumerate(self.readings))
         return 0.5 * error
 
@@ -147,11 +147,14 @@ class _Curves:
 def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initial], see_base: float) -> Characteristics:
     """Fit both curves to all records by simulation error.
 
+    Positions are counted from the zero of the first record; those of the others are shifted to it.
+
     Args:
         readings: the records with their noise.
         model, initial: where the fit starts: the best set of causes, and how each record began under it.
         see_base: SEE of the base model [m], to which the gain refers.
     """
+    readings = [_shifted(part, initial[0].zero - began.zero) for part, began in zip(readings, initial, strict=True)]
     records = tuple(part.record for part in readings)
     problem, start = _pose(tuple(readings), records, model, initial)
     lower = np.full(start.size, -np.inf)
@@ -175,6 +178,12 @@ def measure(readings: Sequence[Readings], model: Model, initial: Sequence[Initia
     )
 
 
+def _shifted(readings: Readings, by: float) -> Readings:
+    """The readings as if the encoder's zero were elsewhere; ``by`` in metres."""
+    record = readings.record
+    return replace(readings, record=replace(record, position=record.position + by)) if by else readings
+
+
 def _pose(
     readings: tuple[Readings, ...], records: tuple[Record, ...], model: Model, initial: Sequence[Initial]
 ) -> tuple[_Curves, FloatArray]:
@@ -191,7 +200,7 @@ def _pose(
     spring = model.stiffness * (places - zero)
     damper = model.damping * speeds + friction * np.sign(speeds)
     size = max(float(np.ptp(spring)), max(float(np.max(np.abs(r.force))) for r in records), 1e-9)
-    starts = [value for s in initial for value in (s.position + s.zero, s.velocity)]
+    starts = [value for s in initial for value in (s.position + zero, s.velocity)]
     span = high - low
     scale = np.concatenate(([model.mass], np.full(places.size + speeds.size, size), np.tile([span, top], len(records))))
     applied = tuple(_mean_force(record) for record in records)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,3 +57,13 @@ def test_the_json_holds_plain_lists() -> None:
     assert told["spring_force_over_position"]["force"] == list(found.spring.force)
     assert told["damping_force_over_velocity"]["over"] == list(found.damper.over)
     assert (told["mass"], told["see_m"]) == (found.mass, found.see)
+
+
+def test_records_with_zeros_of_their_own_share_one_spring() -> None:
+    """An encoder that counts from where it was switched on."""
+    first, second = record(BENT), record(BENT, seed=2, force=5.0)
+    together = curves([first, second])
+    moved = replace(second, position=second.position + 0.01)
+    apart = curves([first, moved], (Initial(), Initial(zero=0.01)))
+    assert apart.see == pytest.approx(together.see, rel=1e-3)
+    np.testing.assert_allclose(apart.spring.force, together.spring.force, atol=0.01)
