@@ -51,7 +51,7 @@ def closed(record: Record) -> list[str]:
 
 def test_a_closed_loop_is_said_with_its_gain() -> None:
     (said,) = closed(controlled())
-    assert said.startswith("the force follows the readings (-300 N/m): a controller makes it from them.")
+    assert said.startswith("the force follows the readings (-300 N/m): a controller computes it from them.")
     assert "push with a force that does not depend on the position" in said
 
 
