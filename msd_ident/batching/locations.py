@@ -14,6 +14,7 @@ from msd_ident.batching.needs import library
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io.bag_folder import STORAGE
 from msd_ident.io.columns import SUFFIXES as TABLES
+from msd_ident.io.compression import plain_name
 
 #: Names of files that hold a record.
 SUFFIXES = (*STORAGE, *TABLES)
@@ -91,9 +92,17 @@ def _grouped(files: Iterable[str]) -> list[str]:
         path = PurePosixPath(name)
         if str(path.parent) in bags:
             found[str(path.parent)] = None
-        elif path.suffix.lower() in SUFFIXES and not path.name.startswith("."):
+        elif _holds_record(path):
             found[name] = None
     return list(found)
+
+
+def _holds_record(path: PurePosixPath) -> bool:
+    """Whether a file is a record by its name; a bag's file may be compressed as a whole."""
+    if path.name.startswith("."):
+        return False
+    plain = PurePosixPath(plain_name(Path(path)))
+    return path.suffix.lower() in SUFFIXES or plain.suffix.lower() in STORAGE
 
 
 @contextmanager

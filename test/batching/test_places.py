@@ -25,10 +25,10 @@ def names(found: tuple[str, ...]) -> list[str]:
 
 
 def test_a_folder_gives_its_bags_and_files(tmp_path: Path) -> None:
-    for name in ("b.csv", "a.mcap", "deep/c.mat", ".hidden.csv", "notes.txt"):
+    for name in ("b.csv", "a.mcap", "deep/c.mat", "d.mcap.zstd", "e.csv.zst", ".hidden.csv", "notes.txt"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
-    assert names(locations.records([tmp_path])) == ["a.mcap", "b.csv", "c.mat"]
+    assert names(locations.records([tmp_path])) == ["a.mcap", "b.csv", "d.mcap.zstd", "c.mat"]
     assert names(locations.records([tmp_path / "*.csv", tmp_path / "b.csv"])) == ["b.csv"]
     assert names(locations.records([BAGS])) == ["drag_steps", "paper_step", "release"]
 

@@ -28,7 +28,7 @@ def test_bands_share_all_that_is_left_and_all_that_noise_can(samples: int, swing
 TIMES = (0.1, 0.3, 0.7, 1.5, 3.0, 6.0, 12.0, 20.0)
 
 
-@pytest.mark.parametrize(("band", "times"), enumerate(TIMES))
+@pytest.mark.parametrize(("band", "times"), list(enumerate(TIMES)))
 def test_a_band_is_an_octave_above_the_frequency_of_the_motion(band: int, times: float) -> None:
     record = swinging(4000, 20.0)
     residual = np.sin(2.0 * np.pi * 20.0 * times * record.time / 10.0)
