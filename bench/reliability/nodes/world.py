@@ -145,11 +145,15 @@ class World:
     def call(self, kind: Any, name: str, request: Any, count: int = 1, seconds: float = 60.0) -> list[Any]:
         """Answers of a service, called so many times at once."""
         client = self.tester.create_client(kind, name, qos_profile=names.service_qos())
+        futures: list[Any] = []
         try:
             self.until(client.service_is_ready, f"service {name}")
             futures = [client.call_async(request) for _ in range(count)]
             self.until(lambda: all(future.done() for future in futures), f"answers of {name}", seconds)
             return [future.result() for future in futures]
+        except Failed as error:
+            answered = sum(future.done() for future in futures)
+            raise Failed(f"{error}; {answered} of {count} answered") from None
         finally:
             self.tester.destroy_client(client)
 
