@@ -127,4 +127,4 @@ def study(table: Table1 = Table1(), progress: Progress = lambda stage, fraction:
         raise UsageError("no model with two peaks comes near Table 1; expected the numbers of an oscillation")
     progress("every single cause", 0.5)
     near, even = coulomb
-    return Paper(table, Printed(), derived, printed_response, near, even, single_causes(table, near), undecidable())
+    return Paper(table, Printed(), derived, printed_response, near, even, single_causes(table), undecidable())

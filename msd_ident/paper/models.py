@@ -252,7 +252,7 @@ def coulomb_starts(table: Table1) -> list[Model]:
     ]
 
 
-def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
+def single_causes(table: Table1) -> tuple[Closest, ...]:
     """Models with one effect beside m, b and k, nearest to the table first.
 
     Effects with more parameters than the table can determine are left out, and those that change in time or act on the
@@ -260,7 +260,6 @@ def single_causes(table: Table1, coulomb: Closest) -> tuple[Closest, ...]:
 
     Args:
         table: the paper's numbers.
-        coulomb: not used; Coulomb friction is fitted like the other effects.
     """
     base = plant(derive(table))
     record = step_record(table)

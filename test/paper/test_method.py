@@ -47,10 +47,8 @@ def test_a_table_that_a_coulomb_model_did_make_is_reproduced() -> None:
     assert found is not None and all(model.reproduces for model in found)
 
 
-def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not(
-    both: tuple[Closest, Closest],
-) -> None:
-    able = {cause.cause: cause.reproduces for cause in single_causes(Table1(), both[0])}
+def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not() -> None:
+    able = {cause.cause: cause.reproduces for cause in single_causes(Table1())}
     assert able["quadratic_drag"] and able["cubic_spring"] and able["end_stop"]
     assert not able["coulomb_friction"] and not able["force_offset"] and not able["backlash"]
     assert "stribeck_friction" in undecidable() and not set(able) & set(undecidable())
