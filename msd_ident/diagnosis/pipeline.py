@@ -189,12 +189,11 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, ranking, shared = search.base, search.ranking, search.shared
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
-    matrix, unchecked = None, ""
+    matrix = None
     if best.causes:
         ranking, matrix = replication.checked(experiment, base, ranking, task.calibrate, progress)
-        unchecked = replication.left_unchecked(experiment, base, matrix)
         if (ranking := naming.leading(ranking)).best is not best:
-            ranking, best, heldout = naming.predicting(experiment, base, ranking)
+            ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
     progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
@@ -213,8 +212,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     alike = gain_laws.alike(experiment, best, scale)
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
-    said += naming.other_forms(ranking) if best.causes == ranking.best.causes else ()
-    said += (unchecked,) if unchecked and best.causes else ()
+    if best.causes == ranking.best.causes:
+        said += naming.other_forms(ranking) + replication.left_unchecked(ranking, matrix)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     return Diagnosis(
         records=task.records,

@@ -138,6 +138,7 @@ def _searching(
     experiment: Experiment, progress: Progress, blurred: Callable[[Hypothesis], bool] = lambda fitted: False
 ) -> Search:
     def at_floor(fitted: Hypothesis) -> bool:
+        """Whether a set leaves nothing that calls for a further cause."""
         # What is left above the noise by less than the noise's own error calls for no further cause.
         return (
             fitted.chi < (1.0 + NOISE_ERROR) * experiment.evidence

@@ -72,7 +72,8 @@ class Ranking:
             that it explains (``further_parts``).
         leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
             its laws are not those of the rig, so none of its causes is certain.
-        unchecked: causes that a poor experiment shows, without copies to check them (``replication``): none is certain.
+        unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
+            certain.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -81,7 +82,7 @@ class Ranking:
     left: Mapping[Causes, float] = field(default_factory=dict)
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     leaves: Mapping[Causes, float] = field(default_factory=dict)
-    unchecked: frozenset[str] = frozenset()
+    unchecked: bool = False
 
     @property
     def best(self) -> Hypothesis:
@@ -107,7 +108,7 @@ class Ranking:
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
-        return min(found, _uncertain(kind)) if kind in self.unchecked else found
+        return min(found, _uncertain(kind)) if self.unchecked else found
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one."""
@@ -225,8 +226,7 @@ def _left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) 
 
 def _of_its_own(name: str) -> float:
     """Probability that a cause which may be another form of the other laws acts by itself."""
-    odds = FORM_ODDS * by_name(name).prior_odds
-    return odds / (1.0 + odds)
+    return _limited(by_name(name).prior_odds)
 
 
 def _uncertain(cause: str) -> float:
@@ -234,7 +234,12 @@ def _uncertain(cause: str) -> float:
 
     Prior odds that are lower than those of most causes do not count once more.
     """
-    odds = FORM_ODDS * max(by_name(cause).prior_odds, Effect.prior_odds)
+    return _limited(max(by_name(cause).prior_odds, Effect.prior_odds))
+
+
+def _limited(prior_odds: float) -> float:
+    """Probability at the greatest odds, ``FORM_ODDS`` times the prior ones."""
+    odds = FORM_ODDS * prior_odds
     return odds / (1.0 + odds)
 
 

@@ -167,8 +167,8 @@ def checked(
 ) -> tuple[Ranking, Calibration | None]:
     """The ranking as corrected by copies of the experiment, and their confusion matrix.
 
-    No copies are made if no cause is named. Unless ``asked``, none are made either if the experiment is not poor or if
-    they cost more than ``_CHEAP``. A poor experiment without copies lets no cause be certain.
+    Unless ``asked``, no copies are made if the experiment is not poor or if they cost more than ``_CHEAP``. A poor
+    experiment without copies lets no cause be certain.
 
     Args:
         experiment: the measured records.
@@ -180,14 +180,12 @@ def checked(
     Returns:
         The corrected ranking and the matrix; None if no copies were made.
     """
-    if not ranking.best.causes:
-        return ranking, None
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
     if not asked and not _poor(experiment, base):
         return ranking, None
     if not asked and cost(experiment, rows, counts) > _CHEAP:
-        return replace(ranking, unchecked=kinds(ranking.best.causes)), None
+        return replace(ranking, unchecked=True), None
     rows = [row.fitted_from(experiment, ranking.best) for row in rows]
     study = _study(experiment, base, ranking, rows)
     tasks = [(row, number) for row, count in enumerate(counts) for number in range(count)]
@@ -203,20 +201,21 @@ def checked(
     return after, Calibration(tuple(made), stated, allowed)
 
 
-def left_unchecked(experiment: Experiment, base: Hypothesis, matrix: Calibration | None) -> str:
-    """A sentence that says so if the experiment is poor and no copies were made, otherwise an empty text.
+def left_unchecked(ranking: Ranking, matrix: Calibration | None) -> tuple[str, ...]:
+    """A sentence that says why the leading set was not checked by copies, if it had to be.
 
     Args:
-        experiment: the measured records.
-        base: the fitted base model.
-        matrix: the confusion matrix of the copies, if they were made.
+        ranking: the final one.
+        matrix: the confusion matrix of the copies, if they were made; then they are of another leading set.
     """
-    if matrix is not None or not _poor(experiment, base):
-        return ""
+    if not ranking.unchecked or not ranking.best.causes:
+        return ()
+    limit = "odds are at most 3 to 1 (60 to 1 for Coulomb friction)"
+    if matrix is not None:
+        return (f"The copies of this record were made of another explanation, which they did not confirm: {limit}.",)
     return (
         "One step, a ramp or a release excites little, and copies of this long record were not simulated to check "
-        "the probabilities: odds are at most 3 to 1 (60 to 1 for Coulomb friction). --calibrate makes the copies; "
-        "steps in both directions need none."
+        f"the probabilities: {limit}. --calibrate makes the copies; steps in both directions need none.",
     )
 
 

@@ -19,6 +19,7 @@ from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.naming import leading, tied
 from msd_ident.selection.ranking import Ranking
+from msd_ident.selection.replication import left_unchecked
 
 RUB, PEAK, DRAG, NOTHING = (
     frozenset(names) for names in (["coulomb_friction"], ["stribeck_friction"], ["quadratic_drag"], [])
@@ -114,12 +115,23 @@ def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], 
 
 
 def test_without_copies_of_a_poor_experiment_no_cause_is_certain(fitted: dict[frozenset[str], Hypothesis]) -> None:
-    after = replace(ranking(fitted, both=0.98, rub=0.01, nothing=0.01), unchecked=RUB | DRAG)
+    after = replace(ranking(fitted, both=0.98, rub=0.01, nothing=0.01), unchecked=True)
     assert after.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
     assert after.of_cause("coulomb_friction") == pytest.approx(60.0 / 61.0)
     assert leading(after).best.causes == RUB | DRAG
-    unsure = replace(ranking(fitted, rub=0.6, nothing=0.4), unchecked=RUB)
+    unsure = replace(ranking(fitted, rub=0.6, nothing=0.4), unchecked=True)
     assert unsure.of_cause("coulomb_friction") == pytest.approx(0.6), "never surer than before"
+
+
+def test_a_set_that_was_not_checked_says_why(fitted: dict[frozenset[str], Hypothesis]) -> None:
+    named = ranking(fitted, rub=0.98, nothing=0.02)
+    matrix = Calibration((row(PEAK, peak=8),), {}, {})
+    assert left_unchecked(named, None) == left_unchecked(named, matrix) == ()
+    open_ = replace(named, unchecked=True)
+    (alone,), (after,) = left_unchecked(open_, None), left_unchecked(open_, matrix)
+    assert "copies of this long record were not simulated" in alone and "--calibrate makes the copies" in alone
+    assert after.startswith("The copies of this record were made of another explanation, which they did not confirm:")
+    assert left_unchecked(replace(ranking(fitted, nothing=1.0), unchecked=True), None) == (), "nothing is named"
 
 
 def test_json_holds_every_count() -> None:
