@@ -211,6 +211,7 @@ def _lines() -> Callable[[int, int, Sequence[Any]], None]:
     began = last = time.monotonic()
 
     def tell(done: int, total: int, rows: Sequence[Any]) -> None:
+        """Print a line about the progress, at most one in ``_LINE_SECONDS``."""
         nonlocal last
         now = time.monotonic()
         if now - last < _LINE_SECONDS and done < total:

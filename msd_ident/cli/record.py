@@ -77,6 +77,7 @@ def record(
         made: list[Recorder] = []
 
         def make() -> Recorder:
+            """Find the graph to record, and make the recorder in it."""
             check_request(target, topics or [], compression)
             with kept_discovery():
                 place = namespace or _found(topics or [], every, signals, WAIT if duration else 0.0)

@@ -46,6 +46,7 @@ class _Groups:
         return sum(part.cost(point[places]) for part, places in zip(self._parts, self._places, strict=True))
 
     def linearise(self, point: FloatArray) -> Normal:
+        """Cost, gradient and normal matrix of all records, in the joint vector."""
         cost, gradient, matrix = 0.0, np.zeros(self._size), np.zeros((self._size, self._size))
         for part, places in zip(self._parts, self._places, strict=True):
             own = part.linearise(point[places])

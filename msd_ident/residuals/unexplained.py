@@ -130,6 +130,7 @@ def remainders(
     yardstick, size = _yardstick(records, motion, plant["stiffness"])
 
     def left_by(model: JudgedModel) -> Remainder:
+        """What a model leaves, as a force and as a part of the motion."""
         force, interval = _force(model.missing, plant, model.adequacy.consistent)
         return Remainder(
             force=force,

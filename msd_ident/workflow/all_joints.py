@@ -58,6 +58,7 @@ def each_joint(
     """
 
     def work(joint: _Joint) -> JointResult:
+        """Read one joint, judge whether its effort can be the force, and diagnose it."""
         if not joint.has_effort:
             return JointResult(joint.name, False, "its messages contain no effort, so there is no force")
         try:
