@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 from bench.reliability.nodes.faults import FAULTS
 from bench.reliability.nodes.soak import Found, soak
-from bench.reliability.nodes.world import world
+from bench.reliability.nodes.world import as_between_processes, world
 from msd_ident.ros.common.domain import private_domain
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "reliability.md"
@@ -62,8 +63,11 @@ def main() -> int:
     faults = [fault for fault in FAULTS if given.only in fault.name]
     if not faults or (given.only and given.write):
         parser.error("no fault has these words in its name" if not faults else "--write needs all faults")
-    with private_domain() as domain, tempfile.TemporaryDirectory() as folder, world(domain, Path(folder)) as nodes:
-        found = soak(nodes, 60.0 * given.minutes, given.seed, lambda line: print(line, flush=True), given.pause, faults)
+    with private_domain() as domain, tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as settings:
+        as_between_processes(Path(settings))
+        with world(domain, Path(folder)) as nodes:
+            tell = partial(print, flush=True)
+            found = soak(nodes, 60.0 * given.minutes, given.seed, tell, given.pause, faults)
     text = table(found, given.seed)
     print(text)
     if given.write:
