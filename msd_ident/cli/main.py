@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from msd_ident import parallel
+from msd_ident.cli.interruption import send_lost_signals_again
 from msd_ident.errors import MsdError, UsageError
 
 #: Subcommands: each is a module of this package with a function of the same name.
@@ -66,11 +67,14 @@ def fail(error: MsdError) -> int:
 def main() -> int:
     """Run the command line; the exit code. Errors that the user can correct are printed in one line."""
     parallel.one_blas_thread()
-    _register()
+    send_lost_signals_again()
     try:
+        _register()
         outcome = app(standalone_mode=False)
     except MsdError as error:
         return fail(error)
+    except KeyboardInterrupt:  # before typer runs, which handles it
+        return 130
     except typer.Abort:
         return fail(UsageError("interrupted"))
     except Exception as error:
