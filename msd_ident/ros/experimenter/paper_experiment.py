@@ -10,6 +10,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -71,7 +72,7 @@ class Player:
     def wait_for_all(self) -> None:
         """Until the rig answers, and recorder and identifier are ready."""
         self._until(lambda: self._now_ns, "the rig's encoder")
-        self._until(self._force.get_subscription_count, "the rig to listen")
+        self._until(self._rig_listens, "the rig to listen")
         self._push(self._now_ns, 0.0)
         self._until(
             lambda: self._count("identifier", "data", "position samples"), "the identifier to receive the encoder"
@@ -110,6 +111,23 @@ class Player:
         """The identifier's estimate from the bag, or from its live buffer."""
         request = Identify.Request(bag_path=bag_path, start=start, end=end)
         return self._call(Identify, names.IDENTIFY, request).estimate
+
+    def _rig_listens(self) -> bool:
+        """Whether a node that publishes the encoder listens to the force, and this node knows all who listen.
+
+        Recorder and identifier listen, too; on a busy machine they are found seconds before the rig.
+        """
+        listening = self._node.get_subscriptions_info_by_topic(self._node.resolve_topic_name(names.FORCE))
+        rigs = {
+            (publisher.node_namespace, publisher.node_name)
+            for topic in (names.ENCODER, names.ENCODER_BATCH)
+            for publisher in self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
+        }
+        # The rig has another subscription for commands from before it began, which it ends soon.
+        lasting = [one for one in listening if one.qos_profile.durability == DurabilityPolicy.VOLATILE]
+        return any(
+            (one.node_namespace, one.node_name) in rigs for one in lasting
+        ) and self._force.get_subscription_count() >= len(listening)
 
     def _push(self, at_ns: int, newtons: float) -> None:
         message = WrenchStamped()
