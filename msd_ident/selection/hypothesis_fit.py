@@ -53,12 +53,6 @@ SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts o
 _SLACK = tuned(
     1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
 )
-_SLACK_FAR = tuned(
-    5e-3,
-    unit="1",
-    why="far from the noise, part of what is left whose fall is not worth a simulation",
-    chosen="by hand",
-)
 LEAST_FALL = tuned(
     0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
 )
@@ -75,11 +69,14 @@ class StartingPoint:
         promise: the predicted chi².
         fitted: the set at the start.
         beside: chi² of the smaller set from which the start was made.
+        least: chi² that a step with hardly any damping predicts, which goes far along directions that the data shows
+            only weakly.
     """
 
     promise: float
     fitted: Hypothesis
     beside: float
+    least: float = math.inf
 
     @property
     def turn(self) -> float:
@@ -90,10 +87,10 @@ class StartingPoint:
     def worth(self, reach: float) -> bool:
         """Whether to follow the start.
 
-        It promises a chi² below ``reach``, or less than half that of the smaller set. In the second case the first step
-        tells little about where the start leads.
+        It may reach a chi² below ``reach``, or less than half that of the smaller set. In the second case the first
+        step tells little about where the start leads.
         """
-        return self.promise < max(reach, MOST_OF * self.beside)
+        return min(self.promise, self.least) < max(reach, MOST_OF * self.beside)
 
 
 def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
@@ -197,8 +194,7 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
-    slack = _SLACK_FAR if fitted.chi > FAR * experiment.evidence else _SLACK
-    return LEAST_FALL + slack * max(fitted.chi - experiment.evidence, 0.0)
+    return LEAST_FALL + _SLACK * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:

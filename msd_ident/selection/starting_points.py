@@ -119,9 +119,9 @@ def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: M
     """A start next to a fitted parent, whose Jacobian it takes over."""
     problem, weighting, point = formulated(experiment, model, parent.initial)
     state = extended(weighting, parent.problem, parent.state, point)
-    promised = step(problem, state, DAMPING)[1]
+    promised, most = (step(problem, state, damping)[1] for damping in (DAMPING, DAMPING**2))
     here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
-    return StartingPoint(state.chi - promised, here, parent.chi)
+    return StartingPoint(state.chi - promised, here, parent.chi, state.chi - most)
 
 
 def _weakened(model: Model, names: Causes) -> Model:

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 from msd_ident import parallel
 from msd_ident.estimate.effort import LOOK
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
@@ -137,13 +138,25 @@ class Search:
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
-            share = min(0.6 + 0.03 * turn, 0.85)
-            if self._fit(self._swapped(best.causes) + self._resolved(best.causes), share, share + 0.015):
-                continue
-            if self.at_floor(best) or not self._fit(self._grown(best.causes), share + 0.015, share + 0.03):
+            if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
         self._rejoined(self._leader())
         return self.ranking()
+
+    def _fronts(self, best: Hypothesis) -> list[Hypothesis]:
+        """The sets whose neighbours are tried: the leading one, and one of at most as many causes that leaves far less.
+
+        Far from the noise the evidence counts features of the error, and may prefer a set that leaves more.
+        """
+        rivals = [one for one in self.sets.values() if len(one.causes) <= len(best.causes)]
+        least = min(rivals, key=lambda fitted: fitted.chi)
+        return [best] if self.at_floor(best) or least.chi > MOST_OF * best.chi else [best, least]
+
+    def _advance(self, front: Hypothesis, share: float) -> bool:
+        """Fit the neighbours of a set, larger ones only if all others were fitted; False if all were."""
+        if self._fit(self._swapped(front.causes) + self._resolved(front.causes), share, share + 0.015):
+            return True
+        return not self.at_floor(front) and self._fit(self._grown(front.causes), share + 0.015, share + 0.03)
 
     def _rejoined(self, best: Hypothesis) -> None:
         """Fit sets that differ from the leading one in one cause again, from the parameters that both share.

@@ -24,6 +24,12 @@ def test_a_promise_of_much_is_followed_however_far_it_is() -> None:
     assert StartingPoint(-1e-9, fitted, beside=10.0).turn == 0.0, "by rounding, a step that takes all away"
 
 
+def test_a_start_that_may_go_far_along_a_weak_direction_is_followed() -> None:
+    fitted = stood(rubbing(), BASE)
+    assert StartingPoint(9.0, fitted, beside=10.0, least=4.0).worth(5.0)
+    assert not StartingPoint(9.0, fitted, beside=10.0, least=6.0).worth(5.0)
+
+
 def test_a_set_is_refined_to_the_noise_and_no_further() -> None:
     data = pushed(RUB)
     wrong = BASE.with_values({"mass": 1.2, "damping": 1.5, "stiffness": 460.0}) + CoulombFriction(0.1)

@@ -148,3 +148,16 @@ def test_a_heavy_second_mass_beside_friction_is_found() -> None:
     found = pipeline.diagnose([swept({"second_mode": second, "coulomb_friction": {"coulomb_force": 0.2}})])
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "second_mode"}
     assert found.extended.model["second_mass"] == pytest.approx(0.36, rel=0.02)
+
+
+def test_an_offset_that_shows_by_the_drift_of_the_spring_alone_is_found() -> None:
+    """With a spring of one stiffness it is a shifted zero: along that direction a damped step hardly moves."""
+    made = api.simulate(
+        {"mass": 2.218, "damping": 18.14, "stiffness": 1128.8, "friction_coefficient": 0.0, "rate": 1000.0, "seed": 5,
+         "experiment": {"name": "steps", "force": 21.54, "hold": 0.75}, "encoder.counts_per_metre": 0.0,
+         "effects": {"stiffness_drift": {"stiffness_drift_rate": 0.0104}, "force_offset": {"offset_force": -2.367}},
+         "encoder.noise": 8.84e-6}
+    )  # fmt: skip
+    found = pipeline.diagnose([Record(made.time, made.position, made.force_time, made.force)])
+    assert {cause.name for cause in found.causes} == {"stiffness_drift", "force_offset"}
+    assert found.adequacy.ratio < 1.05

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from setrigs import BASE, rubbing, stood
+from setrigs import BASE, fitted, rubbing, steps, stood
 
 from msd_ident.data.record import Record
 from msd_ident.model import Plant
+from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.residuals.noise_model import prepare
@@ -47,3 +49,16 @@ def test_a_play_that_stops_imitate_is_begun_where_the_stops_stand() -> None:
     found = search.compared([base, stops])
     assert found.best.causes == {"backlash"}
     assert np.isclose(found.best.model["backlash_half_width"], 1e-3, rtol=0.01)
+
+
+def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_tried_too() -> None:
+    data = steps()
+    play, bent = BASE + Backlash(1e-3), BASE + CubicSpring(1e6)
+    leader, large = fitted(data, play, 1000.0), fitted(data, play + CoulombFriction(0.1), 10.0)
+    for left, fronts in ((400.0, 2), (600.0, 1)):
+        rival = fitted(data, bent, left)
+        search = Search(data, lambda fitted: fitted.chi < 100.0, lambda stage, part, cause: None)
+        search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), leader, rival, large)}
+        found = search._fronts(leader)
+        assert found == [leader, rival][:fronts], "a set of more causes is no rival"
+        assert search._fronts(large) == [large], "at the floor nothing else is tried"
