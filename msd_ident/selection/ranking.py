@@ -72,6 +72,9 @@ class Ranking:
             that it explains (``further_parts``).
         leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
             its laws are not those of the rig, so none of its causes is certain.
+        exact: sets that leave only noise.
+        poor: whether the experiment excites little (one step, a ramp, a release): laws of another form may leave only
+            noise, too.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
             certain.
     """
@@ -82,6 +85,8 @@ class Ranking:
     left: Mapping[Causes, float] = field(default_factory=dict)
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     leaves: Mapping[Causes, float] = field(default_factory=dict)
+    exact: frozenset[Causes] = frozenset()
+    poor: bool = False
     unchecked: bool = False
 
     @property
@@ -112,8 +117,15 @@ class Ranking:
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one."""
-        other_form = _of_its_own(law) if law in self.further.get(causes, ()) else 1.0
+        other_form = _of_its_own(law) if law in self.other_forms(causes) else 1.0
         return min(other_form, _uncertain(by_name(law).cause())) if causes in self.leaves else other_form
+
+    def other_forms(self, causes: Causes) -> Mapping[str, float]:
+        """Causes of a set that are not certain because they may be another form of its other laws, see ``further``.
+
+        A set that leaves only noise in a rich experiment needs no other form of its laws.
+        """
+        return {} if causes in self.exact and not self.poor else self.further.get(causes, {})
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -145,6 +157,12 @@ def _ceilings(
         if smaller < causes:
             gain = scale.of(sets[causes]) - scale.of(sets[smaller])
             yield value + max(gain, 0.0) + log_prior(causes - smaller)
+
+
+def _sufficient(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> Iterator[Causes]:
+    """Sets without one of the causes that leave only noise already."""
+    smaller = (causes - {name} for name in causes)
+    return (one for one in smaller if one in sets and _exact(sets[one], noise))
 
 
 def _simpler(causes: Causes) -> Iterator[Causes]:
@@ -185,15 +203,19 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
 
     No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
     explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
-    left without it. Where the set leaves only noise, no error of a law is seen: the first condition does not apply, and
-    ``_other_forms`` limits the cause's probability.
+    left without it. Where the set leaves only noise, no error of a law is seen, and every cause counts.
     """
-    exact = sets[causes].chi < (1.0 + NOISE_ERROR) * noise
+    exact = _exact(sets[causes], noise)
     for name, part in further_parts(causes, sets).items():
         faint = sets[causes - {name}].chi < FAINT**2 * noise
-        if (faint and part <= FORM_PART) or (not exact and part <= LEAST_SPREAD):
+        if not exact and part <= (FORM_PART if faint else LEAST_SPREAD):
             return True
     return False
+
+
+def _exact(fitted: Hypothesis, noise: float) -> bool:
+    """Whether a set leaves only noise."""
+    return fitted.chi < (1.0 + NOISE_ERROR) * noise
 
 
 def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
@@ -246,15 +268,17 @@ def _limited(prior_odds: float) -> float:
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
     """Whether a set is more than a simpler one.
 
-    It is not if an effect has no strength, if a cause explains no more than an error of the other laws could, or if a
-    law is no better than its limit or than another effect that it is equal to.
+    It is not if an effect has no strength, if a cause explains no more than an error of the other laws could, or if the
+    set is hardly likelier (``CALLED``) than one without a cause that leaves only noise, one with the limit of a law in
+    its place, or one with another effect that it is equal to.
     """
     if _same_as(sets[causes]) & set(sets):
         return False
     if scale.shapes <= SHAPES and _within_law_error(causes, sets, scale.noise):
         return False
-    limits = [sets[one] for one in (*_simpler(causes), *imitated(sets[causes].model, alike=True)) if one in sets]
-    return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in limits)
+    limits = (*_sufficient(causes, sets, scale.noise), *_simpler(causes), *imitated(sets[causes].model, alike=True))
+    known = [sets[one] for one in limits if one in sets]
+    return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in known)
 
 
 def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
@@ -281,6 +305,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
+        exact=frozenset(causes for causes in order if _exact(sets[causes], scale.noise)),
         further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )

@@ -182,7 +182,7 @@ def checked(
     """
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and not _poor(experiment, base):
+    if not asked and not is_poor(experiment, base):
         return ranking, None
     if not asked and cost(experiment, rows, counts) > _CHEAP:
         return replace(ranking, unchecked=True), None
@@ -229,8 +229,11 @@ def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Seq
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
 
 
-def _poor(experiment: Experiment, base: Hypothesis) -> bool:
-    """Whether the force asks the rig little; a plant without a spring swings as long as a twentieth of its record."""
+def is_poor(experiment: Experiment, base: Hypothesis) -> bool:
+    """Whether the force excites the rig little (``excitation.poor``).
+
+    A plant without a spring counts as one that swings as long as a twentieth of its record.
+    """
     mass, stiffness = base.model.mass, base.model.stiffness
     longest = max(record.duration for record in experiment.records)
     swing = 2.0 * math.pi * math.sqrt(mass / stiffness) if stiffness > 0.0 else longest / 20.0

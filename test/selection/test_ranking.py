@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
@@ -57,8 +58,9 @@ def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Exper
     [
         (100.0, 1.0, True),  # a tenth of what friction explains, and its form is seen
         (20.0, 1.5, False),  # a fiftieth: another form of the friction would do
-        (2.9, 1.0, False),  # fainter than its form can be seen, and less than a fifth
+        (2.9, 1.2, False),  # fainter than its form can be seen, and less than a fifth
         (2.9, 2.8, False),
+        (2.9, 1.0, True),  # nothing is left of which another form could be the cause
     ],
 )
 def test_what_another_form_of_the_law_would_explain_is_no_cause(
@@ -78,7 +80,7 @@ def test_what_another_form_of_the_law_would_explain_is_no_cause(
     assert found.of_cause("quadratic_drag") == pytest.approx(1.0 if called else 0.0)
 
 
-def test_a_small_cause_that_leaves_nothing_but_noise_is_named_and_never_certain(experiment: Experiment) -> None:
+def test_a_small_cause_that_leaves_nothing_but_noise_is_certain_in_a_rich_experiment(experiment: Experiment) -> None:
     """A fiftieth of what friction explains: laws that are exact to the noise show no error that it could be."""
     found = ranked(
         {
@@ -88,7 +90,9 @@ def test_a_small_cause_that_leaves_nothing_but_noise_is_named_and_never_certain(
         }
     )
     assert found.best.causes == {"coulomb_friction", "quadratic_drag"}
-    assert found.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
+    assert found.of_cause("quadratic_drag") == pytest.approx(1.0) and not naming.other_forms(found)
+    poor = replace(found, poor=True)
+    assert poor.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0) and naming.other_forms(poor)
 
 
 @pytest.mark.parametrize(
@@ -112,13 +116,18 @@ def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
         }
     )
     assert found.best.causes == {"stribeck_friction"}
-    assert found.of_cause("stribeck_friction") == pytest.approx(sure, abs=1e-3)
-    (said,) = naming.other_forms(found) or ("",)
+    poor = replace(found, poor=True)
+    assert poor.of_cause("stribeck_friction") == pytest.approx(sure, abs=1e-3)
+    assert found.of_cause("stribeck_friction") == pytest.approx(1.0 if left == 1.0 else sure, abs=1e-3)
+    (said,) = naming.other_forms(poor) or ("",)
     assert ("of what Coulomb friction explains: another form of that law" in said) is (sure < 1.0)
 
 
 @pytest.mark.parametrize(("further", "sure"), [("quadratic_drag", 3.0 / 4.0), ("coulomb_friction", 60.0 / 61.0)])
-def test_what_is_seen_roughly_may_be_another_form(experiment: Experiment, further: str, sure: float) -> None:
+@pytest.mark.parametrize(("left", "poor"), [(1.2, False), (1.0, True), (1.0, False)])
+def test_what_is_seen_roughly_may_be_another_form(
+    experiment: Experiment, further: str, sure: float, left: float, poor: bool
+) -> None:
     """An eighth of what the first explains, seen at 8 floors; friction, which acts on nearly every rig, is surer."""
     first, second = CoulombFriction(0.1), QuadraticDrag(1.0)
     alone = first if further == "quadratic_drag" else second
@@ -126,12 +135,23 @@ def test_what_is_seen_roughly_may_be_another_form(experiment: Experiment, furthe
         {
             "nothing": fitted(experiment, BASE, 840.0 * 64.0**2),
             "alone": fitted(experiment, BASE + alone, 840.0 * 8.0**2),
-            "both": fitted(experiment, BASE + first + second, 840.0),
+            "both": fitted(experiment, BASE + first + second, 840.0 * left**2),
         }
     )
+    found = replace(found, poor=poor)
     assert found.best.causes == {first.name, second.name}
     assert found.of_cause(alone.name) == pytest.approx(1.0)
-    assert found.of_cause(further) == pytest.approx(sure)
+    assert found.of_cause(further) == pytest.approx(sure if poor or left > 1.0 else 1.0)
+
+
+def test_what_is_hardly_likelier_than_a_set_that_leaves_only_noise_is_no_explanation(experiment: Experiment) -> None:
+    """Friction too weak to be seen is possible on every rig; that is no probability that it acts."""
+    nothing = fitted(experiment, BASE, 840.0)
+    for chi, named in ((839.0, False), (800.0, True)):
+        found = ranked({"nothing": nothing, "friction": fitted(experiment, BASE + CoulombFriction(0.1), chi)})
+        assert (found.of_cause("coulomb_friction") > 0.0) is named
+    far = {"nothing": fitted(experiment, BASE, 8400.0), "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 8399.0)}
+    assert frozenset({"quadratic_drag"}) in odds(ranked(far)), "where much is left, nothing tells what explains it"
 
 
 @pytest.mark.parametrize(("left", "sure"), [(30.0, 3.0 / 4.0), (10.0, 1.0), (1.04, 1.0)])
