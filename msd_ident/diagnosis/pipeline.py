@@ -186,8 +186,7 @@ class _Search:
 
 
 def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
-    base, shared = search.base, search.shared
-    ranking = replace(search.ranking, poor=replication.is_poor(experiment, base))
+    base, ranking, shared = search.base, search.ranking, search.shared
     progress("prediction of left-out data", 0.88, "")
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
     matrix = None

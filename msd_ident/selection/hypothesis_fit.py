@@ -9,16 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.broyden import State, descend
+from msd_ident.estimate.broyden import State, Weighting, descend
 from msd_ident.estimate.effort import LOOK, THOROUGH
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
+from msd_ident.model.effects import by_name
 from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
 _FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
+_STRONGER = tuned(1.5, unit="factor", why="strength of a harmonic law from which a second fit begins", chosen="by hand")
 _KICK = tuned(0.6, unit="rad", why="change of a phase that may lead to another minimum", chosen="by hand")
 _FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
 _ASIDE = tuned(
@@ -144,9 +146,32 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
         for turn in (-_KICK, _KICK):
             point = fitted.point.copy()
             point[entry] += turn
-            state = State(point, weighting.residual(point), fitted.state.jacobian, False)
-            found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+            found.append(_down(experiment, fitted, weighting, point))
+    stronger = _stronger(fitted)
+    if stronger is not None:
+        found.append(_down(experiment, fitted, weighting, stronger))
     return found
+
+
+def _stronger(fitted: Hypothesis) -> FloatArray | None:
+    """The fitted vector (p,) with stronger harmonic laws: at ripples that are too weak the cart does not stick.
+
+    None if the set has no harmonic law.
+    """
+    point = fitted.point.copy()
+    for entry, index in enumerate(fitted.problem.free):
+        name = fitted.problem.model.names[index]
+        for cause in fitted.causes:
+            law = by_name(cause)
+            if name in dict(law.neutral) and any(parameter.is_phase for parameter in law.parameters):
+                point[entry] *= _STRONGER
+    return None if np.array_equal(point, fitted.point) else np.clip(point, fitted.problem.lower, fitted.problem.upper)
+
+
+def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, point: FloatArray) -> Hypothesis:
+    """A few steps down from another point, with the set's present Jacobian."""
+    state = State(point, weighting.residual(point), fitted.state.jacobian, False)
+    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:

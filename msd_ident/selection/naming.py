@@ -126,7 +126,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     """A sentence for each named cause that may be another form of the law of the others."""
     named = ranking.best.causes
     said = []
-    for name, part in sorted(ranking.other_forms(named).items()):
+    for name, part in sorted(ranking.further.get(named, {}).items()):
         rest = named - {name} or {COULOMB}  # alone it is compared with its own limit
         others = " and ".join(spoken(other) for other in sorted(rest))
         said.append(

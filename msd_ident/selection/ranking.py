@@ -72,9 +72,6 @@ class Ranking:
             that it explains (``further_parts``).
         leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
             its laws are not those of the rig, so none of its causes is certain.
-        exact: sets that leave only noise.
-        poor: whether the experiment excites little (one step, a ramp, a release): laws of another form may leave only
-            noise, too.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
             certain.
     """
@@ -85,8 +82,6 @@ class Ranking:
     left: Mapping[Causes, float] = field(default_factory=dict)
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     leaves: Mapping[Causes, float] = field(default_factory=dict)
-    exact: frozenset[Causes] = frozenset()
-    poor: bool = False
     unchecked: bool = False
 
     @property
@@ -117,15 +112,8 @@ class Ranking:
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one."""
-        other_form = _of_its_own(law) if law in self.other_forms(causes) else 1.0
+        other_form = _of_its_own(law) if law in self.further.get(causes, ()) else 1.0
         return min(other_form, _uncertain(by_name(law).cause())) if causes in self.leaves else other_form
-
-    def other_forms(self, causes: Causes) -> Mapping[str, float]:
-        """Causes of a set that are not certain because they may be another form of its other laws, see ``further``.
-
-        A set that leaves only noise in a rich experiment needs no other form of its laws.
-        """
-        return {} if causes in self.exact and not self.poor else self.further.get(causes, {})
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -203,7 +191,8 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
 
     No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
     explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
-    left without it. Where the set leaves only noise, no error of a law is seen, and every cause counts.
+    left without it. Where the set leaves only noise, no error of a law is seen: every cause counts, and
+    ``_other_forms`` limits its probability.
     """
     exact = _exact(sets[causes], noise)
     for name, part in further_parts(causes, sets).items():
@@ -305,7 +294,6 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(sets[causes] for causes in order),
         tuple(values[causes] for causes in order),
         tuple(float(w) for w in weights),
-        exact=frozenset(causes for causes in order if _exact(sets[causes], scale.noise)),
         further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )

@@ -182,7 +182,7 @@ def checked(
     """
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and not is_poor(experiment, base):
+    if not asked and not _poor(experiment, base):
         return ranking, None
     if not asked and cost(experiment, rows, counts) > _CHEAP:
         return replace(ranking, unchecked=True), None
@@ -229,7 +229,7 @@ def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Seq
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
 
 
-def is_poor(experiment: Experiment, base: Hypothesis) -> bool:
+def _poor(experiment: Experiment, base: Hypothesis) -> bool:
     """Whether the force excites the rig little (``excitation.poor``).
 
     A plant without a spring counts as one that swings as long as a twentieth of its record.

@@ -7,8 +7,9 @@ import pytest
 from setrigs import BASE, pushed, rubbing, stood
 
 from msd_ident.estimate.problem import Initial
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.selection.hypothesis_fit import StartingPoint, begin, exactly, finish, refine
+from msd_ident.selection.hypothesis_fit import StartingPoint, _stronger, begin, exactly, finish, refine
 
 RUB = CoulombFriction(0.3)
 CAUSES = frozenset({"coulomb_friction"})
@@ -60,3 +61,17 @@ def test_the_best_beginning_is_finished() -> None:
     found = finish(data, begun, np.inf)
     assert found.causes == CAUSES and found.chi <= begun[0].chi
     assert found.chi / data.evidence == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_fit_to_ripples_that_are_too_weak_begins_again_with_more_strength() -> None:
+    """Where the cart does not stick at the ripples, the error has a minimum of its own."""
+    data = pushed(RUB)
+    ripple = Cogging(0.2, 3e-3, 0.5)
+    fitted = stood(data, BASE + RUB + ripple)
+    stronger = _stronger(fitted)
+    assert stronger is not None
+    values = dict(zip(fitted.model.names, fitted.problem.values(stronger), strict=True))
+    assert values["cogging_amplitude"] == pytest.approx(1.5 * 0.2)
+    others = [name for name in values if name != "cogging_amplitude"]
+    assert all(values[name] == pytest.approx(fitted.model[name]) for name in others)
+    assert _stronger(stood(data, BASE + RUB)) is None
