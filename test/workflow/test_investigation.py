@@ -130,16 +130,19 @@ def pushed(force: float) -> tuple[Profile, Limits]:
 
 
 def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for() -> None:
-    """A play in which the cart began looks like a delay, and no experiment within reach tells a lag from an offset."""
+    """A short lag looks like a play at first; no experiment within reach tells it from a wrong time of the force."""
     plant = {"mass": 1.6478, "damping": 2.6452, "stiffness": 1955.2, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 49361.486, "noise": 2.1359e-5}
-    rig = Rig(encoder, plant, backlash={"backlash_half_width": 1.8068e-4})
-    rig.runs = 1942367827
+    rig = Rig(encoder, plant, actuator_lag={"lag_time": 2e-4})
+    rig.runs = 5
     first, limits = pushed(26.2325)
     found = Loop(rig, limits, Budget(2, 60.0)).run(first)
-    assert [cause.name for cause in found.steps[0].diagnosis.causes] != ["backlash"]
-    assert found.steps[1].purpose.startswith("to see what could hide: ")
-    assert found.stands and [cause.name for cause in found.diagnosis.causes] == ["backlash"]
+    (play,), (lag,), (after,) = (step.diagnosis.causes for step in found.steps)
+    assert {play.name, *play.tied_with} == {"backlash", "actuator_lag", "time_offset"}
+    assert found.steps[1].purpose.startswith("to tell backlash from ")
+    assert {lag.name, *lag.tied_with} == {"actuator_lag", "time_offset"}
+    assert found.steps[2].purpose.startswith("to see what could hide: ")
+    assert not found.stands and {after.name, *after.tied_with} == {"actuator_lag", "time_offset"}
 
 
 def test_what_stands_does_so_without_a_further_look() -> None:
