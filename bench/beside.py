@@ -1,9 +1,8 @@
 """How long an identification of a 3 s window takes while a diagnosis runs beside it, in one identifier.
 
-    .venv/bin/python -m bench.beside --calls 200
+    .venv/bin/python -m bench.beside --calls 30
 
-The identifier is a process of its own, as in a lab; run it on a machine that is quiet. The calls follow each other, so
-200 of them last 7 s: the first 2 s of a diagnosis of 20 records, which prepare these, are slower than the search.
+The identifier is a process of its own, as in a lab; run it on a machine that is quiet.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ START_NS = 1_700_000_000_000_000_000
 def main() -> None:
     """Measure, alone and beside a diagnosis."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--calls", type=int, default=200)
+    parser.add_argument("--calls", type=int, default=30)
     calls = parser.parse_args().calls
     with tempfile.TemporaryDirectory() as name, private_domain() as domain:
         folder = Path(name)
