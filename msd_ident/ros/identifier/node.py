@@ -118,7 +118,8 @@ class Identifier:
             watch=self.watch,
         )
         self.watcher = StepWatcher(s["step_threshold"])
-        self.worker, self._diagnoses = Worker("fit"), Worker("diagnose", patient=True)
+        self.worker = Worker("fit")
+        self._diagnoses = Worker("diagnose", behind=self.worker)
         self._fitting_step = False
         self._last = Reply(True, "no estimate yet")
         self._log = self.node.get_logger()

@@ -1,0 +1,107 @@
+"""The thread for long work: a job of another worker goes first while it is young."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS 2 here")
+
+from msd_ident.cancellation import Cancelled, raise_if_cancelled  # noqa: E402
+from msd_ident.ros.common.worker import Worker  # noqa: E402
+
+
+class Counting:
+    """A job that never ends by itself; it counts its steps and asks between them, as a fit does."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.ended = threading.Event()
+
+    def __call__(self) -> None:
+        try:
+            while True:
+                raise_if_cancelled()
+                self.steps += 1
+                time.sleep(1e-4)
+        except Cancelled:
+            self.ended.set()
+            raise
+
+    def made_in(self, seconds: float) -> int:
+        """Steps within the next ``seconds``."""
+        before = self.steps
+        time.sleep(seconds)
+        return self.steps - before
+
+    def goes_on(self) -> bool:
+        """Whether ten more steps are made within 3 s."""
+        enough, begin = self.steps + 10, time.monotonic()
+        while self.steps < enough and time.monotonic() - begin < 3.0:
+            time.sleep(1e-3)
+        return self.steps >= enough
+
+
+@pytest.fixture
+def workers() -> Iterator[tuple[Worker, Worker]]:
+    first = Worker("first")
+    second = Worker("second", behind=first)
+    yield first, second
+    second.close()
+    first.close()
+
+
+def soon(condition: threading.Event) -> None:
+    assert condition.wait(5.0)
+
+
+def held(worker: Worker) -> threading.Event:
+    """A job of ``worker`` that has begun, and ends when the event is set."""
+    begun, end = threading.Event(), threading.Event()
+    worker.submit(lambda: (begun.set(), end.wait(5.0)))
+    soon(begun)
+    return end
+
+
+def test_a_worker_rests_while_a_job_that_goes_first_is_young(workers: tuple[Worker, Worker]) -> None:
+    first, second = workers
+    counting = Counting()
+    second.submit(counting)
+    assert counting.goes_on()
+    end = held(first)
+    assert counting.made_in(0.1) <= 1  # one step may have begun before
+    end.set()
+    assert counting.goes_on()
+
+
+def test_it_goes_on_beside_a_job_that_takes_long(workers: tuple[Worker, Worker]) -> None:
+    first, second = workers
+    counting = Counting()
+    second.submit(counting)
+    end = held(first)
+    assert counting.goes_on()
+    end.set()
+
+
+def test_a_job_that_rests_can_be_stopped(workers: tuple[Worker, Worker]) -> None:
+    first, second = workers
+    counting, stop = Counting(), threading.Event()
+    second.submit(counting, stop=stop)
+    end = held(first)
+    stop.set()
+    begin = time.monotonic()
+    soon(counting.ended)
+    assert time.monotonic() - begin < 0.2
+    end.set()
+
+
+def test_the_worker_that_goes_first_does_not_rest(workers: tuple[Worker, Worker]) -> None:
+    first, second = workers
+    counting = Counting()
+    end = held(second)
+    first.submit(counting)
+    assert counting.goes_on()
+    end.set()
