@@ -121,7 +121,7 @@ class Ranking:
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
 
 
-def _same_as(fitted: Hypothesis) -> set[Causes]:
+def equal_to(fitted: Hypothesis) -> set[Causes]:
     """Simpler sets that the fitted model is equal to: an effect without strength, or Coulomb friction alone."""
     model, found = fitted.model, set()
     for name in fitted.causes:
@@ -261,7 +261,7 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
     set is hardly likelier (``CALLED``) than one without a cause that leaves only noise, one with the limit of a law in
     its place, or one with another effect that it is equal to.
     """
-    if _same_as(sets[causes]) & set(sets):
+    if equal_to(sets[causes]) & set(sets):
         return False
     if scale.shapes <= SHAPES and _within_law_error(causes, sets, scale.noise):
         return False

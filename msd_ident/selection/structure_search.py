@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import combinations
 from typing import TypeVar
 
 from msd_ident import parallel
@@ -18,7 +19,7 @@ from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
-from msd_ident.model.effects import by_name
+from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import (
@@ -31,7 +32,7 @@ from msd_ident.selection.hypothesis import (
     without,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import Ranking, rank
+from msd_ident.selection.ranking import LEADERS, Ranking, equal_to, rank
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 
@@ -106,7 +107,9 @@ class Search:
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
-            self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.6)
+            self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
+        if not self.at_floor(self._leader()):
+            self._fit(self._pairs(), 0.55, 0.6)
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
@@ -131,6 +134,15 @@ class Search:
             if causes in self.sets or left @ left < COMPARABLE * best.chi:
                 self._look_again(causes, model, initial)
         return self.ranking()
+
+    def _pairs(self) -> list[Causes]:
+        """Pairs of the causes that leave least by themselves.
+
+        Where two causes act, each alone may leave more than a third one does that acts a little like both.
+        """
+        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
+        near = [one.causes for one in alone[:LEADERS] if one.chi < _COMPARABLE * alone[0].chi]
+        return [one | other for one, other in combinations(near, 2)]
 
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""
@@ -197,19 +209,30 @@ class Search:
         self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
-        """A set's best fit so far."""
-        if fitted.causes not in self.sets or fitted.chi < self.sets[fitted.causes].chi:
-            self.sets[fitted.causes] = fitted
+        """A set's best fit so far.
+
+        Larger sets were begun from it. Where it leaves far less than it did, those that leave more than it does ended
+        in a wrong minimum: they may be tried again.
+        """
+        before = self.sets.get(fitted.causes)
+        if before is not None and fitted.chi >= before.chi:
+            return
+        self.sets[fitted.causes] = fitted
+        if before is not None and fitted.chi < MOST_OF * before.chi:
+            larger = {causes for causes in self.tried if causes > fitted.causes}
+            self.tried -= {one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi}
 
     def _reduced(self, best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
         """Sets simpler than a fitted one, each with a model and initial states to start from.
 
-        Those with one cause less, with Coulomb friction for a law that has it as a limit, or with an effect that one of
-        the causes may imitate.
+        Those with one cause less, with the simple law for another form of it, with Coulomb friction for a law that has
+        it as a limit, or with an effect that one of the causes may imitate.
         """
         for name in sorted(best.causes):
             model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
             yield best.causes - {name}, *without(best, name)
+            if simple := _simple_law(best.model, name):
+                yield best.causes - {name} | {simple.name}, model + simple, best.initial
             causes = best.causes - {name} | {COULOMB}
             if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
                 yield causes, model + DryFriction(best.model[HOLDING_COULOMB[name]]), best.initial
@@ -269,7 +292,18 @@ class Search:
         shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
         for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
             self._fit_group(group, share)
+        self._simplify(new)
         return True
+
+    def _simplify(self, new: Iterable[Causes]) -> None:
+        """Fit a simpler set again where a set that turned out to be equal to it leaves less.
+
+        The ranking leaves out a set that is equal to a simpler one, so what it found must not be lost.
+        """
+        for fitted in [self.sets[causes] for causes in new if causes in self.sets]:
+            for causes, model, initial in self._reduced(fitted):
+                if causes in equal_to(fitted) and causes in self.sets and fitted.chi < self.sets[causes].chi:
+                    self._look_again(causes, model, initial)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
@@ -314,6 +348,15 @@ class Search:
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
+
+
+def _simple_law(model: Model, name: str) -> Effect | None:
+    """The simple law of which an effect is another form, with the values that both have; None if it has others."""
+    if not (form_of := by_name(name).form_of):
+        return None
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    simple = by_name(form_of)
+    return simple.from_values(values) if {p.name for p in simple.parameters} <= set(values) else None
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

@@ -10,8 +10,11 @@ from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.damped_stop import DampedStop
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
@@ -62,3 +65,53 @@ def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_trie
         found = search._fronts(leader)
         assert found == [leader, rival][:fronts], "a set of more causes is no rival"
         assert search._fronts(large) == [large], "at the floor nothing else is tried"
+
+
+def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_less() -> None:
+    """A law without its peak is Coulomb friction: the ranking leaves it out, so its minimum must not be lost."""
+    experiment = rubbing()
+    base, wrong = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.15))
+    flat = BASE + StribeckFriction(0.29, 0.29, 0.05)
+    peakless = refine(experiment, frozenset(flat.effect_names), flat, base.initial)
+    assert peakless.chi < 0.1 * wrong.chi
+    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (base, wrong, peakless)}
+    search._simplify([peakless.causes])
+    assert np.isclose(search.sets[wrong.causes].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+    better = search.sets[wrong.causes]
+    search._simplify([peakless.causes])
+    assert search.sets[wrong.causes] is better, "it is fitted once"
+
+
+def test_the_simple_law_is_begun_where_another_form_of_it_stands() -> None:
+    data = steps()
+    form = BASE + DampedStop(2e-3, 500.0, 0.0)
+    search = Search(data, lambda fitted: True, lambda stage, part, cause: None)
+    reduced = {causes: model for causes, model, _ in search._reduced(stood(data, form))}
+    assert reduced[frozenset({"end_stop"})] == BASE + EndStop(2e-3, 500.0)
+    gone = BASE + ForceDeadZone(0.1)  # its simple law, a slope of the gain, has no value of it
+    assert set(one for one, *_ in search._reduced(stood(data, gone))) == {frozenset()}
+
+
+def test_the_causes_that_leave_least_are_paired() -> None:
+    data = steps()
+    laws = {BASE + Backlash(1e-3): 300.0, BASE + CubicSpring(1e6): 200.0, BASE + CoulombFriction(0.1): 700.0}
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    alone = [fitted(data, model, left) for model, left in laws.items()]
+    pair = fitted(data, BASE + Backlash(1e-3) + CoulombFriction(0.1), 10.0)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), *alone, pair)}
+    assert search._pairs() == [frozenset({"backlash", "cubic_spring"})], "friction leaves more than three times as much"
+
+
+def test_larger_sets_are_tried_again_when_what_they_began_from_was_wrong() -> None:
+    data = steps()
+    stop, both = BASE + Backlash(1e-3), BASE + Backlash(1e-3) + CubicSpring(1e6)
+    good = BASE + Backlash(1e-3) + CoulombFriction(0.1)
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    for model, left in ((stop, 1000.0), (both, 900.0), (good, 10.0)):
+        search._keep(fitted(data, model, left))
+        search.tried.add(frozenset(model.effect_names))
+    search._keep(fitted(data, stop, 600.0))
+    assert len(search.tried) == 3, "a little better: nothing is forgotten"
+    search._keep(fitted(data, stop, 200.0))
+    assert search.tried == {frozenset(stop.effect_names), frozenset(good.effect_names)}, "this one leaves less"

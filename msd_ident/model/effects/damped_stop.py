@@ -58,5 +58,5 @@ class DampedStop(Effect):
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[DampedStop, ...]:
-        """The same stop with a little and with much damping."""
-        return tuple(cls.within_bounds(*simple.values, n / typical.speed(record)) for n in (0.1, 1.0))
+        """The same stop without damping, with a little and with much."""
+        return tuple(cls.within_bounds(*simple.values, n / typical.speed(record)) for n in (0.0, 0.1, 1.0))

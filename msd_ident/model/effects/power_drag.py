@@ -53,6 +53,6 @@ class PowerDrag(Effect):
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[PowerDrag, ...]:
-        """As strong at top speed as the quadratic drag, at powers of 1.5 and 2.5."""
+        """As strong at top speed as the quadratic drag, at powers of 1.5, 2 and 2.5."""
         speed = typical.speed(record)
-        return tuple(cls(simple.values[0] * speed**2, speed, power) for power in (1.5, 2.5))
+        return tuple(cls(simple.values[0] * speed**2, speed, power) for power in (1.5, 2.0, 2.5))

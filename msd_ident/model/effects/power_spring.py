@@ -48,12 +48,12 @@ class PowerSpring(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[PowerSpring, ...]:
-        """A twentieth of the largest force at the largest position, of either sign, at powers of 2 and 5."""
+        """A twentieth of the largest force at the largest position, of either sign, at powers of 2, 3 and 5."""
         force, reach = 0.05 * typical.force(record, plant), typical.amplitude(record)
         return tuple(cls(sign * force, reach, power) for power in (2.0, 5.0) for sign in (1.0, -1.0))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[PowerSpring, ...]:
-        """As strong at the largest position as the cubic spring, at powers of 2 and 5."""
+        """As strong at the largest position as the cubic spring, at powers of 2, 3 and 5."""
         reach = typical.amplitude(record)
-        return tuple(cls(simple.values[0] * reach**3, reach, power) for power in (2.0, 5.0))
+        return tuple(cls(simple.values[0] * reach**3, reach, power) for power in (2.0, 3.0, 5.0))

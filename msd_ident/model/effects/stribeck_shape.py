@@ -70,5 +70,5 @@ class StribeckShape(Effect):
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
-        """The same curve, steeper at first."""
-        return tuple(cls.within_bounds(*simple.values, exponent) for exponent in (1.5, 0.8))
+        """The same curve as it is, and steeper at first."""
+        return tuple(cls.within_bounds(*simple.values, exponent) for exponent in (2.0, 1.5, 0.8))
