@@ -21,8 +21,8 @@ NAMES = tuple(effect.name for effect in LIBRARY)
 #: Other laws of a cause that do not hold its simple law, or only where a value of theirs is 0 or infinite and another
 #: one means nothing.
 NOT_AT_ONCE = {
-    "cogging_harmonic", "fading_damping", "force_dead_zone", "force_gain_asymmetry", "one_sided_stop", "settling_sensor",
-    "settling_stiffness", "two_tone_disturbance",
+    "cogging_harmonic", "fading_damping", "force_dead_zone", "force_gain_asymmetry", "one_sided_stop",
+    "settling_sensor", "settling_stiffness", "two_tone_disturbance",
 }  # fmt: skip
 
 
@@ -235,7 +235,7 @@ def test_a_law_that_holds_its_simple_one_is_begun_there_too(name: str) -> None:
     known = seen.position
     starts = by_name(name).from_simple(simple, seen, plant())
     nearest = min(spread(simulate(plant() + start, seen).position - known) for start in starts)
-    assert (nearest < 1e-4 * spread(known)) == (name not in NOT_AT_ONCE), "name here every law that is not begun there"
+    assert (nearest < 1e-4 * spread(known)) == (name not in NOT_AT_ONCE), "name every law that is not begun there"
 
 
 @pytest.mark.parametrize("name", NAMES)

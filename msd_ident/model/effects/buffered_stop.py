@@ -89,12 +89,13 @@ class BufferedStop(Effect):
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[BufferedStop, ...]:
-        """The same stops without damping, with a little and with much; between the ends of the motion; one of them alone."""
+        """The same stops without damping, with some and with much; between the ends of the motion; one of them alone."""
         place, stiffness = simple.values
         damping = math.sqrt(max(stiffness, 1e-9) * plant.mass)
         low, high = float(np.min(record.position)), float(np.max(record.position))
         depth = max(max(high, -low) - place, 0.0)
         middle, half, aside = 0.5 * (low + high), 0.5 * (high - low), 0.25 * (high - low)
-        places = ((0.0, place, 0.0), (0.0, place, 0.1), (0.0, place, 1.0), (middle, half - depth, 0.3),
-                  (middle, half - 0.5 * depth, 1.0), (-aside, place + aside, 0.5), (aside, place + aside, 0.5))  # fmt: skip
+        places = [(0.0, place, 0.0), (0.0, place, 0.1), (0.0, place, 1.0)]
+        places += [(middle, half - depth, 0.3), (middle, half - 0.5 * depth, 1.0)]
+        places += [(-aside, place + aside, 0.5), (aside, place + aside, 0.5)]
         return tuple(cls.within_bounds(c, max(r, 0.0), stiffness, n * damping) for c, r, n in places)
