@@ -89,7 +89,7 @@ class BufferedStop(Effect):
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[BufferedStop, ...]:
-        """The same stops without damping, with some and with much; between the ends of the motion; one of them alone."""
+        """The same stops without damping, with some, with much; between the ends of the motion; one of them alone."""
         place, stiffness = simple.values
         damping = math.sqrt(max(stiffness, 1e-9) * plant.mass)
         low, high = float(np.min(record.position)), float(np.max(record.position))
