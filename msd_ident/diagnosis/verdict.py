@@ -17,7 +17,7 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
     """The verdict, by the first rule that holds.
 
     1. No cause is named: ``unexplained`` where more than the tolerance is left, else ``adequate``.
-    2. A named cause is tied, or is named with less probability than ``CERTAIN``: ``ambiguous``, whatever is left.
+    2. A named cause is tied, or has at most the probability ``CERTAIN``: ``ambiguous``, whatever is left.
     3. More than the tolerance is left: ``mostly_explained``. Else ``explained``.
 
     Args:
@@ -26,7 +26,7 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
     """
     if not causes:
         return "unexplained" if left.exceeds else "adequate"
-    if any(cause.tied_with or cause.probability < CERTAIN for cause in causes):
+    if any(cause.tied_with or cause.probability <= CERTAIN for cause in causes):
         return "ambiguous"
     return "mostly_explained" if left.exceeds else "explained"
 
@@ -107,7 +107,7 @@ def _ties(causes: Sequence[Cause]) -> str:
 
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
     """A sentence if it is open whether a cause acts, although no other one replaces it."""
-    doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability < CERTAIN]
+    doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability <= CERTAIN]
     return [f"Whether {' and '.join(doubts)} acts at all is not certain."] if doubts else []
 
 

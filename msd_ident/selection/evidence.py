@@ -61,14 +61,21 @@ class NoiseScale:
     """How the chi² of a set is turned into a likelihood.
 
     Attributes:
-        noise: chi² that noise alone leaves.
+        noise: chi² that noise alone leaves; 0 if nobody knows.
         variance: v of the best set, in which information about parameters is stated.
         shapes: ν, the number of independent features of a model's error.
+        pieces: pieces of evidence in the readings.
     """
 
     noise: float = 0.0
     variance: float = 1.0
     shapes: float = SHAPES
+    pieces: float = 0.0
+
+    @property
+    def most(self) -> float:
+        """Greatest chi² that noise alone may leave."""
+        return self.noise or self.pieces
 
     def spread(self, chi: float) -> float:
         """Variance v of a model's error along its features, in units of the noise's."""
@@ -115,7 +122,7 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < MOST_OF * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
-    return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes)
+    return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes, pieces)
 
 
 def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:

@@ -18,7 +18,7 @@ from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
 from msd_ident.selection.ranking import DECISIVE, Ranking, alternatives, kinds
 from msd_ident.tuning import fixed, tuned
 
-CERTAIN = tuned(0.9, unit="1", why="probability from which a cause is named with certainty", chosen="by hand")
+CERTAIN = tuned(0.9, unit="1", why="probability above which a cause is named with certainty", chosen="by hand")
 _ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
 
 
@@ -114,7 +114,7 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
-    if not found and sure < CERTAIN:
+    if not found and sure <= CERTAIN:
         kind = by_name(name).cause()
         near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
         found += _unnamed(near, named)

@@ -154,7 +154,7 @@ def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certai
     found = diagnose_records([measured(causes, damping=0.5, experiment=decay, initial_position=0.02, duration=4.0)])
     assert found.verdict == "ambiguous" and found.calibration is None
     assert {cause.name: cause.probability for cause in found.causes} == pytest.approx(
-        {"coulomb_friction": 60.0 / 61.0, "quadratic_drag": 3.0 / 4.0}
+        {"coulomb_friction": 180.0 / 181.0, "quadratic_drag": 0.9}
     )
     assert any("--calibrate makes the copies; steps in both directions need none" in said for said in found.warnings)
 

@@ -16,8 +16,11 @@ from msd_ident.model.effects.power_drag import PowerDrag
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.selection import evidence, naming
+from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.ranking import DECISIVE, FAINT, alternatives
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.naming import CERTAIN
+from msd_ident.selection.ranking import DECISIVE, FAINT, alternatives, rank
 
 
 @pytest.fixture
@@ -76,7 +79,7 @@ def test_what_another_form_of_the_law_would_explain_is_no_cause(
     )
     assert ("quadratic_drag" in found.best.causes) == called
     assert found.of_cause("coulomb_friction") == pytest.approx(1.0)
-    sure = 3.0 / 4.0 if without < FAINT else 1.0
+    sure = 0.9 if without < FAINT else 1.0
     assert found.of_cause("quadratic_drag") == pytest.approx(sure if called else 0.0)
 
 
@@ -90,13 +93,14 @@ def test_a_small_cause_that_leaves_nothing_but_noise_is_named_and_never_certain(
         }
     )
     assert found.best.causes == {"coulomb_friction", "quadratic_drag"}
-    assert found.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0)
+    assert found.of_cause("quadratic_drag") == pytest.approx(0.9)
+    assert not found.of_cause("quadratic_drag") > CERTAIN
 
 
 @pytest.mark.parametrize(
     ("without", "left", "sure"),
     [
-        (2.5, 1.0, 3.0 / 4.0),  # faint, and less than a fifth of what Coulomb's friction explains
+        (2.5, 1.0, 0.9),  # faint, and less than a fifth of what Coulomb's friction explains
         (20.0, 1.5, 3.0 / 4.0),  # a fiftieth
         (100.0, 1.0, 1.0),
     ],
@@ -119,10 +123,10 @@ def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
     assert ("of what Coulomb friction explains: another form of that law" in said) is (sure < 1.0)
 
 
-@pytest.mark.parametrize(("further", "sure"), [("quadratic_drag", 3.0 / 4.0), ("coulomb_friction", 60.0 / 61.0)])
-@pytest.mark.parametrize("left", [1.0, 1.2])
+@pytest.mark.parametrize(("further", "prior_odds"), [("quadratic_drag", 1.0 / 20.0), ("coulomb_friction", 1.0)])
+@pytest.mark.parametrize(("left", "times"), [(1.0, 180.0), (1.2, 60.0)])
 def test_what_is_seen_roughly_may_be_another_form(
-    experiment: Experiment, further: str, sure: float, left: float
+    experiment: Experiment, further: str, prior_odds: float, left: float, times: float
 ) -> None:
     """An eighth of what the first explains, seen at 8 floors; friction, which acts on nearly every rig, is surer."""
     first, second = CoulombFriction(0.1), QuadraticDrag(1.0)
@@ -136,15 +140,22 @@ def test_what_is_seen_roughly_may_be_another_form(
     )
     assert found.best.causes == {first.name, second.name}
     assert found.of_cause(alone.name) == pytest.approx(1.0)
-    assert found.of_cause(further) == pytest.approx(sure)
+    assert found.of_cause(further) == pytest.approx(times * prior_odds / (1.0 + times * prior_odds))
 
 
 def test_what_is_hardly_likelier_than_a_set_that_leaves_only_noise_is_no_explanation(experiment: Experiment) -> None:
     """Friction too weak to be seen is possible on every rig; that is no probability that it acts."""
+
+    def rubs(chi: float) -> Hypothesis:
+        return fitted(experiment, BASE + CoulombFriction(0.1), chi)
+
     nothing = fitted(experiment, BASE, 840.0)
     for chi, named in ((839.0, False), (800.0, True)):
-        found = ranked({"nothing": nothing, "friction": fitted(experiment, BASE + CoulombFriction(0.1), chi)})
+        found = ranked({"nothing": nothing, "friction": rubs(chi)})
         assert (found.of_cause("coulomb_friction") > 0.0) is named
+    little = {one.causes: one for one in (fitted(experiment, BASE, 300.0), rubs(299.0))}
+    found = rank(little, scale_from(list(little.values()), experiment.readings))
+    assert found.of_cause("coulomb_friction") == 0.0, "the noise is overestimated: so much the less is seen"
     far = {"nothing": fitted(experiment, BASE, 8400.0), "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 8399.0)}
     assert frozenset({"quadratic_drag"}) in odds(ranked(far)), "where much is left, nothing tells what explains it"
 
