@@ -12,12 +12,13 @@ import numpy as np
 
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import verdict
+from msd_ident.diagnosis import intervals, verdict
 from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.base_fits import Shared
 from msd_ident.estimate.effort import KEPT
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
@@ -197,7 +198,11 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
-    fits = (_result(experiment, base, shared), _result(experiment, shown, shared))
+    scale = scale_from(list(ranking.sets), experiment.readings)
+    fits = (
+        intervals.stated(_result(experiment, base, shared), base, (), scale),
+        intervals.stated(_result(experiment, shown, shared), shown, _beside(experiment, best, ranking), scale),
+    )
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     missing, still = _missing(experiment, base), _still_missing(experiment, shown)
     lacking = (_still_missing(experiment, base) if best.causes else still, still)
@@ -207,7 +212,6 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     characteristics = None
     if lacks.exceeds:
         characteristics = nonparametric.measure(experiment.readings, shown.model, shown.initial, fits[0].see)
-    scale = scale_from(list(ranking.sets), experiment.readings)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     alike = gain_laws.alike(experiment, best, scale)
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
@@ -241,6 +245,12 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         contenders=of_ranking(ranking, scale, experiment.readings),
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
+
+
+def _beside(experiment: Experiment, best: Hypothesis, ranking: Ranking) -> list[tuple[float, Hypothesis]]:
+    """The explanations beside the leading one that are not negligible, with their probabilities."""
+    pairs = zip(ranking.probability, ranking.sets, strict=True)
+    return [(p, _resting(experiment, one)) for p, one in pairs if one is not best and p > NEGLIGIBLE]
 
 
 def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:

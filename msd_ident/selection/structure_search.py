@@ -55,9 +55,6 @@ _AHEAD = tuned(
     why="sets of a round that are fitted before the others, and those that follow them",
     chosen="by hand",
 )
-_COMPARABLE = tuned(
-    3.0, unit="factor", why="chi² of the first parent up to which a second one is worth starting from", chosen="by hand"
-)
 
 
 @dataclass
@@ -141,7 +138,7 @@ class Search:
         Where two causes act, each alone may leave more than a third one does that acts a little like both.
         """
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
-        near = [one.causes for one in alone[:LEADERS] if one.chi < _COMPARABLE * alone[0].chi]
+        near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
         return [one | other for one, other in combinations(near, 2)]
 
     def _walk(self) -> Ranking:
@@ -344,7 +341,7 @@ class Search:
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
-        worth = [fitted for fitted in smaller[:2] if fitted.chi < _COMPARABLE * smaller[0].chi]
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]

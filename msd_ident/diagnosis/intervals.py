@@ -1,0 +1,74 @@
+"""Intervals of a diagnosed model: what its laws leave and what its rivals say belong to them.
+
+The covariance of a fit is that of noise. A law that is nearly right makes an error that repeats with the motion, so a
+record holds few pieces of evidence about it (``selection.evidence``). With the information H of the readings about the
+parameters, R of rest at the start, and the variance v of the error along its ν features, in units of the noise's, the
+variances are at least those of
+
+    (H / v + R)⁻¹,    v = 1 + (χ² − N) / ν.
+
+Where rivals are left, a parameter also varies between the explanations i with their probabilities p (the law of total
+variance; Hoeting et al. 1999, Stat. Sci. 14):
+
+    var θ = var(θ | leading set) + Σ p_i (θ_i − θ)².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from msd_ident.data.record import FloatArray
+from msd_ident.estimate import FitResult
+from msd_ident.estimate.covariance import unit_diagonal
+from msd_ident.selection import rest_constraint
+from msd_ident.selection.evidence import NoiseScale
+from msd_ident.selection.hypothesis import Hypothesis
+
+
+def stated(
+    result: FitResult, fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]], scale: NoiseScale
+) -> FitResult:
+    """The result of a set with the standard deviations that are stated.
+
+    Args:
+        result: of ``fitted``, with the covariance of noise alone.
+        fitted: the set.
+        rivals: other explanations, each with its probability.
+        scale: what the noise leaves.
+
+    Returns:
+        The same values. Open and fixed parameters keep their standard deviation.
+    """
+    noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
+    law = _of_laws(fitted, scale.spread(fitted.chi))[: noise.size]
+    whole = np.hypot(np.maximum(noise, law), _between(result.free, fitted, rivals))
+    growth = np.where(noise > 0.0, whole / np.where(noise > 0.0, noise, 1.0), 1.0)
+    covariance = result.covariance * np.outer(growth, growth)
+    covariance.setflags(write=False)
+    factor = dict(zip(result.free, growth.tolist(), strict=True))
+    quantities = {
+        name: replace(quantity, std=quantity.std * factor.get(name, 1.0))
+        for name, quantity in result.quantities.items()
+    }
+    return replace(result, quantities=quantities, covariance=covariance)
+
+
+def _of_laws(fitted: Hypothesis, variance: float) -> FloatArray:
+    """Standard deviation (p,) of the entries of a set's vector, where the error of its laws has this variance."""
+    rest = rest_constraint.information(fitted.problem, fitted.point, fitted.problem.balances)
+    scaled, size = unit_diagonal(fitted.information / variance + rest)
+    inverse = np.linalg.pinv(scaled, rcond=1e-15, hermitian=True)
+    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size)
+
+
+def _between(names: tuple[str, ...], fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]]) -> FloatArray:
+    """Standard deviation (p,) of parameters between the explanations that have them."""
+    variance = np.zeros(len(names))
+    for probability, rival in rivals:
+        for place, name in enumerate(names):
+            if name in rival.model.names:
+                variance[place] += probability * (rival.model[name] - fitted.model[name]) ** 2
+    return np.asarray(np.sqrt(variance))

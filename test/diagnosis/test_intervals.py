@@ -1,0 +1,69 @@
+"""Intervals of a diagnosed model: the error of its laws, and its rivals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from setrigs import BASE, pushed, stood
+
+from msd_ident.diagnosis import intervals
+from msd_ident.estimate import FitResult
+from msd_ident.estimate.least_squares import Solution
+from msd_ident.estimate.summary import summarise_fit
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.selection.evidence import SHAPES, NoiseScale
+from msd_ident.selection.hypothesis import Hypothesis
+
+
+@pytest.fixture
+def plain() -> Hypothesis:
+    return stood(pushed(), BASE)
+
+
+def result(fitted: Hypothesis) -> FitResult:
+    """The fit as it stands, with the covariance of its noise."""
+    return summarise_fit(fitted.problem, Solution(fitted.point, 1.0, 0, True, "stood"), 1e-5)
+
+
+def growth(fitted: Hypothesis, noise: float, rivals: tuple[tuple[float, Hypothesis], ...] = ()) -> dict[str, float]:
+    """Factor on each standard deviation where noise leaves this chi²."""
+    before = result(fitted)
+    after = intervals.stated(before, fitted, rivals, NoiseScale(noise))
+    assert after.model == before.model
+    for name, quantity in after.quantities.items():
+        assert quantity.value == before.quantities[name].value
+    assert np.allclose(np.sqrt(np.diag(after.covariance)), [after.quantities[name].std for name in after.free])
+    assert np.allclose(after.correlation, before.correlation)
+    return {name: after.quantities[name].std / before.quantities[name].std for name in after.free}
+
+
+def test_where_only_noise_is_left_the_intervals_are_those_of_the_noise(plain: Hypothesis) -> None:
+    assert all(1.0 <= factor < 1.3 for factor in growth(plain, plain.chi).values())
+
+
+def test_what_the_laws_leave_widens_them_as_the_evidence_counts_it(plain: Hypothesis) -> None:
+    """A hundred times as much chi² in so few features, not in a thousand samples."""
+    least = growth(plain, plain.chi)
+    found = growth(plain, 0.01 * plain.chi)
+    root = math.sqrt(1.0 + 0.99 * plain.chi / SHAPES)
+    assert root > 10.0
+    for name, factor in found.items():
+        assert factor == pytest.approx(root * least[name], rel=0.3)
+
+
+def test_a_rival_widens_what_it_moves_as_likely_as_it_is(plain: Hypothesis) -> None:
+    stiffer = stood(pushed(), replace(BASE, stiffness=440.0) + CubicSpring(1.0))
+    before = result(plain).quantities["stiffness"].std
+    found = growth(plain, plain.chi, ((0.25, stiffer),))
+    assert found["stiffness"] * before == pytest.approx(math.sqrt(0.25) * 40.0, rel=1e-3)
+    assert found["mass"] == pytest.approx(growth(plain, plain.chi)["mass"])
+
+
+def test_what_is_open_stays_open(plain: Hypothesis) -> None:
+    before = result(plain)
+    quantities = {**before.quantities, "damping": replace(before.quantities["damping"], std=math.nan)}
+    after = intervals.stated(replace(before, quantities=quantities), plain, (), NoiseScale(0.01 * plain.chi))
+    assert math.isnan(after.quantities["damping"].std) and math.isfinite(after.quantities["mass"].std)
