@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.evidence import LEAST_SPREAD, SHAPES, NoiseScale, log_evidence, log_prior
 from msd_ident.selection.experiment import NOISE_ERROR
@@ -279,15 +280,22 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
 
     It is not if an effect has no strength, if a cause explains no more than an error of the other laws could, or if the
     set is hardly likelier (``CALLED``) than one without a cause that leaves only noise, one with the limit of a law in
-    its place, or one with another effect that it is equal to.
+    its place, or one with another effect that it is equal to. Nor is it if a cause adds nothing to the likelihood: less
+    than ``TENTH`` of a nat.
     """
     if equal_to(sets[causes]) & set(sets):
         return False
-    if scale.shapes <= SHAPES and _within_law_error(causes, sets, scale.noise):
+    if scale.shapes <= SHAPES and (_within_law_error(causes, sets, scale.noise) or _adds_nothing(causes, sets, scale)):
         return False
     limits = (*_sufficient(causes, sets, scale), *_simpler(causes), *imitated(sets[causes].model, alike=True))
     known = [sets[one] for one in limits if one in sets]
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in known)
+
+
+def _adds_nothing(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
+    """Whether one of the causes adds nothing to the likelihood: less than ``TENTH`` of a nat."""
+    smaller = [sets[causes - {name}] for name in causes if causes - {name} in sets]
+    return any(scale.of(sets[causes]) < scale.of(one) + TENTH for one in smaller)
 
 
 def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
