@@ -127,12 +127,16 @@ def _ratio_of_half(fall: float) -> float:
 
 
 def significant(turns: Sequence[Extreme]) -> list[Extreme]:
-    """The first turning points, as long as the distances between them are clearly above the noise and do not grow."""
+    """The first turning points, as long as the distances between them are clearly above the noise and do not grow.
+
+    Where noise is nearly as large as the motion, fitted turning points may change their order; there they end too.
+    """
     kept = list(turns[:1])
     before = math.inf
     for one, two in zip(turns, turns[1:], strict=False):
         way = abs(two.value - one.value)
-        if way < _SIGNIFICANT * math.hypot(one.value_std, two.value_std) or way > 1.02 * before:
+        seen = way >= _SIGNIFICANT * math.hypot(one.value_std, two.value_std) and two.time > one.time
+        if not seen or way > 1.02 * before:
             break
         kept.append(two)
         before = way

@@ -312,8 +312,15 @@ class Search:
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):
             for fitted in self._each(partial(self._finish, least), tries, share):
-                self._keep(fitted)
-                least = min(least, fitted.chi)
+                least = min(least, self._converged(fitted, least).chi)
+
+    def _converged(self, fitted: Hypothesis, least: float) -> Hypothesis:
+        """Keep a set; one that leaves less than all others is fitted to the end: it decides what is tried next."""
+        if fitted.chi < least and not self.at_floor(fitted):
+            ended = refine(self.experiment, fitted.causes, fitted.model, fitted.initial)
+            fitted = min(fitted, ended, key=lambda one: one.chi)
+        self._keep(fitted)
+        return fitted
 
     def _each(self, work: Callable[[_Task], _Done], tasks: Sequence[_Task], share: tuple[float, float]) -> list[_Done]:
         """Results of all tasks in their order, with progress between the two shares of the work."""

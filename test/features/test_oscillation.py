@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,7 +12,7 @@ from steprigs import Rig, record
 
 from msd_ident.data.record import Record
 from msd_ident.features import extract
-from msd_ident.features.oscillation import dead_width, significant
+from msd_ident.features.oscillation import dead_width, significant, swings
 from msd_ident.features.rest import evidence, is_quiet, rest_value
 from msd_ident.features.swings import Extreme
 
@@ -33,6 +35,13 @@ def test_dead_width_is_that_of_coulombs_law(ratio: float, width: float) -> None:
     if len(turns) < 6:
         return
     assert dead_width(turns) == pytest.approx(width, rel=1e-6)
+
+
+def test_turning_points_end_where_noise_changed_their_order() -> None:
+    """So no half-swing takes no time."""
+    turns = [Extreme(t, x, 1e-4, 1e-4, s) for t, x, s in ((0.021, 1.0, 1), (0.0155, 0.2, -1), (0.021, 0.9, 1))]
+    assert significant(turns) == turns[:1] and swings(turns) == ()
+    assert len(significant([replace(turn, time=0.01 * i) for i, turn in enumerate(turns)])) == 3
 
 
 def test_linear_rig_has_no_dead_width_and_the_demo_rig_has_its_own() -> None:

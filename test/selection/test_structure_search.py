@@ -115,3 +115,13 @@ def test_larger_sets_are_tried_again_when_what_they_began_from_was_wrong() -> No
     assert len(search.tried) == 3, "a little better: nothing is forgotten"
     search._keep(fitted(data, stop, 200.0))
     assert search.tried == {frozenset(stop.effect_names), frozenset(good.effect_names)}, "this one leaves less"
+
+
+def test_a_set_that_leads_is_fitted_to_the_end() -> None:
+    experiment = rubbing()
+    base, near = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.25))
+    search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {base.causes: base}
+    ended = search._converged(near, base.chi)
+    assert np.isclose(ended.model["coulomb_force"], 0.03 * 9.81, rtol=0.01) and search.sets[near.causes] is ended
+    assert search._converged(base, ended.chi) is base, "one that does not lead stays as it is"
