@@ -100,9 +100,11 @@ def same(effects: frozenset[str]) -> Iterator[frozenset[str]]:
     """The set itself, and all sets of effects that move the cart in the same way.
 
     A constant force is a shifted zero where the spring is linear. A cubic spring with a constant force is one with an
-    asymmetric part about another zero.
+    asymmetric part about another zero. Stops beside a constant force are stops off the middle, which are end stops too.
     """
     yield effects
+    if {"end_stop", "force_offset"} <= effects:
+        yield effects - {"force_offset"}
     if not effects & BENDING:
         yield effects ^ {"force_offset"}
     if "cubic_spring" in effects and effects & {"force_offset", "asymmetric_spring"}:

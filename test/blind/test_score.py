@@ -46,6 +46,14 @@ def test_stated_probabilities_are_compared_with_what_acts() -> None:
     assert math.isnan(score.miscalibration([thin]))
 
 
+def test_stops_off_the_middle_are_stops_beside_an_offset_but_not_the_other_way_round() -> None:
+    """docs/identities.md: one end stop may stand for both, an offset that does not act is false."""
+    both, one = ("end_stop", "force_offset"), ("end_stop",)
+    assert outcome((("end_stop", 1.0),), truth=both).exact
+    added = outcome((("end_stop", 1.0), ("force_offset", 0.95)), truth=one)
+    assert not added.exact and added.false == (("force_offset", 0.95),)
+
+
 def test_no_verdict_keeps_a_probability_out_of_the_calibration() -> None:
     wrong = outcome((("cogging", 0.99),), verdict="unexplained")
     assert score.miscalibration([wrong] * 10) == pytest.approx(0.99)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from msd_ident.model import Model, Plant
+from msd_ident.data.record import Record
+from msd_ident.model import Model, Plant, simulate
+from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
@@ -33,6 +36,25 @@ def test_an_offset_is_a_zero_or_asymmetric_friction(model: Model, begins: list[s
     said = sentences(model, forced=True, gain_known=True)
     assert len(said) == len(begins)
     assert all(sentence.startswith(begin) for sentence, begin in zip(said, begins, strict=True))
+
+
+def test_stops_off_the_middle_are_an_offset_beside_stops() -> None:
+    """The identity itself: with F0 = k·xc the same motion about a zero shifted by xc."""
+    aside = SPRUNG + BufferedStop(2e-3, 8e-3, 3e3, 5.0)
+    (said,) = sentences(aside, forced=True, gain_known=True)
+    assert said.startswith("End stops whose middle is off the relaxed spring are the same as stops about it beside")
+    for alone in (
+        SPRUNG + BufferedStop(0.0, 8e-3, 3e3, 5.0),
+        aside + LEANS,
+        PLAIN + BufferedStop(2e-3, 8e-3, 3e3, 5.0),
+    ):
+        assert sentences(alone, forced=True, gain_known=True) == ()
+    time = np.arange(2000) / 1000.0
+    pushes = Record(time, 0.0 * time, time, 6.0 * np.sign(np.sin(9.0 * time)))
+    about = SPRUNG + BufferedStop(0.0, 8e-3, 3e3, 5.0) + ForceOffset(2e-3 * SPRUNG.stiffness)
+    moved = simulate(about, pushes, initial_position=-2e-3).position + 2e-3
+    assert np.allclose(simulate(aside, pushes).position, moved, atol=1e-9)
+    assert np.max(np.abs(moved)) > 9e-3, "it reaches a stop"
 
 
 def test_without_a_known_force_only_ratios_are_known() -> None:

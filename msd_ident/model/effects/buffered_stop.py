@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
 
+#: Distance of the stops' middle from the relaxed spring that is none, in parts of their reach.
+_MIDDLE = 0.01
+
 
 @dataclass(frozen=True)
 class BufferedStop(Effect):
@@ -64,6 +67,16 @@ class BufferedStop(Effect):
             return 0.0
         spring = buffer_stiffness * depth
         return side * (max(spring + side * buffer_damping * v, 0.0) - spring)
+
+    def same_as(self, model: Model) -> str:
+        """Stops about the relaxed spring beside a force offset, where the stops' middle is off it."""
+        beside = model.stiffness > 0.0 and "force_offset" not in model.effect_names
+        if not beside or abs(self.buffer_centre) < _MIDDLE * self.buffer_reach:
+            return ""
+        return (
+            "End stops whose middle is off the relaxed spring are the same as stops about it beside a force offset of "
+            "k·xc: read the encoder with the spring relaxed to tell them apart."
+        )
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
