@@ -199,10 +199,9 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     scale = scale_from(list(ranking.sets), experiment.readings)
-    fits = (
-        intervals.stated(_result(experiment, base, shared), base, (), scale),
-        intervals.stated(_result(experiment, shown, shared), shown, _beside(experiment, best, ranking), scale),
-    )
+    extended = intervals.stated(_result(experiment, shown, shared), shown, _beside(experiment, best, ranking), scale)
+    plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
+    fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     missing, still = _missing(experiment, base), _still_missing(experiment, shown)
     lacking = (_still_missing(experiment, base) if best.causes else still, still)

@@ -165,3 +165,4 @@ def test_what_predicts_no_better_is_not_copied_and_gives_way_to_no_rival_of_the_
     made = simulate(drawn.spec)
     found = diagnose_records([Record(made.time, made.position, made.force_time, made.force)])
     assert found.causes == () and found.verdict == "unexplained" and found.calibration is None
+    assert found.base.quantities == found.extended.quantities, "one model, one interval"
