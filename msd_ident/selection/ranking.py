@@ -17,6 +17,7 @@ from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.evidence import LEAST_SPREAD, SHAPES, NoiseScale, log_evidence, log_prior
 from msd_ident.selection.experiment import NOISE_ERROR
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
+from msd_ident.selection.simpler_sets import equal_to
 from msd_ident.tuning import tuned
 
 FAINT = tuned(3.0, unit="noise floors", why="below it the form of what a set leaves is not seen", chosen="by hand")
@@ -122,25 +123,13 @@ class Ranking:
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one."""
-        exact = causes in self.exact
-        other_form = _of_its_own(law, exact) if law in self.further.get(causes, ()) else 1.0
-        return min(other_form, _uncertain(by_name(law).cause(), exact)) if causes in self.leaves else other_form
+        other_form = _of_its_own(law, causes in self.exact) if law in self.further.get(causes, ()) else 1.0
+        return min(other_form, _uncertain(by_name(law).cause(), False)) if causes in self.leaves else other_form
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
         least = self.evidence[0] - nats
         return [fitted for fitted, value in zip(self.sets, self.evidence, strict=True) if value >= least]
-
-
-def equal_to(fitted: Hypothesis) -> set[Causes]:
-    """Simpler sets that the fitted model is equal to: an effect without strength, or Coulomb friction alone."""
-    model, found = fitted.model, set()
-    for name in fitted.causes:
-        if all(model[parameter] == value for parameter, value in by_name(name).neutral):
-            found.add(fitted.causes - {name})
-        if model.effect(name).is_dry_friction():
-            found.add(fitted.causes - {name} | {COULOMB})
-    return found
 
 
 def _ceilings(

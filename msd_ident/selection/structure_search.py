@@ -7,8 +7,8 @@ the leading one by one cause have been fitted and none has more evidence.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import combinations
 from typing import TypeVar
@@ -18,8 +18,7 @@ from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
-from msd_ident.model.base_model import DryFriction
-from msd_ident.model.effects import Effect, by_name
+from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import (
@@ -28,11 +27,10 @@ from msd_ident.selection.hypothesis import (
     Causes,
     Hypothesis,
     causes_that_fit,
-    imitated,
-    without,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, Ranking, equal_to, rank
+from msd_ident.selection.ranking import LEADERS, Ranking, rank
+from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 
@@ -125,7 +123,7 @@ class Search:
         for fitted in sets:
             self.sets[fitted.causes] = fitted
         best = self.ranking().best
-        for causes, model, initial in self._reduced(best):
+        for causes, model, initial in reduced(best, self.experiment.library):
             _, weighting, point = formulated(self.experiment, model, initial)
             left = weighting.residual(point)
             if causes in self.sets or left @ left < COMPARABLE * best.chi:
@@ -197,7 +195,7 @@ class Search:
         if best.causes in self.pruned:
             return best
         self.pruned.add(best.causes)
-        for causes, model, initial in self._reduced(best):
+        for causes, model, initial in reduced(best, self.experiment.library):
             self._look_again(causes, model, initial)
         return self._leader()
 
@@ -218,24 +216,6 @@ class Search:
         if before is not None and fitted.chi < MOST_OF * before.chi:
             larger = {causes for causes in self.tried if causes > fitted.causes}
             self.tried -= {one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi}
-
-    def _reduced(self, best: Hypothesis) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
-        """Sets simpler than a fitted one, each with a model and initial states to start from.
-
-        Those with one cause less, with the simple law for another form of it, with Coulomb friction for a law that has
-        it as a limit, or with an effect that one of the causes may imitate.
-        """
-        for name in sorted(best.causes):
-            model = replace(best.model, effects=tuple(e for e in best.model.effects if e.name != name))
-            yield best.causes - {name}, *without(best, name)
-            if simple := _simple_law(best.model, name):
-                yield best.causes - {name} | {simple.name}, model + simple, best.initial
-            causes = best.causes - {name} | {COULOMB}
-            if name in HOLDING_COULOMB and COULOMB not in best.causes and causes_that_fit(causes):
-                yield causes, model + DryFriction(best.model[HOLDING_COULOMB[name]]), best.initial
-        for causes, model in imitated(best.model).items():
-            if causes - best.causes <= set(self.experiment.library):
-                yield causes, model, best.initial
 
     def scale(self) -> NoiseScale:
         """Noise scale that follows from the best set."""
@@ -298,9 +278,10 @@ class Search:
         The ranking leaves out a set that is equal to a simpler one, so what it found must not be lost.
         """
         for fitted in [self.sets[causes] for causes in new if causes in self.sets]:
-            for causes, model, initial in self._reduced(fitted):
-                if causes in equal_to(fitted) and causes in self.sets and fitted.chi < self.sets[causes].chi:
-                    self._look_again(causes, model, initial)
+            worse = {one for one in equal_to(fitted) & set(self.sets) if fitted.chi < self.sets[one].chi}
+            for start in reduced(fitted, self.experiment.library) if worse else ():
+                if start[0] in worse:
+                    self._look_again(*start)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
@@ -352,15 +333,6 @@ class Search:
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
-
-
-def _simple_law(model: Model, name: str) -> Effect | None:
-    """The simple law of which an effect is another form, with the values that both have; None if it has others."""
-    if not (form_of := by_name(name).form_of):
-        return None
-    values = dict(zip(model.names, model.values.tolist(), strict=True))
-    simple = by_name(form_of)
-    return simple.from_values(values) if {p.name for p in simple.parameters} <= set(values) else None
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

@@ -10,9 +10,7 @@ from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
-from msd_ident.model.effects.damped_stop import DampedStop
 from msd_ident.model.effects.end_stop import EndStop
-from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
@@ -81,16 +79,6 @@ def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_le
     better = search.sets[wrong.causes]
     search._simplify([peakless.causes])
     assert search.sets[wrong.causes] is better, "it is fitted once"
-
-
-def test_the_simple_law_is_begun_where_another_form_of_it_stands() -> None:
-    data = steps()
-    form = BASE + DampedStop(2e-3, 500.0, 0.0)
-    search = Search(data, lambda fitted: True, lambda stage, part, cause: None)
-    reduced = {causes: model for causes, model, _ in search._reduced(stood(data, form))}
-    assert reduced[frozenset({"end_stop"})] == BASE + EndStop(2e-3, 500.0)
-    gone = BASE + ForceDeadZone(0.1)  # its simple law, a slope of the gain, has no value of it
-    assert set(one for one, *_ in search._reduced(stood(data, gone))) == {frozenset()}
 
 
 def test_the_causes_that_leave_least_are_paired() -> None:

@@ -1,0 +1,63 @@
+"""Sets simpler than a fitted one: those that it is equal to, and those that are worth a fit from where it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model
+from msd_ident.model.base_model import DryFriction
+from msd_ident.model.effects import Effect, by_name
+from msd_ident.selection.hypothesis import (
+    COULOMB,
+    HOLDING_COULOMB,
+    Causes,
+    Hypothesis,
+    causes_that_fit,
+    imitated,
+    without,
+)
+
+
+def equal_to(fitted: Hypothesis) -> set[Causes]:
+    """Simpler sets that the fitted model is equal to: an effect without strength, or Coulomb friction alone."""
+    model, found = fitted.model, set()
+    for name in fitted.causes:
+        if all(model[parameter] == value for parameter, value in by_name(name).neutral):
+            found.add(fitted.causes - {name})
+        if model.effect(name).is_dry_friction():
+            found.add(fitted.causes - {name} | {COULOMB})
+    return found
+
+
+def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+    """Sets simpler than a fitted one, each with a model and initial states to start from.
+
+    Those with one cause less, with the simple law for another form of it, with Coulomb friction for a law that has it
+    as a limit, or with an effect that one of the causes may imitate.
+
+    Args:
+        fitted: the set.
+        library: names of the causes that can act in the experiment.
+    """
+    for name in sorted(fitted.causes):
+        model = replace(fitted.model, effects=tuple(e for e in fitted.model.effects if e.name != name))
+        yield fitted.causes - {name}, *without(fitted, name)
+        if simple := _simple_law(fitted.model, name):
+            yield fitted.causes - {name} | {simple.name}, model + simple, fitted.initial
+        causes = fitted.causes - {name} | {COULOMB}
+        if name in HOLDING_COULOMB and COULOMB not in fitted.causes and causes_that_fit(causes):
+            yield causes, model + DryFriction(fitted.model[HOLDING_COULOMB[name]]), fitted.initial
+    for causes, model in imitated(fitted.model).items():
+        if causes - fitted.causes <= set(library):
+            yield causes, model, fitted.initial
+
+
+def _simple_law(model: Model, name: str) -> Effect | None:
+    """The simple law of which an effect is another form, with the values that both have; None if it has others."""
+    if not (form_of := by_name(name).form_of):
+        return None
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    simple = by_name(form_of)
+    return simple.from_values(values) if {p.name for p in simple.parameters} <= set(values) else None

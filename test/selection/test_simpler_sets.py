@@ -1,0 +1,42 @@
+"""Sets simpler than a fitted one."""
+
+from __future__ import annotations
+
+import pytest
+from setrigs import BASE, steps, stood
+
+from msd_ident.model import Effect
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.damped_stop import DampedStop
+from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_dead_zone import ForceDeadZone
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.selection.simpler_sets import equal_to, reduced
+
+
+@pytest.mark.parametrize(
+    ("effect", "equal"),
+    [
+        (CubicSpring(0.0), [set()]),
+        (CubicSpring(1.0), []),
+        (StribeckFriction(0.3, 0.3, 0.05), [{"coulomb_friction"}]),
+        (StribeckFriction(0.3, 0.6, 0.05), []),
+    ],
+)
+def test_an_effect_without_strength_or_without_its_peak_is_a_simpler_set(effect: Effect, equal: list[set[str]]) -> None:
+    assert equal_to(stood(steps(), BASE + effect)) == {frozenset(one) for one in equal}
+
+
+def test_the_simple_law_is_begun_where_another_form_of_it_stands() -> None:
+    form = stood(steps(), BASE + DampedStop(2e-3, 500.0, 0.0))
+    found = {causes: model for causes, model, _ in reduced(form, ())}
+    assert found[frozenset({"end_stop"})] == BASE + EndStop(2e-3, 500.0)
+    gone = stood(steps(), BASE + ForceDeadZone(0.1))  # its simple law, a slope of the gain, has no value of it
+    assert {causes for causes, *_ in reduced(gone, ())} == {frozenset()}
+
+
+def test_coulomb_friction_stands_for_a_law_that_holds_it() -> None:
+    curve = stood(steps(), BASE + StribeckFriction(0.3, 0.6, 0.05))
+    found = {causes: model for causes, model, _ in reduced(curve, ())}
+    assert found[frozenset({"coulomb_friction"})] == BASE + CoulombFriction(0.3)
