@@ -52,6 +52,11 @@ class Experiment:
         """Sum of the weights of all samples, in pieces of evidence."""
         return sum(part.evidence for part in self.readings)
 
+    @cached_property
+    def motion(self) -> float:
+        """Chi² that a cart leaves which stands still in the middle of each record."""
+        return sum(part.chi(part.record.position - np.mean(part.record.position)) for part in self.readings)
+
     def worse(self, chi: float, times: float) -> float:
         """The chi² of a set whose error has ``times`` the variance of another set's, along ``SOUGHT`` features.
 

@@ -7,6 +7,7 @@ the leading one by one cause have been fitted and none has more evidence.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -124,10 +125,7 @@ class Search:
             self.sets[fitted.causes] = fitted
         best = self.ranking().best
         for causes, model, initial in reduced(best, self.experiment.library):
-            _, weighting, point = formulated(self.experiment, model, initial)
-            left = weighting.residual(point)
-            if causes in self.sets or left @ left < COMPARABLE * best.chi:
-                self._look_again(causes, model, initial)
+            self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
 
     def _pairs(self) -> list[Causes]:
@@ -199,9 +197,17 @@ class Search:
             self._look_again(causes, model, initial)
         return self._leader()
 
-    def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial]) -> None:
-        self.tried.add(causes)
-        self._keep(refine(self.experiment, causes, model, initial))
+    def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf) -> None:
+        """Fit a set again from a start that leaves less than ``most``, and no more than a motion far from the data.
+
+        A start that leaves many times as much as a cart that does not move at all says nothing about the minimum, and
+        a fit from there simulates a stiff or unstable model step by tiny step.
+        """
+        _, weighting, point = formulated(self.experiment, model, initial)
+        left = weighting.residual(point)
+        if left @ left < min(most, COMPARABLE * self.experiment.motion):
+            self.tried.add(causes)
+            self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
         """A set's best fit so far.

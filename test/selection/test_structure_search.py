@@ -81,6 +81,19 @@ def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_le
     assert search.sets[wrong.causes] is better, "it is fitted once"
 
 
+def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() -> None:
+    """Its fit would simulate a model without a spring, or a stiff one, for minutes."""
+    experiment = rubbing()
+    base = stood(experiment, BASE)
+    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    search.sets = {base.causes: base}
+    rubs = frozenset({"coulomb_friction"})
+    search._look_again(rubs, Plant(0.1, 0.0, 0.0) + CoulombFriction(0.0), base.initial)
+    assert rubs not in search.sets and rubs not in search.tried
+    search._look_again(rubs, BASE + CoulombFriction(0.25), base.initial)
+    assert np.isclose(search.sets[rubs].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+
+
 def test_the_causes_that_leave_least_are_paired() -> None:
     data = steps()
     laws = {BASE + Backlash(1e-3): 300.0, BASE + CubicSpring(1e6): 200.0, BASE + CoulombFriction(0.1): 900.0}
