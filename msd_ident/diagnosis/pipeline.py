@@ -199,7 +199,9 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, shown = _resting(experiment, base), _resting(experiment, best)
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     scale = scale_from(list(ranking.sets), experiment.readings)
-    extended = intervals.stated(_result(experiment, shown, shared), shown, _beside(experiment, best, ranking), scale)
+    alike = gain_laws.alike(experiment, best, scale)
+    rivals = _beside(experiment, best, ranking) + gain_laws.shares(alike, best, scale, ranking.of_set(best))
+    extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
@@ -212,7 +214,6 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     if lacks.exceeds:
         characteristics = nonparametric.measure(experiment.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
-    alike = gain_laws.alike(experiment, best, scale)
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:

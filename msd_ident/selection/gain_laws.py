@@ -6,6 +6,9 @@ depends on the sign then fit equally well, each with its own mass, damping and s
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, switched_off
@@ -33,6 +36,21 @@ def alike(experiment: Experiment, best: Hypothesis, scale: NoiseScale) -> list[H
             if causes_that_fit(causes):
                 found += _fitted(experiment, causes, bare, best)
     return [one for one in found if scale.of(one) > scale.of(best) - DECISIVE]
+
+
+def shares(
+    laws: Sequence[Hypothesis], best: Hypothesis, scale: NoiseScale, whole: float
+) -> list[tuple[float, Hypothesis]]:
+    """The probability of the leading set, shared with each other law of the gain by their likelihoods.
+
+    Args:
+        laws: result of ``alike``.
+        best: the leading set.
+        scale: how likelihoods are read there.
+        whole: probability of the leading set, whatever law of the gain it has.
+    """
+    odds = [math.exp(min(scale.of(one) - scale.of(best), DECISIVE)) for one in laws]
+    return [(whole * one / (1.0 + math.fsum(odds)), law) for one, law in zip(odds, laws, strict=True)]
 
 
 def _fitted(experiment: Experiment, causes: Causes, bare: Hypothesis, best: Hypothesis) -> list[Hypothesis]:

@@ -110,6 +110,10 @@ class Ranking:
             probability=tuple(self.probability[i] for i in order),
         )
 
+    def of_set(self, fitted: Hypothesis) -> float:
+        """Probability of one of the sets."""
+        return next(p for p, one in zip(self.probability, self.sets, strict=True) if one is fitted)
+
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""
         kind = by_name(name).cause()

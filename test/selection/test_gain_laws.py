@@ -28,6 +28,8 @@ def test_of_two_sizes_of_force_the_mass_is_said_to_depend_on_the_law() -> None:
     assert [cause.name for cause in found.causes] == ["force_gain_nonlinearity"]
     low, high = found.spread["mass"]
     assert low * 0.999 < MASS < high * 1.001 and high > 1.05 * low
+    mass = found.extended.quantities["mass"]
+    assert mass.std > 0.25 * (high - low), "its interval holds what another law of the gain says"
     assert any("laws of one cause" in warning and "mass" in warning for warning in found.warnings)
 
 
@@ -36,4 +38,5 @@ def test_of_four_sizes_it_is_known() -> None:
     assert [cause.name for cause in found.causes] == ["force_gain_nonlinearity"]
     low, high = found.spread.get("mass", (MASS, MASS))
     assert high < 1.01 * low
-    assert abs(found.extended.model["mass"] / MASS - 1.0) < 0.005
+    mass = found.extended.quantities["mass"]
+    assert abs(mass.value / MASS - 1.0) < 0.005 and mass.std < 0.01 * MASS
