@@ -127,10 +127,14 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     """
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
-    if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
-        return best
-    kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
-    return min([best, *kicked], key=lambda fitted: fitted.chi)
+    for _ in range(LOOK):
+        if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+            break
+        kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
+        before, best = best, min([best, *kicked], key=lambda fitted: fitted.chi)
+        if before.chi - best.chi <= _settled_gain(experiment, best):
+            break  # no start beside it leads further down
+    return best
 
 
 def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:

@@ -9,6 +9,7 @@ from setrigs import BASE, pushed, rubbing, stood
 from msd_ident.estimate.problem import Initial
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.selection import hypothesis_fit
 from msd_ident.selection.hypothesis_fit import StartingPoint, _stronger, begin, exactly, finish, refine
 
 RUB = CoulombFriction(0.3)
@@ -75,3 +76,14 @@ def test_a_fit_to_ripples_that_are_too_weak_begins_again_with_more_strength() ->
     others = [name for name in values if name != "cogging_amplitude"]
     assert all(values[name] == pytest.approx(fitted.model[name]) for name in others)
     assert _stronger(stood(data, BASE + RUB)) is None
+
+
+def test_what_leads_further_down_is_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One start beside a minimum may lead to the next minimum only, not yet to the lowest."""
+    data = pushed(RUB)
+    chain = [stood(data, BASE + CoulombFriction(force)) for force in (1.0, 0.8, 0.6, 0.4)]
+    monkeypatch.setattr(hypothesis_fit, "_settled", lambda experiment, fitted, least: fitted)
+    monkeypatch.setattr(hypothesis_fit, "_kicked", lambda experiment, fitted: chain[chain.index(fitted) + 1 :][:1])
+    assert [one.chi for one in chain] == sorted((one.chi for one in chain), reverse=True)
+    assert finish(data, chain[:1], np.inf) is chain[-1]
+    assert finish(data, chain[:1], chain[2].chi / 10.0) is not chain[-1], "a set that is hopeless is left"
