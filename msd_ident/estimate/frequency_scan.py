@@ -20,14 +20,9 @@ from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import PLACE, TIME
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
-PITCHES = tuned(
-    160, unit="trials", why="pitches of a ripple that are tried, evenly spaced in their logarithm", chosen="by hand"
-)
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
-_FINEST = tuned(0.02, unit="ranges of motion", why="smallest pitch of a ripple that is tried", chosen="by hand")
-_COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -91,7 +86,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    return np.asarray(np.geomspace(_FINEST * span, _COARSEST * span, PITCHES))
+    return typical.pitches(span)
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:

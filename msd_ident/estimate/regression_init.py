@@ -54,7 +54,7 @@ LINEAR = (*PLANT, *sorted((p.name for p in PARAMETERS.values() if p.regressor), 
 _MOTION = (*PLANT, OFFSET_FORCE)
 #: Those that take energy out of the motion, or push back: set to 0 where they come out negative.
 _NOT_NEGATIVE = ("damping", *(name for name in LINEAR if name not in PLANT and PARAMETERS[name].lower == 0.0))
-_WIDTHS = tuned(
+WIDTHS = tuned(
     (6, 16, 42, 110, 290),
     unit="samples",
     why="half widths of the bump, from little to much smoothing",
@@ -127,17 +127,17 @@ def candidates(records: tuple[Record, ...], regression: Regression) -> list[Star
     held = [steady and relaxed for relaxed in regression.relaxed]
     levels = [float(record.position[0]) if hold else 0.0 for record, hold in zip(records, held, strict=True)]
     grids = [
-        record.kept(("grid", level), partial(_uniform, record, level))
+        record.kept(("grid", level), partial(uniform, record, level))
         for record, level in zip(records, levels, strict=True)
     ]
     states = [record.kept("starting state", partial(starting_state, record)) for record in records]
     names = [name for name in LINEAR if name in regression.given]
     found = []
-    for half in _WIDTHS:
+    for half in WIDTHS:
         if 2 * half + 1 > shortest // 3:
             break
         smoothed = [
-            record.kept(("means", level, half), partial(_Means, grid, half))
+            record.kept(("means", level, half), partial(Means, grid, half))
             for record, grid, level in zip(records, grids, levels, strict=True)
         ]
         values = _regress([means.rows(names, regression.given) for means in smoothed], regression, held)
@@ -156,7 +156,7 @@ def _steady(record: Record) -> bool:
 
 
 @dataclass(frozen=True)
-class _Grid:
+class Grid:
     """Position (less a level) and force of a record on uniform instants."""
 
     period: float
@@ -164,15 +164,15 @@ class _Grid:
     force: FloatArray
 
 
-def _uniform(record: Record, level: float) -> _Grid:
+def uniform(record: Record, level: float) -> Grid:
     """A record on a uniform grid; a held force counts half before and half after its step."""
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)
     position = np.interp(time, record.time, record.position) - level
     if record.hold == "linear":
-        return _Grid(period, position, record.force_at(time))
+        return Grid(period, position, record.force_at(time))
     force = 0.5 * (record.force_at(time + 1e-3 * period) + record.force_at(time - 1e-3 * period))
-    return _Grid(period, position, force)
+    return Grid(period, position, force)
 
 
 def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
@@ -184,16 +184,17 @@ def _velocity(position: FloatArray, period: float, span: int) -> FloatArray:
     return way
 
 
-class _Means:
+class Means:
     """A record's signals times a smooth bump, summed at places where the cart moves: columns (r,) of a regression.
 
     Attributes:
-        constant, force: of 1 and of the force.
+        grid: the signals on even instants.
+        constant, force: columns of 1 and of the force.
     """
 
-    def __init__(self, grid: _Grid, half: int) -> None:
+    def __init__(self, grid: Grid, half: int) -> None:
         period, position = grid.period, grid.position
-        self._grid, self._half = grid, half
+        self.grid, self._half = grid, half
         self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
         slow = max(NEGLIGIBLE * float(np.max(np.abs(velocity))), 1e-300)
         self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
@@ -228,10 +229,21 @@ class _Means:
         inner = () if name in PLANT else tuple(argument for argument in _arguments(name) if argument not in _SIGNALS)
         key = name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
-            motion = {"direction": self._direction, "v": self._velocity, "x": self._grid.position}
+            motion = {"direction": self._direction, "v": self._velocity, "x": self.grid.position}
             signal = _regressor(name)(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
             self._columns[key] = self._over(np.asarray(signal), self._bump)[self._moving, 0]
         return self._columns[key]
+
+    def smoothed(self, signals: FloatArray) -> FloatArray:
+        """Columns (r, s) of signals (s, n) on the instants of the grid."""
+        windows = sliding_window_view(signals, 2 * self._half + 1, axis=1)[:, :: self._stride]
+        return np.asarray((windows @ self._bump)[:, self._moving].T)
+
+    def motion(self) -> FloatArray:
+        """Columns (r, s) of what acts on every rig: inertia, damper, spring, constant force, dry friction and drag."""
+        plain = [self._columns[name, ()] for name in _MOTION]
+        drag = self.smoothed(np.stack([self._direction, self._velocity * np.abs(self._velocity)]))
+        return np.column_stack([*plain, drag])
 
     def rows(self, names: Collection[str], given: Mapping[str, float]) -> _Rows:
         """The rows of a regression.

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msd_ident.data.record import FloatArray
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting, extended, step
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.formulation import regressed
@@ -58,10 +58,12 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
-    liveliest = max(range(len(experiment.records)), key=lambda r: float(np.ptp(experiment.records[r].position)))
+    liveliest = _liveliest(experiment.records)
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
-    seen = replace(part.record, position=part.record.position - parent.initial[liveliest].zero)
     largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
+    zero = parent.initial[liveliest].zero
+    fitted = FittedRecord(plant, part.record, zero, residual, part.noise, largest, not parent.causes)
+    seen = fitted.record
     rubs = friction_force(parent.model) if COULOMB in parent.causes - causes else 0.0
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
         return []  # a parent that ended without a spring is no place to bend it
@@ -72,7 +74,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         elif rubs > 0.0 and name in HOLDING_COULOMB:
             found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:
-            found = guesses(name, FittedRecord(plant, seen, residual, part.noise, largest, not parent.causes))
+            found = guesses(name, fitted)
         added = [model + guess for model in models for guess in found]
         if by_name(name).structure == SECOND_MASS:
             hung = second_masses(plant, seen, residual, experiment.fixed)
@@ -106,7 +108,26 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
                 start = weak if weak.promise < MOST_OF * start.promise else start
             found.append(start)
     found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
-    return sorted(found + regressions(experiment, causes, parents, near[0]), key=lambda start: start.promise)
+    beside = min(parent.chi for parent in parents)
+    for parent, models in zip(parents, near, strict=True):
+        if not parent.causes:
+            zero = parent.initial[_liveliest(experiment.records)].zero
+            found += regressions(experiment, causes, [_counted(model, -zero) for model in models], beside)
+    return sorted(found, key=lambda start: start.promise)
+
+
+def _liveliest(records: Sequence[Record]) -> int:
+    """Index of the record with the largest motion."""
+    return max(range(len(records)), key=lambda r: float(np.ptp(records[r].position)))
+
+
+def _counted(model: Model, zero: float) -> Model:
+    """The model with ripples over x − zero in place of x."""
+    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    terms = [law for effect in model.effects if (law := effect.ripple())]
+    return model.with_values(
+        {law.phase: values[law.phase] + 2.0 * math.pi * zero / values[law.scanned] for law in terms}
+    )
 
 
 def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
@@ -136,36 +157,35 @@ def _weakened(model: Model, names: Causes) -> Model:
     return model.with_values(weak)
 
 
-def regressions(
-    experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis], models: Sequence[Model]
-) -> list[StartingPoint]:
+def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model], beside: float) -> list[StartingPoint]:
     """The two best starts by linear regression on the equation of motion.
 
-    They are made only next to the base model and only if it is so far from the data that a start next to it leads
-    nowhere. Nearer to the noise they are made only if all parameters enter linearly. Parameters that do not enter
-    linearly have the values of ``models``.
+    They are made only if the sets to start from are so far from the data that a start next to them leads nowhere.
+    Nearer to the noise they are made only if all parameters enter linearly, or are those of a ripple. Parameters that
+    do not enter linearly have the values of ``models``.
 
     Args:
         experiment: readings with their weights.
         causes: names of the set.
-        parents: fitted sets; there are no regressions if the first one has causes.
-        models: models of the set, from ``starts`` with the first parent.
+        models: models of the set, from ``starts`` with the base model; their ripples count from reading 0.
+        beside: chi² of the best set to start from.
     """
-    beside = min(parent.chi for parent in parents)
     left = math.sqrt(beside / experiment.evidence)
-    if left < FAINT or parents[0].causes:
+    if left < FAINT:
         return []
+    ripples = {name for cause in causes if (law := by_name(cause).ripple()) for name in law.names}
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
         for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
-            inner = tuple(v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR)
-            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or not inner):
-                tried.setdefault(inner, bent)
+            inner = {n: v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR}
+            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or set(inner) <= ripples):
+                tried.setdefault(tuple(inner.values()), bent)
     found = []
     for model in tried.values():
         for start in regressed(experiment.problem(model)):
             initial = [Initial(*state) for state in start.initial]
-            problem, weighting, point = formulated(experiment, model.with_values(start.values), initial)
+            placed = _counted(model.with_values(start.values), initial[_liveliest(experiment.records)].zero)
+            problem, weighting, point = formulated(experiment, placed, initial)
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])

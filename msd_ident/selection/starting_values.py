@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import SAMPLES
-from msd_ident.estimate.frequency_scan import PITCHES
 from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.ripple_regression import ripples as ripples_of
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name, typical
 from msd_ident.model.effects.base import TIME
@@ -29,6 +31,8 @@ _FAINT = fixed(
     "accuracy",
     "amplitude [N] of a term that is not there: above 0, so that frequency and phase still move something",
 )
+_PADDED = fixed(8, "accuracy", "times the length of a record to which it is padded for a finer spectrum")
+_AROUND = fixed(40, "accuracy", "lines around a line whose median it is compared with")
 STOPS = tuned(
     (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
     unit="1",
@@ -49,7 +53,8 @@ class FittedRecord:
 
     Attributes:
         plant: mass, damping and stiffness of the fitted model.
-        record: positions from the relaxed spring.
+        measured: the record.
+        zero: reading of the relaxed spring [m].
         residual: (n,) model − data [m].
         noise: standard deviation of a reading [m].
         largest: magnitude of the force in any record [N].
@@ -58,11 +63,22 @@ class FittedRecord:
     """
 
     plant: Model
-    record: Record
+    measured: Record
+    zero: float
     residual: FloatArray
     noise: float
     largest: float
     bare: bool
+
+    @cached_property
+    def record(self) -> Record:
+        """The record with positions from the relaxed spring."""
+        return replace(self.measured, position=self.measured.position - self.zero)
+
+    def ripples(self) -> list[Term]:
+        """Harmonic forces over position from the relaxed spring, found without the fitted model."""
+        known = ripples_of(self.measured, self.plant.mass)
+        return [(amplitude, pitch, phase + 2.0 * np.pi * self.zero / pitch) for amplitude, pitch, phase in known]
 
 
 def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
@@ -78,7 +94,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         terms = (
             lines(record, plant, fitted.residual)
             if over_time
-            else ripples(record, plant, fitted.residual, fitted.noise)
+            else fitted.ripples() + ripples(record, plant, fitted.residual, fitted.noise)[:1]
         )
         found = tuple(effect.from_values(dict(zip(effect.harmonic.names, term, strict=True))) for term in terms)
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
@@ -111,8 +127,7 @@ def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) ->
     common = np.column_stack([np.ones(x.size), x, velocity, np.sign(velocity)])
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
     force = force - frame @ (frame.T @ force)
-    span = float(np.ptp(x))
-    pitches = np.geomspace(typical.PITCHES[0] * span, typical.PITCHES[1] * span, PITCHES)
+    pitches = typical.pitches(float(np.ptp(x)))
     angle = np.outer(2.0 * np.pi / pitches, x)
     pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     pair -= (pair @ frame) @ frame.T
@@ -141,27 +156,37 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
         residual: (n,) model − data [m].
 
     Returns:
-        At most ``_LINES`` triples of amplitude [N], angular frequency [rad/s] and phase [rad].
+        Triples of amplitude [N], angular frequency [rad/s] and phase [rad]: ``_LINES`` of the largest motion, and half
+        as many that stand out most of the force around them.
     """
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)
     left = np.interp(time, record.time, residual)
     left = left - left.mean()
-    omega = 2.0 * np.pi * np.fft.rfftfreq(8 * left.size, period)
-    power = np.abs(np.fft.rfft(left * np.hanning(left.size), 8 * left.size))
-    power[(omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)] = 0.0
+    omega = 2.0 * np.pi * np.fft.rfftfreq(_PADDED * left.size, period)
+    power = np.abs(np.fft.rfft(left * np.hanning(left.size), _PADDED * left.size))
+    # Beside friction the residual is large at low frequencies. As a force, and beside what is around it, a line stands
+    # out of it.
+    force = power * np.abs(plant.stiffness - plant.mass * omega**2 + 1j * plant.damping * omega)
+    around = median_filter(force, size=_AROUND * _PADDED + 1)
+    prominent = force / np.maximum(around, 1e-12 * float(np.max(force)) + 1e-300)
+    outside = (omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)
+    power[outside], prominent[outside] = 0.0, 0.0
     found: list[Term] = []
-    for _ in range(_LINES):
-        w = float(omega[int(np.argmax(power))])
-        if w == 0.0:
-            break
-        basis = np.column_stack([np.cos(w * time), np.sin(w * time)])
-        c, s = np.linalg.lstsq(basis, left, rcond=None)[0]
-        force = complex(c, -s) * complex(plant.stiffness - plant.mass * w * w, plant.damping * w)
-        # Re(force·exp(iωt)) = A·sin(ωt + φ)
-        found.append((max(abs(force), _FAINT), w, float(np.angle(force)) + 0.5 * np.pi))
-        power[np.abs(omega - w) < 4.0 * np.pi / record.duration] = 0.0
-    return found
+    for count, by in ((_LINES, power), (_LINES // 2, prominent)):
+        by = by.copy()
+        for _ in range(count):
+            strongest = int(np.argmax(by))
+            if by[strongest] == 0.0:
+                break
+            w = float(omega[strongest])
+            basis = np.column_stack([np.cos(w * time), np.sin(w * time)])
+            c, s = np.linalg.lstsq(basis, left, rcond=None)[0]
+            term = complex(c, -s) * complex(plant.stiffness - plant.mass * w * w, plant.damping * w)
+            # Re(term·exp(iωt)) = A·sin(ωt + φ)
+            found.append((max(abs(term), _FAINT), w, float(np.angle(term)) + 0.5 * np.pi))
+            by[np.abs(omega - w) < 4.0 * np.pi / record.duration] = 0.0
+    return list(dict.fromkeys(found))
 
 
 def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ...]]]:

@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import TypeVar
 
 from msd_ident import parallel
 from msd_ident.estimate.effort import LOOK
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.ripple_regression import found_in
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
@@ -102,7 +103,7 @@ class Search:
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
-            companions = [causes for causes in (leader.causes, frozenset({COULOMB})) if causes]
+            companions = [causes for causes in (leader.causes, frozenset({COULOMB}), self._rippled) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
             self._fit(self._pairs(), 0.55, 0.6)
@@ -127,6 +128,16 @@ class Search:
         for causes, model, initial in reduced(best, self.experiment.library):
             self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
+
+    @cached_property
+    def _rippled(self) -> Causes:
+        """A force that repeats along the travel, if a regression shows one that leaves less than a tenth.
+
+        By itself it leaves much where another law is missing: the cart comes to rest in another ripple.
+        """
+        found = [one for record in self.experiment.records for one in found_in(record)[:1]]
+        shown = any(one.share > 1.0 - TENTH for one in found)
+        return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
     def _pairs(self) -> list[Causes]:
         """Pairs of the causes that leave least by themselves.
@@ -338,7 +349,8 @@ class Search:
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
         twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
-        return (worth or [known[NOTHING]]) + [known[twin] for twin in twins if twin in known]
+        plain = [known[NOTHING]] if not worth or (causes & self._rippled and worth[0].causes) else []
+        return worth + plain + [known[twin] for twin in twins if twin in known]
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

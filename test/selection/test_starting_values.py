@@ -25,7 +25,7 @@ def left(model: Model, begin: float = 0.0) -> FittedRecord:
     record = measured(model, {"name": "steps", "force": 8.0, "hold": 0.6}, rate=250.0, encoder=encoder, seed=1)
     residual = simulate(PLANT, record).position - record.position
     moved = replace(record, time=record.time + begin, force_time=record.force_time + begin)
-    return FittedRecord(PLANT, moved, residual, NOISE, 8.0, bare=True)
+    return FittedRecord(PLANT, moved, 0.0, residual, NOISE, 8.0, bare=True)
 
 
 @pytest.mark.parametrize("begin", [0.0, 1.3])
@@ -51,6 +51,24 @@ def test_a_ripple_of_the_missing_force_is_found(pitch: float) -> None:
     best = ripples(found.record, PLANT, found.residual, NOISE)[0]
     assert best[1] == pytest.approx(pitch, rel=0.05)
     assert best[0] == pytest.approx(0.5, rel=0.6)
+
+
+def test_a_fast_line_is_found_below_the_slow_error_of_a_wrong_model() -> None:
+    found = left(PLANT + PeriodicDisturbance(0.5, 150.0, 0.7))
+    slow = 3e-5 * np.cumsum(np.random.default_rng(1).standard_normal(found.record.samples))
+    terms = lines(found.record, PLANT, found.residual + slow)
+    assert all(w < 60.0 for _, w, _ in terms[:4])
+    assert any(w == pytest.approx(150.0, rel=0.01) for _, w, _ in terms)
+
+
+def test_a_ripple_is_counted_from_the_relaxed_spring() -> None:
+    found = left(PLANT + Cogging(0.5, 5e-3, 0.4))
+    amplitude, pitch, phase = found.ripples()[0]
+    moved = replace(found, measured=replace(found.measured, position=found.measured.position + 0.02), zero=0.02)
+    again = moved.ripples()[0]
+    assert again[:2] == pytest.approx((amplitude, pitch)) and math.cos(again[2] - phase) == pytest.approx(1.0)
+    assert moved.record.position == pytest.approx(found.record.position)
+    assert guesses("cogging", found)[0].values[:2] == pytest.approx((amplitude, pitch))
 
 
 def test_beside_other_effects_only_the_residual_is_asked() -> None:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from setrigs import BASE, fitted, rubbing, steps, stood
+from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record
 from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
@@ -126,3 +128,21 @@ def test_a_set_that_leads_is_fitted_to_the_end() -> None:
     ended = search._converged(near, base.chi)
     assert np.isclose(ended.model["coulomb_force"], 0.03 * 9.81, rtol=0.01) and search.sets[near.causes] is ended
     assert search._converged(base, ended.chi) is base, "one that does not lead stays as it is"
+
+
+def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_begun_from_it() -> None:
+    """Alone it leaves almost as much as the base model: without the drag the cart stops in other ripples."""
+    ripple, drag = Cogging(0.9, 3e-3, 0.4), QuadraticDrag(30.0)
+    both = frozenset({"cogging", "quadratic_drag"})
+    experiment = pushed(ripple, drag)
+    search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
+    assert search._rippled == {"cogging"}
+    base = refine(experiment, frozenset(), BASE, experiment.problem(BASE).initial)
+    alone = refine(experiment, frozenset({"quadratic_drag"}), BASE + QuadraticDrag(1.0), base.initial)
+    search.sets = {one.causes: one for one in (base, alone)}
+    assert base in search._parents(both), "a regression starts next to the base model"
+    search._fit([both], 0.0, 1.0)
+    assert search.sets[both].chi < 1.2 * experiment.evidence
+    assert np.isclose(search.sets[both].model["cogging_pitch"], 3e-3, rtol=1e-3)
+    plain = Search(pushed(drag), lambda fitted: False, lambda stage, part, cause: None)
+    assert plain._rippled == frozenset()

@@ -295,6 +295,11 @@ class Effect:
         pairs = zip(self.parameters, self.values, strict=True)
         return frozenset(parameter.name for parameter, value in pairs if math.isinf(value)) | frozenset(self.held)
 
+    @classmethod
+    def ripple(cls) -> Harmonic | None:
+        """Its only term, if that is a harmonic one over the travel."""
+        return cls.harmonic if cls.harmonic is not None and cls.harmonic.over == PLACE and not cls.form_of else None
+
     def is_dry_friction(self) -> bool:
         """Whether its values leave nothing of it but Coulomb's friction."""
         return False

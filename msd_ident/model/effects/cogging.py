@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import PLACE, Effect, Harmonic, Parameter, RecordScales
@@ -12,6 +14,11 @@ from msd_ident.model.effects.base import PLACE, Effect, Harmonic, Parameter, Rec
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _ripple(x: Any, cogging_pitch: float, cogging_phase: float) -> Any:
+    """Its force in parts of the amplitude."""
+    return np.sin((2.0 * math.pi / cogging_pitch) * x + cogging_phase)
 
 
 @dataclass(frozen=True)
@@ -33,6 +40,7 @@ class Cogging(Effect):
             "amplitude of the cogging force",
             gained=True,
             multistable=True,
+            regressor=_ripple,
         ),
         Parameter("cogging_pitch", "p", "m", 1e-9, math.inf, "pitch of the cogging force", least=2e-2),
         Parameter("cogging_phase", "phi", "rad", -math.inf, math.inf, "phase of the cogging force at x = 0"),

@@ -10,6 +10,8 @@ from msd_ident.model.plant import FloatArray, Model
 #: Pitches of a ripple that can be told, in parts of the travel: one that is seen less than two and a half times is a
 #: bent spring.
 PITCHES = (0.02, 0.4)
+#: Step of a scan over pitches, in ripples over the travel: a ripple that is half a step off stays in phase.
+_STEP = 0.25
 
 
 def amplitude(record: Record) -> float:
@@ -41,6 +43,12 @@ def natural_frequency(record: Record, plant: Model) -> float:
     """Natural frequency [rad/s] of the plant, or of one swing a record where there is no spring."""
     spring = plant["stiffness"] / plant["mass"]
     return max(float(np.sqrt(max(spring, 0.0))), 2.0 * np.pi / record.duration)
+
+
+def pitches(span: float) -> FloatArray:
+    """The pitches [m] that can be told over a travel [m], on an even scale of 1/p, the shortest first."""
+    shortest, longest = PITCHES
+    return np.asarray(span / np.arange(1.0 / longest, 1.0 / shortest + 0.5 * _STEP, _STEP)[::-1])
 
 
 def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
