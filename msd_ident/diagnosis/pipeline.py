@@ -200,7 +200,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)
-    rivals = _beside(experiment, best, ranking) + gain_laws.shares(alike, best, scale, ranking.of_set(best))
+    rivals = _beside(experiment, best, ranking, alike, scale)
     extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
@@ -247,10 +247,19 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     )
 
 
-def _beside(experiment: Experiment, best: Hypothesis, ranking: Ranking) -> list[tuple[float, Hypothesis]]:
-    """The explanations beside the leading one that are not negligible, with their probabilities."""
+def _beside(
+    experiment: Experiment, best: Hypothesis, ranking: Ranking, alike: Sequence[Hypothesis], scale: NoiseScale
+) -> list[tuple[float, Hypothesis]]:
+    """The explanations beside the leading one that are not negligible, with their probabilities.
+
+    Laws of the force's gain that fit alike share the probability of the leading set, if they have none of their own.
+    """
     pairs = zip(ranking.probability, ranking.sets, strict=True)
-    return [(p, _resting(experiment, one)) for p, one in pairs if one is not best and p > NEGLIGIBLE]
+    ranked = [(p, one) for p, one in pairs if one.causes != best.causes and p > NEGLIGIBLE]
+    known = {one.causes for _, one in ranked}
+    others = [one for one in alike if one.causes not in known]
+    found = ranked + gain_laws.shares(others, best, scale, ranking.of_set(best.causes))
+    return [(p, _resting(experiment, one)) for p, one in found]
 
 
 def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:

@@ -17,7 +17,7 @@ from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
-from msd_ident.model.effects.base import PLAY, Effect
+from msd_ident.model.effects.base import PLACE, PLAY, Effect
 from msd_ident.tuning import tuned
 
 Zero = Literal["free", "known"]
@@ -131,9 +131,18 @@ def starts_at_rest(record: Record) -> bool:
     return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)
 
 
-def regressed(problem: Problem) -> list[Start]:
-    """Starts by linear regression, one for each smoothing width."""
+def regressed(problem: Problem, *, counted: bool = False) -> list[Start]:
+    """Starts by linear regression, one for each smoothing width.
+
+    Args:
+        problem: model and records.
+        counted: whether the phases of ripples count from reading 0, as the regression does; else it leaves ripples out.
+    """
     given = dict(zip(problem.model.names, problem.model.values.tolist(), strict=True))
+    for effect in problem.model.effects:
+        term = effect.harmonic
+        if term is not None and term.over == PLACE and not (counted and effect.ripple()):
+            del given[term.amplitude]
     free = {problem.model.names[i] for i in problem.free}
     zero_free = any(n.kind == "zero" for n in problem.nuisances)
     resting = {balance.record for balance in problem.balances}

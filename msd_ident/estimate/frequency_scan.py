@@ -20,8 +20,9 @@ from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import PLACE, TIME
-from msd_ident.tuning import fixed
+from msd_ident.tuning import fixed, tuned
 
+_COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
 
 
@@ -86,7 +87,7 @@ def _frequencies(problem: Problem, base: FloatArray) -> FloatArray:
 
 def _pitches(problem: Problem, base: FloatArray) -> FloatArray:
     span = 2.0 * max(typical.amplitude(record) for record in problem.records)
-    return typical.pitches(span)
+    return typical.pitches(span, _COARSEST)
 
 
 def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -> list[FloatArray]:

@@ -1,21 +1,21 @@
 """Starting values of a force that repeats along the travel, by linear regression: no simulation, no local minimum.
 
 Where a cart sticks at the ripples, the error of a simulation has a minimum for every ripple in which the cart may come
-to rest. The equation of motion at the measured positions has none of them. In the weak form of ``regression_init``,
-what the plant, dry friction, drag and a bent spring leave is regressed on the sine and the cosine of 2πx/p, for each
-pitch p of an even scale of 1/p.
+to rest. The equation of motion at the measured positions is linear in the force of the ripples. In the weak form of
+``regression_init``, what the plant, dry friction, drag and a bent spring leave is regressed on the sine and the cosine
+of 2πx/p, for each pitch p of an even scale of 1/p.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT
+from msd_ident.estimate.effort import KEPT, SAMPLES
 from msd_ident.estimate.regression_init import WIDTHS, Means, uniform
 from msd_ident.model.effects import typical
 from msd_ident.tuning import fixed, tuned
@@ -41,11 +41,13 @@ class Found:
             of a cart of 1 kg.
         worth: what it explains over what it leaves, times the degrees of freedom (Fisher's F but for a factor).
         share: part of the force that it explains, of what the plant, friction, drag and a bent spring leave.
+        pushed: whether a force acted.
     """
 
     ripple: Ripple
     worth: float
     share: float
+    pushed: bool
 
 
 def ripples(record: Record, mass: float) -> list[Ripple]:
@@ -58,22 +60,23 @@ def ripples(record: Record, mass: float) -> list[Ripple]:
     Returns:
         For each its amplitude [N], pitch [m] and phase [rad] at position 0; none if the record is too short.
     """
-    size = 1.0 if _pushed(record) else mass
-    return [(size * one.ripple[0], *one.ripple[1:]) for one in found_in(record)]
+    return [((1.0 if one.pushed else mass) * one.ripple[0], *one.ripple[1:]) for one in found_in(record)]
 
 
 def found_in(record: Record) -> list[Found]:
-    """The best ripples of a record over all widths of the bump, the best first; at most ``KEPT``."""
+    """The best ripples of a record over all widths of the bump, the best first; at most ``KEPT``.
+
+    A record with more than ``SAMPLES`` samples is thinned.
+    """
     return record.kept("ripples", partial(_scanned, record), small=True)
 
 
-def _pushed(record: Record) -> bool:
-    return bool(np.ptp(record.force) > 0.0)
-
-
 def _scanned(record: Record) -> list[Found]:
-    level = float(record.position[0])
-    grid = record.kept(("grid", level), partial(uniform, record, level))
+    every = max(1, record.samples // SAMPLES)
+    few = replace(record, time=record.time[::every], position=record.position[::every])
+    level = float(few.position[0])
+    grid = uniform(few, level)
+    pushed = bool(np.ptp(grid.force) > 0.0)
     span = max(float(np.ptp(grid.position)), 1e-9)
     bends = np.linspace(grid.position.min(), grid.position.max(), _BENDS + 2)[1:-1]
     spring = np.maximum(grid.position - bends[:, None], 0.0)
@@ -82,10 +85,10 @@ def _scanned(record: Record) -> list[Found]:
     fine = np.linspace(-1.0, 1.0, _FINE) * (waves[1] - waves[0])
     found: list[Found] = []
     for half in WIDTHS:
-        if 2 * half + 1 > record.samples // 3:
+        if 2 * half + 1 > few.samples // 3:
             break
-        means = record.kept(("means", level, half), partial(Means, grid, half))
-        left = _left(means, spring, _pushed(record))
+        means = Means(grid, half)
+        left = _left(means, spring, pushed)
         if left is None:
             continue
         for peak in _peaks(_gain(means, left, pairs)[0]):
@@ -96,7 +99,7 @@ def _scanned(record: Record) -> list[Found]:
             phase = math.atan2(c[i], s[i]) - 2.0 * math.pi * near[i] * level
             ripple = math.hypot(s[i], c[i]), 1.0 / float(near[i]), phase
             spare = left.force.size - left.basis.shape[1] - 2
-            found.append(Found(ripple, spare * share / max(1.0 - share, 1e-12), share))
+            found.append(Found(ripple, spare * share / max(1.0 - share, 1e-12), share, pushed))
     return _distinct(sorted(found, key=lambda one: -one.worth), span)
 
 

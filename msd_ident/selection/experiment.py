@@ -54,7 +54,7 @@ class Experiment:
 
     @cached_property
     def motion(self) -> float:
-        """Chi² that a cart leaves which stands still in the middle of each record."""
+        """Chi² that a cart leaves which stands still at the mean position of each record."""
         return sum(part.chi(part.record.position - np.mean(part.record.position)) for part in self.readings)
 
     def worse(self, chi: float, times: float) -> float:

@@ -110,9 +110,9 @@ class Ranking:
             probability=tuple(self.probability[i] for i in order),
         )
 
-    def of_set(self, fitted: Hypothesis) -> float:
-        """Probability of one of the sets."""
-        return next(p for p, one in zip(self.probability, self.sets, strict=True) if one is fitted)
+    def of_set(self, causes: Causes) -> float:
+        """Probability of a set; 0 if it is not ranked."""
+        return next((p for p, one in zip(self.probability, self.sets, strict=True) if one.causes == causes), 0.0)
 
     def of_cause(self, name: str) -> float:
         """Probability that a cause acts, in whatever law: of all sets that hold it together."""

@@ -182,10 +182,10 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
                 tried.setdefault(tuple(inner.values()), bent)
     found = []
     for model in tried.values():
-        for start in regressed(experiment.problem(model)):
+        for start in regressed(experiment.problem(model), counted=True):
             initial = [Initial(*state) for state in start.initial]
-            placed = _counted(model.with_values(start.values), initial[_liveliest(experiment.records)].zero)
-            problem, weighting, point = formulated(experiment, placed, initial)
+            relaxed = _counted(model.with_values(start.values), initial[_liveliest(experiment.records)].zero)
+            problem, weighting, point = formulated(experiment, relaxed, initial)
             residual = weighting.residual(point)
             found.append((float(residual @ residual), problem, weighting, point))
     found.sort(key=lambda one: one[0])

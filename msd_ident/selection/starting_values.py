@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import SAMPLES
 from msd_ident.estimate.problem import Initial
-from msd_ident.estimate.ripple_regression import ripples as ripples_of
+from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
 from msd_ident.model.effects import by_name, typical
 from msd_ident.model.effects.base import TIME
@@ -58,8 +58,8 @@ class FittedRecord:
         residual: (n,) model − data [m].
         noise: standard deviation of a reading [m].
         largest: magnitude of the force in any record [N].
-        bare: whether the fitted model has no effect yet. Beside other effects only the residual gives starting values
-            of a harmonic law.
+        bare: whether the fitted model has no effect yet. Beside other effects the library's own guess of a harmonic law
+            is not asked.
     """
 
     plant: Model
@@ -77,7 +77,7 @@ class FittedRecord:
 
     def ripples(self) -> list[Term]:
         """Harmonic forces over position from the relaxed spring, found without the fitted model."""
-        known = ripples_of(self.measured, self.plant.mass)
+        known = ripples(self.measured, self.plant.mass)
         return [(amplitude, pitch, phase + 2.0 * np.pi * self.zero / pitch) for amplitude, pitch, phase in known]
 
 
@@ -94,7 +94,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         terms = (
             lines(record, plant, fitted.residual)
             if over_time
-            else fitted.ripples() + ripples(record, plant, fitted.residual, fitted.noise)[:1]
+            else fitted.ripples() + residual_ripples(record, plant, fitted.residual, fitted.noise)[:1]
         )
         found = tuple(effect.from_values(dict(zip(effect.harmonic.names, term, strict=True))) for term in terms)
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
@@ -104,7 +104,7 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
     return found
 
 
-def ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> list[Term]:
+def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: float) -> list[Term]:
     """Starting values of a harmonic force over position, at the pitches that explain most of the missing force.
 
     The missing force is smoothed from the residual. What mass, spring, damper, friction and offset could take up is
@@ -174,7 +174,6 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     power[outside], prominent[outside] = 0.0, 0.0
     found: list[Term] = []
     for count, by in ((_LINES, power), (_LINES // 2, prominent)):
-        by = by.copy()
         for _ in range(count):
             strongest = int(np.argmax(by))
             if by[strongest] == 0.0:
@@ -185,8 +184,9 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
             term = complex(c, -s) * complex(plant.stiffness - plant.mass * w * w, plant.damping * w)
             # Re(term·exp(iωt)) = A·sin(ωt + φ)
             found.append((max(abs(term), _FAINT), w, float(np.angle(term)) + 0.5 * np.pi))
-            by[np.abs(omega - w) < 4.0 * np.pi / record.duration] = 0.0
-    return list(dict.fromkeys(found))
+            taken = np.abs(omega - w) < 4.0 * np.pi / record.duration
+            power[taken], prominent[taken] = 0.0, 0.0
+    return found
 
 
 def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ...]]]:

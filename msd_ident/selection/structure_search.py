@@ -140,13 +140,19 @@ class Search:
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
     def _pairs(self) -> list[Causes]:
-        """Pairs of the causes that leave least by themselves.
+        """Pairs of the causes that leave least by themselves, and of laws that are linear in their parameters.
 
-        Where two causes act, each alone may leave more than a third one does that acts a little like both.
+        Where two causes act, each alone may leave more than a third one does that acts a little like both. Two linear
+        laws have no start that could be missed.
         """
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
         near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
-        return [one | other for one, other in combinations(near, 2)]
+        plain = [
+            frozenset({name})
+            for name in self.experiment.tried_alone
+            if all(parameter.regressor for parameter in by_name(name).parameters)
+        ]
+        return [one | other for one, other in (*combinations(near, 2), *combinations(plain, 2))]
 
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""
@@ -209,10 +215,11 @@ class Search:
         return self._leader()
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf) -> None:
-        """Fit a set again from a start that leaves less than ``most``, and no more than a motion far from the data.
+        """Fit a set again from a start that leaves less than ``most``, and less than ``COMPARABLE`` times a still cart.
 
         A start that leaves many times as much as a cart that does not move at all says nothing about the minimum, and
-        a fit from there simulates a stiff or unstable model step by tiny step.
+        a fit from there simulates a stiff or unstable model step by tiny step. A set with such a start may still be
+        tried from others.
         """
         _, weighting, point = formulated(self.experiment, model, initial)
         left = weighting.residual(point)
@@ -341,7 +348,8 @@ class Search:
 
     def _parents(self, causes: Causes) -> list[Hypothesis]:
         """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
-        the base; and those that have Coulomb friction in place of a law that holds it as a limit.
+        the base; and those that have Coulomb friction in place of a law that holds it as a limit. A set with a ripple
+        that a regression shows starts next to the base too, where regressions are made.
         """
         known = dict(self.sets)
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]

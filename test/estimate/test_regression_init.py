@@ -8,6 +8,7 @@ from fitrigs import COUNTS_PER_METRE, DEMO, demo_record, measured, wrong
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import regression_start
 from msd_ident.model import Model, Plant
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
@@ -92,3 +93,10 @@ def test_no_spring() -> None:
     record = measured(truth, {"name": "random_steps", "force": 8.0, "duration": 6.0}, rate=1000.0)
     found = regression_start(record, wrong(truth).with_values({"stiffness": 0.0}), fixed=["stiffness"])
     assert _worst(found, truth, "mass", "damping", "coulomb_force") < 0.03
+
+
+def test_a_ripple_whose_phase_counts_from_the_relaxed_spring_keeps_its_force() -> None:
+    """The regression counts from reading 0: half a pitch off, it would find the ripple with the other sign."""
+    rig = Plant(1.2, 6.0, 620.0) + Cogging(1.0, 3e-3, 0.4)
+    record = measured(rig, {"name": "steps", "force": 8.0, "hold": 0.6}, rate=250.0, zero=1.5e-3)
+    assert regression_start(record, rig)["cogging_amplitude"] == 1.0

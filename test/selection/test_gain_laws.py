@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pytest
+from setrigs import BASE, fitted, steps
 
 from msd_ident.data.record import Record
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.selection.evidence import NoiseScale
+from msd_ident.selection.gain_laws import shares
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -40,3 +47,15 @@ def test_of_four_sizes_it_is_known() -> None:
     assert high < 1.01 * low
     mass = found.extended.quantities["mass"]
     assert abs(mass.value / MASS - 1.0) < 0.005 and mass.std < 0.01 * MASS
+
+
+def test_the_probability_of_the_leading_set_is_shared_by_likelihood() -> None:
+    data = steps()
+    slope = ForceGainNonlinearity(-0.01, math.inf)
+    best, same, worse = (fitted(data, BASE + slope, chi) for chi in (6000.0, 6000.0, 9000.0))
+    scale = NoiseScale(6000.0)
+    assert [p for p, _ in shares([same], best, scale, 0.8)] == pytest.approx([0.4])
+    (p, _), (q, _) = shares([same, worse], best, scale, 0.8)
+    odds = math.exp(scale.of(worse) - scale.of(best))
+    assert 0.0 < odds < 1.0 and (p, q) == pytest.approx((0.8 / (2.0 + odds), 0.8 * odds / (2.0 + odds)))
+    assert shares([], best, scale, 0.8) == []

@@ -13,7 +13,7 @@ from msd_ident.data.record import Record
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
-from msd_ident.selection.starting_values import FittedRecord, guesses, lines, plain_axes, ripples
+from msd_ident.selection.starting_values import FittedRecord, guesses, lines, plain_axes, residual_ripples
 
 PLANT = Plant(1.0, 6.0, 400.0)
 NOISE = 1e-5
@@ -48,7 +48,7 @@ def test_a_residual_of_nothing_has_no_line() -> None:
 @pytest.mark.parametrize("pitch", [2e-3, 5e-3])
 def test_a_ripple_of_the_missing_force_is_found(pitch: float) -> None:
     found = left(PLANT + Cogging(0.5, pitch, 0.4))
-    best = ripples(found.record, PLANT, found.residual, NOISE)[0]
+    best = residual_ripples(found.record, PLANT, found.residual, NOISE)[0]
     assert best[1] == pytest.approx(pitch, rel=0.05)
     assert best[0] == pytest.approx(0.5, rel=0.6)
 
@@ -64,7 +64,7 @@ def test_a_fast_line_is_found_below_the_slow_error_of_a_wrong_model() -> None:
 def test_a_ripple_is_counted_from_the_relaxed_spring() -> None:
     found = left(PLANT + Cogging(0.5, 5e-3, 0.4))
     amplitude, pitch, phase = found.ripples()[0]
-    moved = replace(found, measured=replace(found.measured, position=found.measured.position + 0.02), zero=0.02)
+    moved = replace(found, measured=replace(found.measured, position=found.measured.position + 0.0213), zero=0.0213)
     again = moved.ripples()[0]
     assert again[:2] == pytest.approx((amplitude, pitch)) and math.cos(again[2] - phase) == pytest.approx(1.0)
     assert moved.record.position == pytest.approx(found.record.position)

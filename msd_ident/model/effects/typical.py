@@ -45,9 +45,14 @@ def natural_frequency(record: Record, plant: Model) -> float:
     return max(float(np.sqrt(max(spring, 0.0))), 2.0 * np.pi / record.duration)
 
 
-def pitches(span: float) -> FloatArray:
-    """The pitches [m] that can be told over a travel [m], on an even scale of 1/p, the shortest first."""
-    shortest, longest = PITCHES
+def pitches(span: float, longest: float = PITCHES[1]) -> FloatArray:
+    """Pitches [m] over a travel [m], on an even scale of 1/p, the shortest first.
+
+    Args:
+        span: the travel.
+        longest: in parts of it; those that can be told if not given.
+    """
+    shortest = PITCHES[0]
     return np.asarray(span / np.arange(1.0 / longest, 1.0 / shortest + 0.5 * _STEP, _STEP)[::-1])
 
 
