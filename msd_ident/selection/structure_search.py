@@ -103,7 +103,8 @@ class Search:
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
-            companions = [causes for causes in (leader.causes, frozenset({COULOMB}), self._rippled) if causes]
+            fronts = [one.causes for one in self._fronts(leader)]
+            companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
             self._fit(self._pairs(), 0.55, 0.6)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record
 from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
+from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
@@ -158,3 +161,19 @@ def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_b
     assert np.isclose(search.sets[both].model["cogging_pitch"], 3e-3, rtol=1e-3)
     plain = Search(pushed(drag), lambda fitted: False, lambda stage, part, cause: None)
     assert plain._rippled == frozenset()
+
+
+def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Far from the noise another one may lead by its evidence, which counts features of the error."""
+    data = steps()
+    bilinear, drift = BASE + BilinearSpring(2e-3, 100.0), BASE + StiffnessDrift(1.0)
+    alone = [fitted(data, BASE, 1e6), fitted(data, bilinear, 4e5), fitted(data, drift, 1e5)]
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in alone}
+    asked: list[frozenset[str]] = []
+    monkeypatch.setattr(search, "_leader", lambda: alone[1])
+    monkeypatch.setattr(search, "_fit", lambda wanted, start, end: asked.extend(wanted))
+    monkeypatch.setattr(search, "_walk", lambda: None)
+    search.run(alone[0])
+    for leads in ("bilinear_spring", "stiffness_drift"):
+        assert frozenset({leads, "backlash"}) in asked
