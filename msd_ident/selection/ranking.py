@@ -214,12 +214,19 @@ def _exact(fitted: Hypothesis, noise: float) -> bool:
 def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
     """Causes of a set that may be another form of its other laws, with what they explain beyond these, as a part of
     what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
+
+    Where the set leaves more than noise, each spring beside the one that explains most may be an error of its shape,
+    whatever it explains: two curves over the position come near any third one.
     """
+    parts = further_parts(causes, sets)
     found = {
         name: part
-        for name, part in further_parts(causes, sets).items()
+        for name, part in parts.items()
         if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
+    if not _exact(sets[causes], noise):
+        springs = sorted((name for name in parts if by_name(name).is_spring()), key=lambda name: -parts[name])
+        found |= {name: parts[name] for name in springs[1:]}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
         part = _part_beyond(limit, causes, sets)

@@ -283,3 +283,20 @@ def test_what_depends_on_the_place_says_so() -> None:
         here, there = paths[:, np.all(np.isfinite(paths), axis=0)]
         knows, says = np.max(np.abs(here - there)) > 1e-6 * spread(here), effect.placed() or name == "backlash"
         assert knows == says, f"{name}: placed() is {says}, and {knows} is what its motion says"
+
+
+def test_what_is_a_curve_over_the_position_is_a_spring() -> None:
+    """Held at rest anywhere, a spring pushes; what moves without one has no other place to go back to."""
+    springs = {name for name in NAMES if by_name(name).is_spring()}
+    assert springs >= {
+        "asymmetric_spring",
+        "backlash",
+        "bilinear_spring",
+        "cogging",
+        "cubic_spring",
+        "end_stop",
+        "gravity",
+    }
+    assert {by_name(form).cause() for form in springs} <= springs, "every law of a spring's cause is one"
+    for other in ("force_offset", "hysteresis", "stiffness_drift", "load_dependent_friction", "second_mode"):
+        assert other not in springs, "it knows more than the position, or nothing of it"

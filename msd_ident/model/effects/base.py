@@ -333,6 +333,13 @@ class Effect:
         )
 
     @classmethod
+    def is_spring(cls) -> bool:
+        """Whether its force is a curve over the position: a spring of another shape."""
+        bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
+        force = cls.laws().get("force")
+        return bends or (force is not None and not cls.memory and "x" in inspect.signature(force).parameters)
+
+    @classmethod
     def fits(cls, record: Record) -> bool:
         """Whether the law can act on a rig that gave this record, and be seen in it."""
         return not cls.angular or record.position_unit == "rad"
