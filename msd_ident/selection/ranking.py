@@ -225,8 +225,9 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
         if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
     if not _exact(sets[causes], noise):
-        springs = sorted((name for name in parts if by_name(name).is_spring()), key=lambda name: -parts[name])
-        found |= {name: parts[name] for name in springs[1:]}
+        springs = [name for name in sorted(causes) if by_name(name).is_spring()]
+        springs.sort(key=lambda name: -parts.get(name, math.inf))  # a set that was not worth a fit explains little
+        found |= {name: parts[name] for name in springs[1:] if name in parts}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
         part = _part_beyond(limit, causes, sets)
