@@ -25,8 +25,9 @@ from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
-from msd_ident.residuals.adequacy import judge
+from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.residuals.ringdown import RingDown
 from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
 from msd_ident.selection import (
@@ -197,22 +198,22 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
     progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
-    left = (judge(base.residuals(), experiment.readings), judge(shown.residuals(), experiment.readings))
     scale = scale_from(list(ranking.sets), experiment.readings)
+    heard, left = _heard(experiment, scale.other_noise, (base, shown))
     alike = gain_laws.alike(experiment, best, scale)
     rivals = _beside(experiment, best, ranking, alike, scale)
     extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    missing, still = _missing(experiment, base), _still_missing(experiment, shown)
-    lacking = (_still_missing(experiment, base) if best.causes else still, still)
+    missing, still = _missing(heard, base), _still_missing(heard, shown)
+    lacking = (_still_missing(heard, base) if best.causes else still, still)
     judged = [JudgedModel(*one) for one in zip(fits, lacking, left, strict=True)]
-    lacks = remainders(task.records, _floor(experiment), judged[0], judged[1], task.tolerance)
+    lacks = remainders(task.records, _floor(heard), judged[0], judged[1], task.tolerance)
     decision = verdict.decide(causes, lacks)
     characteristics = None
     if lacks.exceeds:
-        characteristics = nonparametric.measure(experiment.readings, shown.model, shown.initial, fits[0].see)
+        characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
@@ -229,7 +230,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         extended=fits[1],
         see_reduction_percent=see_reduction(fits[0].see, fits[1].see),
         heldout=heldout,
-        noise_floor=_floor(experiment),
+        noise_floor=_floor(heard),
         base_adequacy=left[0],
         adequacy=left[1],
         left=lacks,
@@ -296,6 +297,23 @@ def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
 def _result(experiment: Experiment, fitted: Hypothesis, shared: Shared) -> FitResult:
     """The model that is handed over: the set refitted by plain simulation error."""
     return summarise_fit(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
+
+
+def _heard(
+    experiment: Experiment, noise: NoiseSpectrum | None, sets: Sequence[Hypothesis]
+) -> tuple[Experiment, tuple[Adequacy, ...]]:
+    """The data with the noise that the residual shows, and the tests of what each set leaves, whitened.
+
+    Args:
+        experiment: with the noise that the readings told.
+        noise: of the residual; None if it is that.
+        sets: to be tested.
+    """
+    if noise is None:
+        return experiment, tuple(judge(one.residuals(), experiment.readings) for one in sets)
+    white = ([noise.whitened(residual) for residual in one.residuals()] for one in sets)
+    louder = tuple(replace(part, noise=noise.growth * part.noise) for part in experiment.readings)
+    return replace(experiment, readings=louder), tuple(judge(residuals, experiment.readings) for residuals in white)
 
 
 def _floor(experiment: Experiment) -> float:

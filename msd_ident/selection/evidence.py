@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,8 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum
+from msd_ident.residuals.octaves import OCTAVE_SHAPES
 from msd_ident.selection.experiment import NOISE_ERROR
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import tuned
@@ -42,14 +44,6 @@ SHAPES = tuned(
     unit="1",
     why="independent features of a model's error that a record shows, over all frequencies",
     chosen="with 6 the friction of measured carts is not named; with 12 a disc in air gets hysteresis",
-)
-OCTAVE_SHAPES = tuned(
-    1.5,
-    unit="1",
-    why="independent features of a model's error in each octave of frequency (``residuals.octaves``)",
-    chosen="on 76 rigs of foreign laws (`python -m bench.blind --variants --rounds 2 --seed 131000`) 1, 1.5, 2 and 3 "
-    "name the family of 51, 56, 58 and 58 of 66, and a false cause with more than 0.9 on 0, 2, 5 and 7; without "
-    "octaves 8, 10 and 12 `SHAPES` do so on 51, 56, 57 and on 2, 3, 5",
 )
 LEAST_SPREAD = tuned(
     0.03, unit="1", why="part of its prior width that a parameter of a law is never known better than", chosen="by hand"
@@ -65,12 +59,21 @@ class NoiseScale:
         variance: v of the best set, in which information about parameters is stated.
         shapes: ν, the number of independent features of a model's error.
         pieces: pieces of evidence in the readings.
+        spectrum: of the noise, where the best set leaves nothing else; None where it is taken as white.
     """
 
     noise: float = 0.0
     variance: float = 1.0
     shapes: float = SHAPES
     pieces: float = 0.0
+    spectrum: NoiseSpectrum | None = None
+
+    @property
+    def other_noise(self) -> NoiseSpectrum | None:
+        """The noise of the best set's residual, if it is more or less, or of another colour, than the readings told."""
+        if self.spectrum is None or (self.spectrum.memory == 0.0 and abs(self.spectrum.level - 1.0) <= NOISE_ERROR):
+            return None
+        return self.spectrum
 
     @property
     def most(self) -> float:
@@ -79,7 +82,12 @@ class NoiseScale:
 
     def spread(self, chi: float) -> float:
         """Variance v of a model's error along its features, in units of the noise's."""
-        return 1.0 + max(chi - self.noise, 0.0) / self.shapes
+        return self._at_motion + max(chi - self.noise, 0.0) / self.shapes
+
+    @property
+    def _at_motion(self) -> float:
+        """Variance of the noise at the frequencies of the motion, where most parameters are seen."""
+        return 1.0 if self.spectrum is None else self.spectrum.at_motion
 
     def log_likelihood(self, chi: float, stirred: float = 0.0) -> float:
         """Log likelihood [nats] of a set, except for a constant.
@@ -94,8 +102,11 @@ class NoiseScale:
 
     def of(self, fitted: Hypothesis) -> float:
         """Log likelihood [nats] of a fitted set, octave by octave, but for a constant."""
-        white = np.sum([part.evidence * part.octaves.share for part in fitted.readings], axis=0)
-        excess = np.maximum(fitted.octaves - white * (self.noise / float(white.sum())), 0.0)
+        if self.spectrum is None:
+            white = np.sum([part.evidence * part.octaves.share for part in fitted.readings], axis=0)
+            excess = np.maximum(fitted.octaves - white * (self.noise / float(white.sum())), 0.0)
+        else:
+            excess = np.maximum(fitted.octaves - self.spectrum.left, 0.0) / self.spectrum.size
         features = OCTAVE_SHAPES * self.shapes / SHAPES
         bands = -0.5 * features * float(np.sum(np.log1p(excess / features)))
         return bands + self.log_likelihood(self.noise, fitted.stirred)
@@ -108,9 +119,10 @@ class NoiseScale:
 def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes: float = SHAPES) -> NoiseScale:
     """The noise scale of an experiment.
 
-    The chi² of the noise is the number of pieces of evidence. Where the best set leaves little more than that, or less,
-    it is the chi² of that set. Where the best set leaves less than half of it, the noise is overestimated and counts as
-    unknown (0).
+    Where the best set leaves nothing but noise of some level and colour (``residuals.noise_spectrum``), this is the
+    noise. If not, the chi² of the noise is the number of pieces of evidence; where the best set leaves little more than
+    that, or less, it is the chi² of that set. Where the best set leaves less than half of it, the noise is
+    overestimated and counts as unknown (0).
 
     Args:
         sets: fitted sets.
@@ -118,7 +130,12 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
         shapes: ν, the number of independent features of a model's error.
     """
     pieces = sum(part.evidence for part in readings)
-    least = min(fitted.chi for fitted in sets)
+    best = min(sets, key=lambda fitted: fitted.chi)
+    least, spectrum = best.chi, best.noise_spectrum
+    shown = spectrum is not None and 2.0 / spectrum.freedom[-1] <= NOISE_ERROR**2  # variance of the level
+    if spectrum is not None and shown and least < (1.0 + NOISE_ERROR) * spectrum.chi:
+        scale = NoiseScale(spectrum.chi, shapes=shapes, pieces=pieces, spectrum=spectrum)
+        return replace(scale, variance=scale.spread(least))
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < MOST_OF * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves

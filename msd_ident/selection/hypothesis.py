@@ -14,8 +14,9 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.residuals import rest_response
+from msd_ident.residuals import noise_spectrum, rest_response
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 
 Causes = frozenset[str]
 COULOMB = DRY_FRICTION
@@ -56,9 +57,19 @@ class Hypothesis:
     @cached_property
     def octaves(self) -> FloatArray:
         """(BANDS,) sums of squares in units of the noise, octave by octave; ``chi`` is their sum."""
-        ends = np.cumsum([part.record.samples for part in self.readings])[:-1]
-        parts = zip(self.readings, np.split(self.state.residual, ends), strict=True)
+        parts = zip(self.readings, self._whitened, strict=True)
         return np.asarray(np.sum([part.octaves.of(residual) for part, residual in parts], axis=0))
+
+    @cached_property
+    def noise_spectrum(self) -> NoiseSpectrum | None:
+        """The noise that the set would leave if it left nothing else; None if the readings cannot show it."""
+        return noise_spectrum.estimate(self._whitened, self.readings)
+
+    @property
+    def _whitened(self) -> list[FloatArray]:
+        """(n,) residual of each record in units of its noise."""
+        ends = np.cumsum([part.record.samples for part in self.readings])[:-1]
+        return np.split(self.state.residual, ends)
 
     @property
     def point(self) -> FloatArray:

@@ -7,14 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from setrigs import BASE, fitted, steps
+import scipy.signal
+from setrigs import BASE, fitted, pushed, steps
 
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.residuals import noise_model
 from msd_ident.selection import evidence
 from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import Hypothesis
 
 
 @pytest.fixture
@@ -53,11 +56,57 @@ def test_a_law_that_leaves_nothing_but_noise_gains_with_every_sample() -> None:
     assert 10.0 < gains[0] < gains[1]
 
 
+def slow(set_: Hypothesis) -> Hypothesis:
+    """The same set, all that it leaves at the frequency of the motion."""
+    (readings,) = set_.readings
+    spectrum = np.where(readings.octaves.band == 3, np.fft.rfft(set_.state.residual), 0.0)
+    residual = np.fft.irfft(spectrum, readings.record.samples)
+    residual *= math.sqrt(set_.chi / float(residual @ residual))
+    return replace(set_, state=replace(set_.state, residual=residual))
+
+
 def test_the_noise_is_what_was_estimated_or_the_least_that_a_set_leaves_near_it(experiment: Experiment) -> None:
+    """Where a set leaves an error of a law, its residual says nothing of the noise."""
     pieces = sum(part.evidence for part in experiment.readings)
     for part, noise in ((0.9, 0.9), (1.05, 1.05), (1.5, 1.0), (0.2, 0.0)):
-        found = evidence.scale_from([fitted(experiment, BASE, part * pieces)], experiment.readings)
+        found = evidence.scale_from([slow(fitted(experiment, BASE, part * pieces))], experiment.readings)
+        assert found.spectrum is None
         assert found.noise == pytest.approx(noise * pieces)
+
+
+@pytest.mark.parametrize("part", [0.2, 0.9, 1.5, 4.0])
+def test_where_a_set_leaves_nothing_but_noise_this_is_the_noise(experiment: Experiment, part: float) -> None:
+    """Noise that grows with speed is more in motion than at rest."""
+    pieces = sum(part.evidence for part in experiment.readings)
+    found = evidence.scale_from([fitted(experiment, BASE, part * pieces)], experiment.readings)
+    assert found.noise == pytest.approx(part * pieces, rel=0.05)
+    assert (found.other_noise is None) is (part == 0.9)
+    assert found.spread(found.noise) == pytest.approx(part, rel=0.05)
+
+
+def test_a_short_record_does_not_show_its_noise() -> None:
+    """The variance of so few values is not known to ``NOISE_ERROR``."""
+    (readings,) = pushed().readings
+    short = noise_model.of_record(readings.record.window(0.0, 1.0), readings.noise)
+    experiment = replace(pushed(), readings=(short,))
+    assert evidence.scale_from([fitted(experiment, BASE, 4.0 * short.evidence)], (short,)).spectrum is None
+
+
+def test_in_coloured_noise_a_slow_error_counts_for_less(experiment: Experiment) -> None:
+    """As much at the frequency of the motion is a law's error in white noise, and nothing where the noise is slow."""
+    (readings,) = experiment.readings
+    keep = math.exp(-0.1)
+    draws = np.random.default_rng(2).normal(size=readings.record.samples)
+    slow_noise = scipy.signal.lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], draws)
+    wave = np.sin(2.0 * np.pi * np.flatnonzero(readings.octaves.band == 3)[1] * readings.record.time / 24.0)
+    falls = []
+    for noise in (draws, slow_noise):
+        sets = [fitted(experiment, BASE, 1.0), fitted(experiment, BASE, 1.0)]
+        left = (noise, noise + 0.2 * wave)
+        sets = [replace(one, state=replace(one.state, residual=r)) for one, r in zip(sets, left, strict=True)]
+        scale = evidence.scale_from(sets, experiment.readings)
+        falls.append(scale.of(sets[0]) - scale.of(sets[1]))
+    assert falls[0] > 3.0 and falls[1] == pytest.approx(0.0, abs=0.5)
 
 
 def test_a_strength_may_be_of_any_order_of_magnitude(experiment: Experiment) -> None:

@@ -1,0 +1,98 @@
+"""Level and colour of the noise in a residual."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scipy.signal
+from hypothesis import given
+from hypothesis import strategies as st
+
+from msd_ident.data.record import FloatArray, Record
+from msd_ident.residuals.noise_model import Readings, of_record
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum, estimate
+
+SAMPLES = 6000
+TIME = np.arange(SAMPLES) / 1000.0
+MOTION = np.sin(2.0 * np.pi * 3.0 * TIME)
+
+
+def readings(samples: int = SAMPLES, noise: float = 1e-3) -> Readings:
+    rough = np.random.default_rng(0).normal(size=samples)
+    record = Record(TIME[:samples], MOTION[:samples] + noise * rough, TIME[:1], np.zeros(1))
+    return of_record(record, noise)
+
+
+def noise(memory: float, seed: int = 1, samples: int = SAMPLES) -> FloatArray:
+    """Autoregressive noise of unit variance with this memory [samples]."""
+    keep = math.exp(-1.0 / memory) if memory else 0.0
+    draws = np.random.default_rng(seed).normal(size=samples + 500)
+    return np.asarray(scipy.signal.lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], draws)[500:])
+
+
+def found_in(*residuals: FloatArray) -> NoiseSpectrum:
+    found = estimate(residuals, [readings(one.size) for one in residuals])
+    assert found is not None
+    return found
+
+
+@given(st.floats(0.1, 30.0), st.integers(0, 2**31))
+def test_white_noise_of_any_size_is_white(size: float, seed: int) -> None:
+    found = found_in(size * noise(0.0, seed))
+    assert found.memory == 0.0 and found.white == 1.0
+    assert found.level == pytest.approx(size**2, rel=0.15)
+    assert found.size == pytest.approx(found.level)
+    assert found.growth == pytest.approx(math.sqrt(found.level))
+    assert found.freedom.sum() == pytest.approx(SAMPLES)
+
+
+@pytest.mark.parametrize("memory", [1.0, 3.0, 10.0, 20.0])
+@pytest.mark.parametrize("error", [0.0, 3.0])
+def test_memory_is_found_also_beside_the_error_of_a_law(memory: float, error: float) -> None:
+    left = error * (MOTION + 0.6 * np.sin(2.0 * np.pi * 9.0 * TIME))
+    found = [found_in(noise(memory, seed) + left) for seed in range(5)]
+    assert np.median([one.memory for one in found]) == pytest.approx(memory, rel=0.35)
+    assert np.median([one.growth for one in found]) == pytest.approx(1.0, rel=0.15)
+    slowest = (1.0 + math.exp(-1.0 / memory)) / (1.0 - math.exp(-1.0 / memory))
+    assert np.median([one.size[0] for one in found]) == pytest.approx(slowest, rel=0.35)
+
+
+@given(st.sampled_from([0.0, 5.0]), st.floats(0.01, 100.0))
+def test_it_has_no_sign_and_scales_with_its_square(memory: float, size: float) -> None:
+    one, other = found_in(noise(memory)), found_in(-size * noise(memory))
+    assert (one.memory, one.white) == (other.memory, other.white)
+    assert other.left == pytest.approx(size**2 * one.left)
+
+
+@pytest.mark.parametrize("memory", [0.0, 4.0, 16.0])
+def test_whitened_noise_is_white_and_as_large_as_the_readings_noise(memory: float) -> None:
+    left = noise(memory)
+    white = found_in(left).whitened(left)
+    assert np.std(white) == pytest.approx(1.0, rel=0.05)
+    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.05
+    assert found_in(white).memory == 0.0
+
+
+def test_the_error_of_a_law_in_white_noise_is_not_called_noise() -> None:
+    for size in (1.0, 10.0, 100.0):
+        found = found_in(noise(0.0) + size * np.exp(-TIME) * MOTION)
+        assert found.memory == 0.0 and found.level == pytest.approx(1.0, rel=0.1)
+
+
+def test_records_of_one_sensor_share_their_noise() -> None:
+    together = found_in(noise(8.0, 1), noise(8.0, 2), noise(8.0, 3, 3000))
+    assert together.memory == pytest.approx(8.0, rel=0.35)
+    assert together.freedom.sum() == pytest.approx(15000)
+
+
+def test_rounding_is_no_random_noise() -> None:
+    step = 1e-2
+    record = Record(TIME, step * np.round(MOTION / step), TIME[:1], np.zeros(1))
+    assert estimate([noise(0.0)], [of_record(record, step / math.sqrt(12.0), step)]) is None
+
+
+def test_a_motion_that_is_sampled_slowly_leaves_no_band_for_the_noise() -> None:
+    record = Record(TIME, np.sin(2.0 * np.pi * 100.0 * TIME), TIME[:1], np.zeros(1))
+    assert estimate([noise(0.0)], [of_record(record, 1e-3)]) is None
