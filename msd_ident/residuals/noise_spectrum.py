@@ -113,10 +113,8 @@ def estimate(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> N
         readings: of the same records.
 
     Returns:
-        None if rounding dominates a record, whose error is no random noise, or if no frequency is fast enough.
+        None if no frequency is fast enough.
     """
-    if any(part.rounded for part in readings):
-        return None
     bins = _binned(residuals, readings)
     if not bins.fast.any():
         return None

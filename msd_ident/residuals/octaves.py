@@ -9,11 +9,13 @@ sum over all frequencies does not show that.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from msd_ident.data.noise import noise_floor
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.tuning import fixed, tuned
 
@@ -56,11 +58,18 @@ class Octaves:
 
 
 def octaves(record: Record) -> Octaves:
-    """Bands of a record's frequencies in units of its motion's: the median of the spectrum of the velocity."""
+    """Bands of a record's frequencies in units of its motion's: the median of the spectrum of the velocity.
+
+    Of that spectrum, only what white noise of the readings does not reach counts: differences of samples magnify it,
+    and the largest of n of its ordinates is about ln n times their mean.
+    """
     count = record.samples
     frequency = np.arange(count // 2 + 1, dtype=np.float64)
     velocity = np.diff(record.position, prepend=record.position[0])
-    energy = np.cumsum(np.abs(np.fft.rfft(velocity - velocity.mean())) ** 2)
+    power = np.abs(np.fft.rfft(velocity - velocity.mean())) ** 2
+    noise = count * (noise_floor(record) * 2.0 * np.sin(np.pi * frequency / count)) ** 2
+    seen = power > 2.0 * math.log(count) * noise
+    energy = np.cumsum(np.where(seen, power, 0.0) if seen.any() else power)
     own = max(float(np.searchsorted(energy, 0.5 * energy[-1])), 1.0)
     band = np.searchsorted(_ENDS, frequency / own, side="right")
     share = np.bincount(band, weights=two_sided(count), minlength=BANDS) / count

@@ -87,10 +87,12 @@ def test_records_of_one_sensor_share_their_noise() -> None:
     assert together.freedom.sum() == pytest.approx(15000)
 
 
-def test_rounding_is_no_random_noise() -> None:
-    step = 1e-2
+def test_rounding_alone_is_noise_of_its_own_size() -> None:
+    step = 1e-4
     record = Record(TIME, step * np.round(MOTION / step), TIME[:1], np.zeros(1))
-    assert estimate([noise(0.0)], [of_record(record, step / math.sqrt(12.0), step)]) is None
+    part = of_record(record, step / math.sqrt(12.0), step)
+    found = estimate([(record.position - MOTION) * part.root], [part])
+    assert found is not None and found.growth == pytest.approx(1.0, rel=0.1)
 
 
 def test_a_motion_that_is_sampled_slowly_leaves_no_band_for_the_noise() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -45,3 +47,11 @@ def test_noise_is_shared_by_width() -> None:
     found = octaves(swinging(4001, 20.0))
     left = np.mean([found.of(np.random.default_rng(seed).normal(size=4001)) for seed in range(200)], axis=0)
     assert left == pytest.approx(4001 * found.share, rel=0.05)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 1e-2, 0.1, 0.3])
+def test_noise_does_not_make_the_motion_faster(noise: float) -> None:
+    """Differences of neighbouring samples magnify what is fast."""
+    quiet = swinging(6000, 18.0)
+    noisy = replace(quiet, position=quiet.position + noise * np.random.default_rng(1).normal(size=6000))
+    assert np.array_equal(octaves(noisy).band, octaves(quiet).band)
