@@ -68,7 +68,7 @@ _SETTLED = 1.0 + EXAMPLES["settling_stiffness"]["settling_ratio"]
 
 #: The same laws in the words of msd_sim where it has others: its effect, its parameters, and what its plant differs by.
 RIG: dict[str, tuple[str, dict[str, float], dict[str, float]]] = {
-    "bilinear_spring": ("two_slope_spring", EXAMPLES["bilinear_spring"], {"stiffness": STIFFNESS - 75.0}),
+    "bilinear_spring": ("two_slope_spring", EXAMPLES["bilinear_spring"], {}),
     "damped_stop": (
         "damped_stop",
         {"soft_stop_position": 0.018, "soft_stop_stiffness": 5e3, "soft_stop_damping": 0.8},

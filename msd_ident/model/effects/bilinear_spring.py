@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import HALVES, Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import OUTSIDE, Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BilinearSpring(Effect):
-    """A stiffness that is kb more above xb than below it, k the mean of both; the force at x = 0 stays 0.
+    """A stiffness that is kb more beyond xb, seen from x = 0; around x = 0 it is k.
 
     Where one side is more than twice as stiff, it is a stop (``one_sided_stop``).
     """
@@ -28,22 +28,17 @@ class BilinearSpring(Effect):
     name = "bilinear_spring"
     parameters = (
         Parameter("bend_position", "xb", "m", -math.inf, math.inf, "position from which on the stiffness is another"),
-        Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "stiffness above it less that below it"),
+        Parameter("bend_stiffness", "kb", "N/m", -math.inf, math.inf, "stiffness beyond it less that around x = 0"),
     )
     prior_odds = 1.0 / 40.0
     acts_on = "force"
-    law = "kb/2·(abs(x - xb) - abs(xb))"
+    law = "kb·(x - xb) beyond xb, seen from x = 0"
     source = "Shaw & Holmes 1983 (J. Sound Vib. 90): the piecewise linear oscillator"
     neutral = (("bend_stiffness", 0.0),)
     needs_spring = True
     piecewise_linear = True
     mirror = False
-    knee = ("bend_position", "bend_stiffness", HALVES)
-
-    @staticmethod
-    def constant(bend_position: float, bend_stiffness: float) -> float:
-        """Force [N] that brings the spring's own to 0 at x = 0."""
-        return -0.5 * bend_stiffness * abs(bend_position)
+    knee = ("bend_position", "bend_stiffness", OUTSIDE)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
