@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from massrigs import swept
+from setrigs import BASE, pushed
 
 from msd_ident.data.record import Record
 from msd_ident.design import Profile, Segment
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals import noise_model
 from msd_ident.selection import starting_points
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.starting_points import proposals
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -161,3 +166,13 @@ def test_an_offset_that_shows_by_the_drift_of_the_spring_alone_is_found() -> Non
     found = pipeline.diagnose([Record(made.time, made.position, made.force_time, made.force)])
     assert {cause.name for cause in found.causes} == {"stiffness_drift", "force_offset"}
     assert found.adequacy.ratio < 1.05
+
+
+@pytest.mark.parametrize("scale", [0.1, 0.2, 0.3, 0.5])
+def test_friction_that_falls_over_all_speeds_is_found_from_coulomb_friction(scale: float) -> None:
+    """Coulomb friction as strong as at rest leaves 10 to 100 noise floors, and a narrow peak beside it no less."""
+    data = pushed(StribeckFriction(0.1, 0.4, scale))
+    coulomb = refine(data, frozenset({"coulomb_friction"}), BASE + CoulombFriction(0.2), (Initial(),))
+    found = proposals(data, frozenset({"stribeck_friction"}), [coulomb])
+    best = min(refine(data, start.fitted.causes, start.fitted.model, coulomb.initial).chi for start in found)
+    assert best < 1.1 * data.evidence < coulomb.chi

@@ -90,9 +90,10 @@ class StribeckFriction(Effect):
 
     @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
-        """With a small peak, over each of the velocities of ``guess``."""
+        """With a small peak over each of the velocities of ``guess``, and falling to half over all speeds."""
         scales = {guess.stribeck_velocity for guess in cls.guess(record, plant)}
-        return tuple(cls(force, _PEAK * force, scale) for scale in sorted(scales))
+        peaks = tuple(cls(force, _PEAK * force, scale) for scale in sorted(scales))
+        return *peaks, cls(0.5 * force, force, typical.speed(record))
 
     def is_dry_friction(self) -> bool:
         """Without a peak."""
