@@ -148,11 +148,7 @@ class Search:
         """
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
         near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
-        plain = [
-            frozenset({name})
-            for name in self.experiment.tried_alone
-            if all(parameter.regressor for parameter in by_name(name).parameters)
-        ]
+        plain = [frozenset({name}) for name in self.experiment.tried_alone if _linear(name)]
         return [one | other for one, other in (*combinations(near, 2), *combinations(plain, 2))]
 
     def _walk(self) -> Ranking:
@@ -312,7 +308,7 @@ class Search:
         least = min(fitted.chi for fitted in self.sets.values())
         reach = self.experiment.worse(least, REACH)
         if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
-            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
+            group = [starts for starts in group if any(start.worth(reach) or _plain(start) for start in starts)]
         begun = self._each(partial(self._begin, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
@@ -360,6 +356,17 @@ class Search:
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         plain = [known[NOTHING]] if not worth or (causes & self._rippled and worth[0].causes) else []
         return worth + plain + [known[twin] for twin in twins if twin in known]
+
+
+def _linear(name: str) -> bool:
+    """Whether all parameters of an effect enter the equation of motion linearly."""
+    return all(parameter.regressor for parameter in by_name(name).parameters)
+
+
+def _plain(start: StartingPoint) -> bool:
+    """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
+    causes = start.fitted.causes
+    return len(causes) == 1 and all(map(_linear, causes)) and start.least < (1.0 - TENTH) * start.beside
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

@@ -7,6 +7,7 @@ import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
@@ -177,3 +178,17 @@ def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pyte
     search.run(alone[0])
     for leads in ("bilinear_spring", "stiffness_drift"):
         assert frozenset({leads, "backlash"}) in asked
+
+
+def test_a_linear_law_along_a_weak_direction_of_one_step_is_fitted() -> None:
+    """One step hardly shows k2 beside k and the zero: its first step promises twice the noise, a bent spring 1.2."""
+    made = simulate(
+        {"mass": 1.2997, "damping": 1.1681, "stiffness": 593.48, "friction_coefficient": 0.0,
+         "effects": {"asymmetric_spring": {"quadratic_stiffness": 1546.6}},
+         "encoder": {"counts_per_metre": 47499.65, "noise": 0.0}, "rate": 1000.0, "seed": 725304986,
+         "experiment": {"name": "step", "force": 3.00455, "hold": 3.0}}
+    )  # fmt: skip
+    data = Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
+    base = refine(data, frozenset(), Plant(1.3, 1.2, 600.0), (Initial(),))
+    search = Search(data, lambda one: one.chi < 1.1 * data.evidence, lambda stage, part, cause: None)
+    assert search.run(base).best.causes == {"asymmetric_spring"}
