@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from msd_ident.errors import DataError
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, LAG, OUTSIDE, SECOND_MASS
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS
 
 
 def number(value: float) -> str:
@@ -77,14 +77,13 @@ def knees(effects: Iterable[Effect]) -> list[str]:
         if effect.knee is None or effect.knee == AT_ZERO:
             continue
         place, stiffness, side = effect.knee
-        if side not in (BOTH, ABOVE, HALVES, OUTSIDE):
+        if side not in (BOTH, ABOVE, OUTSIDE):
             found.append(f"{stiffness} * (x - min(max(x, {place} - {side}), {place} + {side}))")
             continue
         outside = "max" if getattr(effect, place) > 0.0 else "min"
         found.append({
             BOTH: f"{stiffness} * (x - min(max(x, -{place}), {place}))",
             ABOVE: f"{stiffness} * max(x - {place}, 0.0)",
-            HALVES: f"0.5 * {stiffness} * abs(x - {place})",
             OUTSIDE: f"{stiffness} * {outside}(x - {place}, 0.0)",
         }[side])  # fmt: skip
     return found

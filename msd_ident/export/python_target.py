@@ -13,7 +13,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState, Target
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import ABOVE, BOTH, HALVES, OUTSIDE
+from msd_ident.model.effects.base import ABOVE, BOTH, OUTSIDE
 
 
 class PythonTarget(Target):
@@ -27,7 +27,7 @@ class PythonTarget(Target):
 
     def says(self, effect: type[Effect]) -> Saying:
         """How this target carries an effect."""
-        if effect.jumps and (effect.knee is None or effect.knee[2] in (BOTH, ABOVE, OUTSIDE, HALVES)):
+        if effect.jumps and (effect.knee is None or effect.knee[2] in (BOTH, ABOVE, OUTSIDE)):
             return Saying("cannot", "its force begins with a jump at a place that the file does not look for")
         if effect.laws() or effect.knee or effect.structure in python_source.STRUCTURES:
             return Saying("exact", "its law, in the file")

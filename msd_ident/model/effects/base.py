@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
 
 #: Sides of a knee, see ``Effect.knee``.
-BOTH, ABOVE, OUTSIDE, HALVES = "both", "above", "outside", "halves"
+BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
 #: Knee of a law that is not smooth at x = 0.
 AT_ZERO = ("0", "0", ABOVE)
 
@@ -188,9 +188,8 @@ class Effect:
     #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
     stands_alone: ClassVar[bool] = False
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
-    #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE``, ``OUTSIDE`` (seen from zero) or
-    #: ``HALVES`` (half of it above, less half of it below), or the name of the distance [m] from that position beyond
-    #: which it is, on either side.
+    #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE`` or ``OUTSIDE`` (seen from zero), or
+    #: the name of the distance [m] from that position beyond which it is, on either side.
     knee: ClassVar[tuple[str, str, str] | None] = None
     #: At its knee the force begins with a jump, which a solver without located events smears over a step.
     jumps: ClassVar[bool] = False

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.model.effects import LIBRARY, structural
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, HALVES, OUTSIDE
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.plant import PLANT_PARAMETERS
@@ -157,7 +157,6 @@ def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
     rows = {
         ABOVE: (f"{place}, {stiffness}, 1.0",),
         BOTH: (f"{place}, {stiffness}, 1.0", f"-{place}, {stiffness}, -1.0"),
-        HALVES: (f"{place}, 0.5 * {stiffness}, 1.0", f"{place}, -0.5 * {stiffness}, -1.0"),
         OUTSIDE: (f"{place}, {stiffness}, 1.0 if {place} > 0.0 else -1.0",),
     }
     return rows[side]
