@@ -180,9 +180,10 @@ def checked(
     Returns:
         The corrected ranking and the matrix; None if no copies were made.
     """
+    ranking = replace(ranking, rich=not _poor(experiment, base))
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and not _poor(experiment, base):
+    if not asked and ranking.rich:
         return ranking, None
     if not asked and cost(experiment, rows, counts) > _CHEAP:
         return replace(ranking, unchecked=True), None

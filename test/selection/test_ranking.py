@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
 
 from msd_ident.model import Plant
 from msd_ident.model.effects.backlash import Backlash
+from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
@@ -125,9 +127,9 @@ def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
 
 
 @pytest.mark.parametrize(("further", "prior_odds"), [("quadratic_drag", 1.0 / 20.0), ("coulomb_friction", 1.0)])
-@pytest.mark.parametrize(("left", "times"), [(1.0, 180.0), (1.2, 60.0)])
+@pytest.mark.parametrize(("left", "rich", "times"), [(1.0, False, 180.0), (1.0, True, 400.0), (1.2, True, 60.0)])
 def test_what_is_seen_roughly_may_be_another_form(
-    experiment: Experiment, further: str, prior_odds: float, left: float, times: float
+    experiment: Experiment, further: str, prior_odds: float, left: float, rich: bool, times: float
 ) -> None:
     """An eighth of what the first explains, seen at 8 floors; friction, which acts on nearly every rig, is surer."""
     first, second = CoulombFriction(0.1), QuadraticDrag(1.0)
@@ -140,8 +142,23 @@ def test_what_is_seen_roughly_may_be_another_form(
         }
     )
     assert found.best.causes == {first.name, second.name}
+    found = replace(found, rich=rich)
     assert found.of_cause(alone.name) == pytest.approx(1.0)
     assert found.of_cause(further) == pytest.approx(times * prior_odds / (1.0 + times * prior_odds))
+
+
+def test_a_rich_experiment_does_not_make_a_flexible_law_surer(experiment: Experiment) -> None:
+    """A law with less than the usual prior odds bends to much that is another law's."""
+    first, second = CoulombFriction(0.1), BilinearSpring(1e-3, 50.0)
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 64.0**2),
+            "alone": fitted(experiment, BASE + first, 840.0 * 8.0**2),
+            "both": fitted(experiment, BASE + first + second, 840.0),
+        }
+    )
+    for rich in (False, True):
+        assert replace(found, rich=rich).of_cause(second.name) == pytest.approx(4.5 / 5.5)
 
 
 def test_what_is_hardly_likelier_than_a_set_that_leaves_only_noise_is_no_explanation(experiment: Experiment) -> None:

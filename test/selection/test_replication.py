@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import pytest
+import setrigs
 from copyrigs import DRAGS, RAMP, RUB, STEP, measured
 
 from msd_ident.diagnosis import Diagnosis
@@ -52,6 +54,14 @@ def test_steps_in_both_directions_are_checked_only_when_asked() -> None:
     asked = pipeline.diagnose([record], pipeline.Options(calibrate=True))
     assert asked.calibration is not None and asked.verdict == "explained"
     assert "calibration" in asked.to_json_dict()
+
+
+def test_steps_in_both_directions_let_a_further_cause_be_surer() -> None:
+    experiment = setrigs.steps()
+    base = setrigs.fitted(experiment, setrigs.BASE, 1e5)
+    ranking = setrigs.ranked({"nothing": base})
+    found, matrix = replication.checked(experiment, base, ranking, False, lambda stage, fraction, cause: None)
+    assert matrix is None and found == replace(ranking, rich=True)
 
 
 def test_copies_that_cost_too_much_are_not_made_unasked(monkeypatch: pytest.MonkeyPatch) -> None:
