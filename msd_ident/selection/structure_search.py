@@ -307,8 +307,10 @@ class Search:
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
         reach = self.experiment.worse(least, REACH)
-        if self.at_floor(min(self.sets.values(), key=lambda fitted: fitted.chi)):
-            group = [starts for starts in group if any(start.worth(reach) or _plain(start) for start in starts)]
+        leads = min(self.sets.values(), key=lambda fitted: fitted.chi)
+        if self.at_floor(leads):
+            resolves = bool(leads.causes & set(HOLDING_COULOMB))
+            group = [starts for starts in group if any(_worth(start, reach, resolves) for start in starts)]
         begun = self._each(partial(self._begin, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
@@ -363,10 +365,17 @@ def _linear(name: str) -> bool:
     return all(parameter.regressor for parameter in by_name(name).parameters)
 
 
-def _plain(start: StartingPoint) -> bool:
-    """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
+def _worth(start: StartingPoint, reach: float, resolves: bool) -> bool:
+    """Whether a start is followed although another set leaves only noise.
+
+    A linear law along a weak direction is found by a fit alone: its first step promises little. So is one beside
+    Coulomb friction, where the cart then comes to rest elsewhere; it must be known where a law that holds Coulomb
+    friction leads (``resolves``), which may imitate both.
+    """
     causes = start.fitted.causes
-    return len(causes) == 1 and all(map(_linear, causes)) and start.least < (1.0 - TENTH) * start.beside
+    linear = all(map(_linear, causes))
+    alone = linear and len(causes) == 1 and start.least < (1.0 - TENTH) * start.beside
+    return start.worth(reach) or alone or (resolves and linear and COULOMB in causes)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

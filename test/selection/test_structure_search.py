@@ -8,7 +8,7 @@ from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record
 from msd_ident.estimate.problem import Initial
-from msd_ident.model import Plant
+from msd_ident.model import Model, Plant
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.cogging import Cogging
@@ -22,6 +22,7 @@ from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.structure_search import Search
 from msd_sim.api import simulate
 
@@ -180,15 +181,35 @@ def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pyte
         assert frozenset({leads, "backlash"}) in asked
 
 
+def searched(rig: dict[str, object], start: Model) -> Ranking:
+    """What a search finds from the base model and from Coulomb friction, with nothing added at the noise."""
+    made = simulate({"friction_coefficient": 0.0, **rig})
+    data = Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
+    base = refine(data, frozenset(), start, (Initial(),))
+    rubs = start + CoulombFriction(0.05 * float(np.max(np.abs(made.force))))
+    friction = refine(data, frozenset(rubs.effect_names), rubs, (Initial(),))
+    search = Search(data, lambda one: one.chi < 1.1 * data.evidence, lambda stage, part, cause: None)
+    return search.run(base, [friction])
+
+
 def test_a_linear_law_along_a_weak_direction_of_one_step_is_fitted() -> None:
     """One step hardly shows k2 beside k and the zero: its first step promises twice the noise, a bent spring 1.2."""
-    made = simulate(
-        {"mass": 1.2997, "damping": 1.1681, "stiffness": 593.48, "friction_coefficient": 0.0,
-         "effects": {"asymmetric_spring": {"quadratic_stiffness": 1546.6}},
-         "encoder": {"counts_per_metre": 47499.65, "noise": 0.0}, "rate": 1000.0, "seed": 725304986,
-         "experiment": {"name": "step", "force": 3.00455, "hold": 3.0}}
-    )  # fmt: skip
-    data = Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
-    base = refine(data, frozenset(), Plant(1.3, 1.2, 600.0), (Initial(),))
-    search = Search(data, lambda one: one.chi < 1.1 * data.evidence, lambda stage, part, cause: None)
-    assert search.run(base).best.causes == {"asymmetric_spring"}
+    rig = {
+        "mass": 1.2997, "damping": 1.1681, "stiffness": 593.48, "rate": 1000.0, "seed": 725304986,
+        "effects": {"asymmetric_spring": {"quadratic_stiffness": 1546.6}},
+        "encoder": {"counts_per_metre": 47499.65, "noise": 0.0},
+        "experiment": {"name": "step", "force": 3.00455, "hold": 3.0},
+    }  # fmt: skip
+    assert searched(rig, Plant(1.3, 1.2, 600.0)).best.causes == {"asymmetric_spring"}
+
+
+def test_coulomb_friction_and_drag_are_tried_where_a_falling_friction_imitates_them() -> None:
+    """Stribeck's curve with a free exponent leaves 1.02 noise floors; the drag's first step promises nothing."""
+    rig = {
+        "mass": 0.7437007369111666, "damping": 1.6284775163825376, "stiffness": 748.3410009932336, "rate": 1000.0,
+        "effects": {"quadratic_drag": {"drag_coefficient": 3.929738115321307},
+                    "coulomb_friction": {"coulomb_force": 0.2360242323706884}},
+        "encoder": {"counts_per_metre": 105006.59279245726, "noise": 0.0}, "seed": 1888302521,
+        "experiment": {"name": "steps", "force": 5.035164473325261, "hold": 0.75},
+    }  # fmt: skip
+    assert searched(rig, Plant(0.74, 1.6, 748.0)).best.causes == {"coulomb_friction", "quadratic_drag"}
