@@ -132,14 +132,24 @@ def scale_from(sets: Sequence[Hypothesis], readings: Sequence[Readings], shapes:
     pieces = sum(part.evidence for part in readings)
     best = min(sets, key=lambda fitted: fitted.chi)
     least, spectrum = best.chi, best.noise_spectrum
-    shown = spectrum is not None and 2.0 / spectrum.freedom[-1] <= NOISE_ERROR**2  # variance of the level
-    if spectrum is not None and shown and least < (1.0 + NOISE_ERROR) * spectrum.chi:
+    if spectrum is not None and _shown(spectrum, best) and least < (1.0 + NOISE_ERROR) * spectrum.chi:
         scale = NoiseScale(spectrum.chi, shapes=shapes, pieces=pieces, spectrum=spectrum)
         return replace(scale, variance=scale.spread(least))
     noise = least if least < (1.0 + NOISE_ERROR) * pieces else pieces
     if least < MOST_OF * pieces:
         noise = 0.0  # the readings look noisier than they are, so that nobody knows what the noise leaves
     return NoiseScale(noise, NoiseScale(noise, shapes=shapes).spread(least), shapes, pieces)
+
+
+def _shown(spectrum: NoiseSpectrum, fitted: Hypothesis) -> bool:
+    """Whether a residual shows its noise: its level is known to ``NOISE_ERROR``, and it is not mostly rounding.
+
+    The rounding error of an encoder at rest is constant, which looks slow. Where it dominates at rest, the noise in
+    motion must be more.
+    """
+    known = 2.0 / spectrum.freedom[-1] <= NOISE_ERROR**2
+    rounded = any(part.rounded for part in fitted.readings)
+    return bool(known and (not rounded or spectrum.growth**2 > 1.0 + NOISE_ERROR))
 
 
 def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:

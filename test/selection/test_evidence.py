@@ -10,6 +10,7 @@ import pytest
 import scipy.signal
 from setrigs import BASE, fitted, pushed, steps
 
+from msd_ident.data.record import Record
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
@@ -134,3 +135,19 @@ def test_a_strength_wanders_and_a_frequency_does_not(experiment: Experiment) -> 
 def test_what_moves_a_cart_at_rest_is_not_there(experiment: Experiment) -> None:
     scale = evidence.NoiseScale(840.0)
     assert scale.log_likelihood(900.0, 1e4) < scale.log_likelihood(2000.0)
+
+
+@pytest.mark.parametrize(("noise", "shown"), [(0.0, False), (1.0, True)])
+def test_rounding_at_rest_is_no_slow_noise(noise: float, shown: bool) -> None:
+    """A cart that comes to rest between two counts stays beside one of them; noise in motion is more than that."""
+    time, step = np.arange(6000) / 1000.0, 1e-5
+    motion = 3e-3 * np.exp(-0.8 * time) * np.cos(20.0 * time) + 3.4e-6
+    seen = motion + noise * step * (np.abs(np.gradient(motion, time)) > 1e-3) * np.random.default_rng(3).normal(
+        size=6000
+    )
+    record = Record(time, step * np.round(seen / step), time[:1], np.ones(1))
+    part = noise_model.of_record(record, step / math.sqrt(12.0), step)
+    assert part.rounded
+    one = fitted(Experiment((part,), BASE, frozenset()), BASE, 1.0)
+    one = replace(one, state=replace(one.state, residual=(record.position - motion) * part.root))
+    assert (evidence.scale_from([one], [part]).spectrum is not None) is shown
