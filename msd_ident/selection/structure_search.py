@@ -307,16 +307,23 @@ class Search:
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
         reach = self.experiment.worse(least, REACH)
-        leads = min(self.sets.values(), key=lambda fitted: fitted.chi)
+        leads, resolved = min(self.sets.values(), key=lambda fitted: fitted.chi), []
         if self.at_floor(leads):
-            resolves = bool(leads.causes & set(HOLDING_COULOMB))
-            group = [starts for starts in group if any(_worth(start, reach, resolves) for start in starts)]
+            if leads.causes & set(HOLDING_COULOMB):
+                resolved = [starts for starts in group if _rubs_and_is_linear(starts[0])]
+            group = [starts for starts in group if any(start.worth(reach) or _plain(start) for start in starts)]
+            resolved = [starts for starts in resolved if all(starts is not one for one in group)]
         begun = self._each(partial(self._begin, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):
             for fitted in self._each(partial(self._finish, least), tries, share):
                 least = min(least, self._converged(fitted, least).chi)
+        # A set that ends in a wrong minimum would be what larger ones are begun from.
+        for starts in resolved:
+            fitted = finish(self.experiment, begin(self.experiment, starts, reach), least)
+            if fitted.chi < reach:
+                self._keep(fitted)
 
     def _converged(self, fitted: Hypothesis, least: float) -> Hypothesis:
         """Keep a set; one that leaves less than all others is fitted to the end: it decides what is tried next."""
@@ -365,17 +372,18 @@ def _linear(name: str) -> bool:
     return all(parameter.regressor for parameter in by_name(name).parameters)
 
 
-def _worth(start: StartingPoint, reach: float, resolves: bool) -> bool:
-    """Whether a start is followed although another set leaves only noise.
-
-    A linear law along a weak direction is found by a fit alone: its first step promises little. So is one beside
-    Coulomb friction, where the cart then comes to rest elsewhere; it must be known where a law that holds Coulomb
-    friction leads (``resolves``), which may imitate both.
-    """
+def _plain(start: StartingPoint) -> bool:
+    """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
     causes = start.fitted.causes
-    linear = all(map(_linear, causes))
-    alone = linear and len(causes) == 1 and start.least < (1.0 - TENTH) * start.beside
-    return start.worth(reach) or alone or (resolves and linear and COULOMB in causes)
+    return len(causes) == 1 and all(map(_linear, causes)) and start.least < (1.0 - TENTH) * start.beside
+
+
+def _rubs_and_is_linear(start: StartingPoint) -> bool:
+    """Whether a set is Coulomb friction beside linear laws, which a law that holds Coulomb friction may imitate.
+
+    It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
+    """
+    return COULOMB in start.fitted.causes and all(map(_linear, start.fitted.causes))
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
