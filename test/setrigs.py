@@ -74,11 +74,11 @@ def fitted(experiment: Experiment, model: Model, chi: float, known: float = 1e3)
         frozenset(model.effect_names),
         model,
         problem,
-        State(
+        State.at(
             problem.vector(dict(zip(model.names, model.values.tolist(), strict=True)), problem.initial),
             residual,
             rows,
-            True,
+            exact=True,
         ),
         experiment.readings,
     )

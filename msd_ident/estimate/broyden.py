@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.damped_step import damped_step
 from msd_ident.estimate.levels import DAMPING, STUCK
 from msd_ident.estimate.problem import Problem
 from msd_ident.tuning import fixed
@@ -30,34 +31,25 @@ class State:
         point: (p,) vector of the problem.
         residual: (n,) weighted residual of all records, in units of the noise.
         jacobian: (p, n) derivatives of ``residual``.
+        normal: Gauss–Newton matrix (p, p), the product of the Jacobian with its transpose.
         exact: whether the Jacobian was computed at this point; False after an update.
     """
 
     point: FloatArray
     residual: FloatArray
     jacobian: FloatArray
+    normal: FloatArray
     exact: bool
+
+    @classmethod
+    def at(cls, point: FloatArray, residual: FloatArray, jacobian: FloatArray, *, exact: bool) -> State:
+        """The state with the Gauss–Newton matrix of its Jacobian."""
+        return cls(point, residual, jacobian, jacobian @ jacobian.T, exact)
 
     @cached_property
     def chi(self) -> float:
         """Sum of squares."""
         return float(self.residual @ self.residual)
-
-    @cached_property
-    def normal(self) -> FloatArray:
-        """Gauss–Newton matrix (p, p)."""
-        return np.asarray(self.jacobian @ self.jacobian.T)
-
-    @cached_property
-    def size(self) -> FloatArray:
-        """Root of the diagonal (p,) of ``normal``; 1 for entries without influence."""
-        diagonal = np.diag(self.normal)
-        return np.asarray(np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0)))
-
-    @cached_property
-    def scaled(self) -> FloatArray:
-        """``normal`` (p, p) in units of ``size``."""
-        return np.asarray(self.normal / (self.size[:, None] * self.size))
 
     @cached_property
     def gradient(self) -> FloatArray:
@@ -91,8 +83,7 @@ class Weighting:
             steps: (p,) positive finite-difference steps. A step is enlarged where rounding would swallow it, and its
                 sign is changed where it would leave the upper bound.
         """
-        steps = np.maximum(steps, _FELT * np.spacing(np.abs(point)))
-        steps = np.where(point + steps > self.problem.upper, -steps, steps)
+        steps = self._safe(point, steps)
         residuals, jacobian = [], np.zeros((point.size, sum(root.size for root in self.roots)))
         begin = 0
         for r, root in enumerate(self.roots):
@@ -101,21 +92,30 @@ class Weighting:
             jacobian[self.problem.entries(r), begin : begin + root.size] = columns
             residuals.append(root * residual)
             begin += root.size
-        return State(point, np.concatenate(residuals), jacobian, True)
+        return State.at(point, np.concatenate(residuals), jacobian, exact=True)
 
-    def column(self, point: FloatArray, residual: FloatArray, entry: int, step: float) -> FloatArray:
-        """Row (n,) of the Jacobian for one entry of the vector, by a forward difference.
+    def columns(
+        self, point: FloatArray, entries: npt.NDArray[np.intp], steps: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Weighted residual (n,) at a point, and its derivatives (q, n) with respect to some entries of the vector.
 
         Args:
             point: (p,) vector of the problem.
-            residual: (n,) weighted residual at ``point``.
-            entry: index of the entry to move.
-            step: positive finite-difference step, enlarged where rounding would swallow it.
+            entries: (q,) indices of the entries to move.
+            steps: (p,) positive steps of forward differences, as in ``exact``.
         """
-        moved = point.copy()
-        step = max(step, _FELT * float(np.spacing(abs(point[entry]))))  # beside a huge phase a small step is none
-        moved[entry] += step if point[entry] + step <= self.problem.upper[entry] else -step
-        return np.asarray((self.residual(moved) - residual) / (moved[entry] - point[entry]))
+        moves = self._safe(point, steps)[entries]
+        points = np.repeat(point[None, :], 1 + entries.size, axis=0)
+        points[1 + np.arange(entries.size), entries] += moves
+        moved = points[1 + np.arange(entries.size), entries] - point[entries]
+        parts = [root * self.problem.residuals(points, r) for r, root in enumerate(self.roots)]
+        rows = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        return rows[0], np.asarray((rows[1:] - rows[0]) / moved[:, None])
+
+    def _safe(self, point: FloatArray, steps: FloatArray) -> FloatArray:
+        """Steps (p,), enlarged where rounding would swallow them, negative where they would leave the upper bound."""
+        steps = np.maximum(steps, _FELT * np.spacing(np.abs(point)))  # beside a huge phase a small step is none
+        return np.where(point + steps > self.problem.upper, -steps, steps)
 
     def steps(self, state: State | None) -> FloatArray:
         """Finite-difference steps: from the last Jacobian, or from natural sizes."""
@@ -126,11 +126,11 @@ class Weighting:
     @cached_property
     def _mean(self) -> float:
         """Mean weight of a sample."""
-        return max(float(np.mean([np.mean(root**2) for root in self.roots])), 1e-300)
+        return max(float(np.mean([np.vdot(root, root) / root.size for root in self.roots])), 1e-300)
 
 
 def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, float]:
-    """Levenberg–Marquardt step inside the bounds; entries that it would move out of them are held at their bounds.
+    """Levenberg–Marquardt step inside the bounds (``damped_step``).
 
     Args:
         problem: gives the bounds.
@@ -140,43 +140,9 @@ def step(problem: Problem, state: State, damping: float) -> tuple[FloatArray, fl
     Returns:
         The step (p,), and the decrease of chi² that the linear model predicts for it.
     """
-    matrix, gradient = state.normal, state.gradient
-    scaled = state.scaled.copy()
-    scaled.reshape(-1)[:: gradient.size + 1] += damping
-    move = _solve(scaled, -gradient / state.size) / state.size
-    outside = _outside(problem, state.point + move)
-    if outside.any():
-        move = _held(problem, state, scaled, move, outside)
-    return move, -2.0 * float(gradient @ move) - float(move @ matrix @ move)
-
-
-def _outside(problem: Problem, point: FloatArray) -> npt.NDArray[np.bool_]:
-    return (point < problem.lower) | (point > problem.upper)
-
-
-def _held(
-    problem: Problem, state: State, scaled: FloatArray, move: FloatArray, outside: npt.NDArray[np.bool_]
-) -> FloatArray:
-    """The step with the entries that it would take outside held at their bounds, one after the other."""
-    move, free = np.where(outside, move, 0.0), np.ones(move.size, dtype=bool)
-    while outside.any():
-        at = np.minimum(np.maximum(state.point + move, problem.lower), problem.upper) - state.point
-        move[outside] = at[outside]
-        free &= ~outside
-        index = np.flatnonzero(free)
-        if index.size == 0:
-            break
-        right = -(state.gradient[index] + state.normal[np.ix_(index, ~free)] @ move[~free]) / state.size[index]
-        move[index] = _solve(scaled[np.ix_(index, index)], right) / state.size[index]
-        outside = free & _outside(problem, state.point + move)
-    return move
-
-
-def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    try:
-        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0], dtype=np.float64)
+    lowest, highest = problem.lower - state.point, problem.upper - state.point
+    move, promised = damped_step(state.normal, state.gradient, damping, lowest, highest)
+    return move, float(promised)
 
 
 def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -> State:
@@ -219,14 +185,21 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
 
 def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:
     """Broyden's update: the least change of the Jacobian that explains what the step did."""
-    scale = np.sqrt(np.maximum(np.einsum("ij,ij->i", state.jacobian, state.jacobian), 1e-300))
+    scale = np.sqrt(np.maximum(state.normal.diagonal(), 1e-300))
     move = (point - state.point) * scale  # in units in which every entry matters alike
     length = float(move @ move)
     if length == 0.0:
-        return State(point, residual, state.jacobian, False)
+        return State(point, residual, state.jacobian, state.normal, False)
     surprise = residual - state.residual - (point - state.point) @ state.jacobian
-    jacobian = state.jacobian + np.outer(scale * move / length, surprise)
-    return State(point, residual, jacobian, False)
+    along = scale * move / length
+    jacobian = state.jacobian + np.outer(along, surprise)
+    return State(point, residual, jacobian, _normal_with(state, along, surprise), False)
+
+
+def _normal_with(state: State, along: FloatArray, change: FloatArray) -> FloatArray:
+    """Gauss–Newton matrix after the rank-one change a·cᵀ of the Jacobian J: JJᵀ + a·(Jc)ᵀ + (Jc)·aᵀ + (cᵀc)·a·aᵀ."""
+    across = np.outer(along, state.jacobian @ change)
+    return np.asarray(state.normal + across + across.T + float(change @ change) * np.outer(along, along))
 
 
 def extended(weighting: Weighting, parent: Problem, known: State, point: FloatArray) -> State:
@@ -238,14 +211,12 @@ def extended(weighting: Weighting, parent: Problem, known: State, point: FloatAr
         known: the smaller model's state.
         point: (p,) start of the larger problem.
     """
-    names = weighting.problem.names
     place = {name: i for i, name in enumerate(parent.names)}
-    residual = weighting.residual(point)
-    jacobian = np.zeros((len(names), residual.size))
-    steps = weighting.steps(None)
-    for entry, name in enumerate(names):
-        if name in place:
-            jacobian[entry] = known.jacobian[place[name]]
-        else:
-            jacobian[entry] = weighting.column(point, residual, entry, float(steps[entry]))
-    return State(point, residual, jacobian, False)
+    rows = [place.get(name, -1) for name in weighting.problem.names]
+    fresh = np.array([entry for entry, row in enumerate(rows) if row < 0], dtype=np.intp)
+    residual, columns = weighting.columns(point, fresh, weighting.steps(None))
+    jacobian, normal = known.jacobian[rows], known.normal[np.ix_(rows, rows)]
+    jacobian[fresh] = columns
+    normal[fresh] = columns @ jacobian.T
+    normal[:, fresh] = normal[fresh].T
+    return State(point, residual, jacobian, normal, False)

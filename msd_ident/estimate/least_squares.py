@@ -4,8 +4,7 @@
 the fit itself because it keeps several copies of the Jacobian (430 MB more at a million samples and seven parameters)
 and takes twice the time at 3 000 samples. The normal equations are only p × p, whatever the length of the records.
 
-References: Marquardt 1963 (scaling by the diagonal); Nielsen, IMM-REP-1999-05 (damping update); Kanzow et al. 2004
-(projection onto bounds).
+Reference: Nielsen, IMM-REP-1999-05 (damping update); those of the step stand in ``damped_step``.
 """
 
 from __future__ import annotations
@@ -14,10 +13,9 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
-import scipy.linalg.lapack as lapack
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.damped_step import damped_step
 from msd_ident.estimate.levels import NULL, STUCK
 from msd_ident.tuning import tuned
 
@@ -114,8 +112,10 @@ def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> 
     normal = objective.linearise(point)
     damping, growth = _DAMPING_START, 2.0
     for iteration in range(1, limits.iterations + 1):
-        step = _step(normal, damping, point, limits)
-        expected = _expected_gain(normal, step)
+        lowest, highest = limits.lower - point, limits.upper - point
+        step, promised = damped_step(normal.matrix, normal.gradient, damping, lowest, highest)
+        step = np.clip(point + step, limits.lower, limits.upper) - point
+        expected = 0.5 * promised
         if expected <= limits.cost_tolerance * 1e-2 * normal.cost:
             return _release(objective, normal, Solution(point, normal.cost, iteration, True, _NO_STEP), limits)
         cost = objective.cost(point + step)
@@ -166,36 +166,3 @@ def _not_settled(limits: SolverOptions) -> str:
 
 def _small(step: FloatArray, point: FloatArray, limits: SolverOptions) -> bool:
     return bool(np.all(np.abs(step) <= limits.step_tolerance * (np.abs(point) + 1e-3 * limits.scale)))
-
-
-def _step(normal: Normal, damping: float, point: FloatArray, limits: SolverOptions) -> FloatArray:
-    """Damped step, cut at the bounds; entries that would leave them are held there and the rest solved again."""
-    free = np.ones(point.size, dtype=bool)
-    step = np.zeros(point.size)
-    for _ in range(point.size):
-        step[~free] = np.clip(point + step, limits.lower, limits.upper)[~free] - point[~free]
-        if not free.any():
-            break
-        step[free] = _solve(normal, damping, step, free)
-        outside = free & ((point + step < limits.lower) | (point + step > limits.upper))
-        if not outside.any():
-            break
-        free &= ~outside
-    return np.clip(point + step, limits.lower, limits.upper) - point
-
-
-def _solve(normal: Normal, damping: float, step: FloatArray, free: npt.NDArray[np.bool_]) -> FloatArray:
-    """Solve the damped normal equations for the free entries, the others' steps given."""
-    matrix, right = normal.matrix, -normal.gradient
-    if not free.all():
-        index, held = np.flatnonzero(free), np.flatnonzero(~free)
-        matrix = normal.matrix[np.ix_(index, index)]
-        right = right[index] - normal.matrix[np.ix_(index, held)] @ step[held]
-    diagonal = np.diag(matrix)
-    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    scaled = matrix / (size[:, None] * size)
-    scaled.reshape(-1)[:: size.size + 1] += damping
-    _, solution, info = lapack.dposv(scaled, right / size, lower=1)
-    if info != 0:
-        solution = np.linalg.lstsq(scaled, right / size, rcond=1e-12)[0]
-    return np.asarray(solution / size, dtype=np.float64)

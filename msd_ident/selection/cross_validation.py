@@ -152,7 +152,8 @@ def refitted(experiment: Experiment, fitted: Hypothesis, masks: Sequence[FloatAr
     """
     weighting = weigh(fitted.problem, experiment.readings, masks)
     kept = np.concatenate(masks)
-    seen = State(fitted.point, fitted.state.residual * kept, fitted.state.jacobian * kept, fitted.state.exact)
+    known = fitted.state
+    seen = State.at(known.point, known.residual * kept, known.jacobian * kept, exact=known.exact)
     worth = LEAST_FALL * max(fitted.chi / experiment.evidence, 1.0)
     return descend(weighting, seen, SHORT, worth).point
 

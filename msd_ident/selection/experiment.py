@@ -145,6 +145,26 @@ class Experiment:
         fixed = self.fixed | held | switched_off(model)
         return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
 
+    def posed(self, model: Model, held: frozenset[str] = frozenset()) -> Weighting:
+        """The same in units of the noise, made once for all models with these laws and these values of what is fixed.
+
+        The values of the free parameters in the problem's model are those of the first such model.
+
+        Args:
+            model: structure, and the values of what is not fitted.
+            held: further parameters that keep the model's values.
+        """
+        fixed = self.fixed | held | switched_off(model)
+        kept = tuple(value for name, value in zip(model.names, model.values.tolist(), strict=True) if name in fixed)
+        key = (model.effect_names, fixed, kept)
+        if key not in self._posed:
+            self._posed[key] = weigh(self.problem(model, held), self.readings)
+        return self._posed[key]
+
+    @cached_property
+    def _posed(self) -> dict[tuple[tuple[str, ...], frozenset[str], tuple[float, ...]], Weighting]:
+        return {}
+
 
 def formulated(
     experiment: Experiment, model: Model, initial: Sequence[Initial], held: frozenset[str] = frozenset()
@@ -159,10 +179,11 @@ def formulated(
         initial: initial state of each record.
         held: parameters that are not fitted.
     """
-    problem = experiment.problem(model, held)
+    weighting = experiment.posed(model, held)
+    problem = weighting.problem
     values = dict(zip(model.names, model.values.tolist(), strict=True))
     point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
-    return problem, weigh(problem, experiment.readings), point
+    return problem, weighting, point
 
 
 def weigh(problem: Problem, readings: Sequence[Readings], masks: Sequence[FloatArray] | None = None) -> Weighting:

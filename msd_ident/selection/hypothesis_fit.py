@@ -180,7 +180,8 @@ def _stronger(fitted: Hypothesis) -> FloatArray | None:
 
 def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, point: FloatArray) -> Hypothesis:
     """A few steps down from another point, with the set's present Jacobian."""
-    state = State(point, weighting.residual(point), fitted.state.jacobian, False)
+    known = fitted.state
+    state = State(point, weighting.residual(point), known.jacobian, known.normal, False)
     return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -32,6 +32,7 @@ _FAINT = fixed(
     "amplitude [N] of a term that is not there: above 0, so that frequency and phase still move something",
 )
 _PADDED = fixed(8, "accuracy", "times the length of a record to which it is padded for a finer spectrum")
+_CELLS = fixed(1024, "accuracy", "cells of the travel: twenty to the shortest ripple that is looked for")
 _AROUND = fixed(40, "accuracy", "lines around a line whose median it is compared with")
 STOPS = tuned(
     (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
@@ -108,7 +109,8 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
     """Starting values of a harmonic force over position, at the pitches that explain most of the missing force.
 
     The missing force is smoothed from the residual. What mass, spring, damper, friction and offset could take up is
-    projected out. Then sine and cosine are regressed on it for each pitch.
+    projected out. Then sine and cosine are regressed on it for each pitch. All sums over the samples of a function of
+    the position times a sine come from one discrete Fourier transform over the travel.
 
     Args:
         record: positions from the relaxed spring.
@@ -120,28 +122,48 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
         At most ``_LINES`` triples of amplitude [N], pitch [m] and phase [rad].
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
-    lacking = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
-    keep = slice(None, None, max(1, record.samples // SAMPLES))
-    x, force = record.position[keep], lacking[keep]
-    velocity = np.gradient(record.position, record.time)[keep]
+    force = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
+    x, velocity = record.position, np.gradient(record.position, record.time)
     common = np.column_stack([np.ones(x.size), x, velocity, np.sign(velocity)])
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]
     force = force - frame @ (frame.T @ force)
-    pitches = typical.pitches(float(np.ptp(x)))
-    angle = np.outer(2.0 * np.pi / pitches, x)
-    pair = np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    pair -= (pair @ frame) @ frame.T
-    gram = np.einsum("pix,pjx->pij", pair, pair) + 1e-9 * x.size * np.eye(2)
-    right = pair @ force
+    span = max(float(np.ptp(x)), 1e-300)
+    pitches = typical.pitches(span)
+    turns = np.rint(span / pitches / typical.STEP).astype(np.intp)
+    sums = _over_travel(x, np.vstack([force, frame.T, np.ones(x.size)]), 2 * int(turns.max()))
+    pair = np.stack([-sums[:, turns].imag, sums[:, turns].real])  # sums of the rows times sine and cosine
+    right, shared = pair[:, 0].T, pair[:, 1:-1].transpose(2, 0, 1)
+    twice = sums[-1, 2 * turns]
+    own = 0.5 * np.array([[x.size - twice.real, -twice.imag], [-twice.imag, x.size + twice.real]])
+    gram = own.transpose(2, 0, 1) - shared @ shared.transpose(0, 2, 1) + 1e-9 * x.size * np.eye(2)
     solution = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
     gain = np.einsum("pi,pi->p", solution, right)
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
     best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
-    return [
-        (max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(np.arctan2(*solution[i][::-1])))
-        for i in best
-    ]
+    phases = np.angle((solution @ (1.0, 1j)) * np.exp(-2j * np.pi * float(x.min()) / pitches))
+    return [(max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(phases[i])) for i in best]
+
+
+def _over_travel(position: FloatArray, rows: FloatArray, most: int) -> npt.NDArray[np.complex128]:
+    """Sums Σ r·exp(−iθ) over the samples for θ = 2π·q·(x − min x)/span at q = 0, STEP, ..., most·STEP.
+
+    The samples are gathered in ``_CELLS`` cells of the travel first.
+
+    Args:
+        position: (n,) x [m].
+        rows: (r, n) weights of the samples.
+        most: number of the last q.
+
+    Returns:
+        (r, most + 1).
+    """
+    span = max(float(np.ptp(position)), 1e-300)
+    cell = np.minimum(((position - position.min()) / span * _CELLS).astype(np.intp), _CELLS - 1)
+    gathered = np.array([np.bincount(cell, row, _CELLS) for row in rows])
+    spectrum = np.fft.rfft(gathered, round(_CELLS / typical.STEP))[:, : most + 1]
+    middle = np.exp(-1j * np.pi * typical.STEP / _CELLS * np.arange(most + 1))  # of a cell, from its lower edge
+    return np.asarray(spectrum * middle)
 
 
 def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:

@@ -11,7 +11,7 @@ from msd_ident.model.plant import FloatArray, Model
 #: bent spring.
 PITCHES = (0.02, 0.4)
 #: Step of a scan over pitches, in ripples over the travel: a ripple that is half a step off stays in phase.
-_STEP = 0.25
+STEP = 0.25
 
 
 def amplitude(record: Record) -> float:
@@ -53,7 +53,7 @@ def pitches(span: float, longest: float = PITCHES[1]) -> FloatArray:
         longest: in parts of it; those that can be told if not given.
     """
     shortest = PITCHES[0]
-    return np.asarray(span / np.arange(1.0 / longest, 1.0 / shortest + 0.5 * _STEP, _STEP)[::-1])
+    return np.asarray(span / np.arange(1.0 / longest, 1.0 / shortest + 0.5 * STEP, STEP)[::-1])
 
 
 def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatArray, FloatArray]:
