@@ -1,6 +1,6 @@
-"""``python -m bench``: the figures of solver and fit on this machine, as a table and as JSON.
+"""``python -m bench``: the figures of solver, fit and diagnosis on this machine, as a table and as JSON.
 
-python -m bench [--json FILE] [solver] [fit]
+python -m bench [--json FILE] [solver] [fit] [diagnosis]
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rich.table import Table  # noqa: E402
 
 from bench.measure import Row  # noqa: E402
 
-PARTS = ("solver", "fit")
+PARTS = ("solver", "fit", "diagnosis")
 
 
 def collect(parts: list[str]) -> list[Row]:
@@ -36,6 +36,10 @@ def collect(parts: list[str]) -> list[Row]:
         from bench import fitting
 
         rows += fitting.rows()
+    if "diagnosis" in parts:
+        from bench import diagnosis
+
+        rows += diagnosis.rows()
     return rows
 
 
@@ -55,12 +59,12 @@ def table(rows: list[Row]) -> Table:
 
 def main() -> int:
     """Run the benchmark; exit code 1 when a figure misses what it must reach."""
-    parser = argparse.ArgumentParser(prog="python -m bench", description="Speed of solver and fit.")
-    parser.add_argument("parts", nargs="*", metavar="part", help="solver, fit; both when none is named")
+    parser = argparse.ArgumentParser(prog="python -m bench", description="Speed of solver, fit and diagnosis.")
+    parser.add_argument("parts", nargs="*", metavar="part", help="solver, fit, diagnosis; all when none is named")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there as well")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):
-        parser.error(f"no part is called {', '.join(sorted(unknown))}; expected solver or fit")
+        parser.error(f"no part is called {', '.join(sorted(unknown))}; expected {', '.join(PARTS)}")
     rows = collect(options.parts or list(PARTS))
     Console(width=None if sys.stdout.isatty() else 180).print(table(rows))
     if options.json:

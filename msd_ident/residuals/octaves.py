@@ -46,10 +46,12 @@ class Octaves:
     Attributes:
         band: (n // 2 + 1,) number of the band of each frequency of the discrete Fourier transform.
         share: (BANDS,) of the samples' degrees of freedom, that is of white noise.
+        swings: the motion's own frequency, in periods over the record. A rest adds none.
     """
 
     band: npt.NDArray[np.intp]
     share: FloatArray
+    swings: float
 
     def of(self, whitened: FloatArray) -> FloatArray:
         """(BANDS,) sums of squares of the bands of a residual (n,); together they are that of the residual."""
@@ -73,7 +75,7 @@ def octaves(record: Record) -> Octaves:
     own = max(float(np.searchsorted(energy, 0.5 * energy[-1])), 1.0)
     band = np.searchsorted(_ENDS, frequency / own, side="right")
     share = np.bincount(band, weights=two_sided(count), minlength=BANDS) / count
-    return Octaves(band, share)
+    return Octaves(band, share, own)
 
 
 def two_sided(count: int) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -75,10 +74,9 @@ class Experiment:
         stretch of a record that goes on in the same way is kept.
         """
         total = sum(part.record.samples for part in self.readings)
-        swing = 2.0 * math.pi * self.typical.time
         parts = []
         for part in self.readings:
-            fewest = int(A_SWING * part.record.duration / swing)
+            fewest = int(A_SWING * part.octaves.swings)
             own = max(keep * part.record.samples // total, FEWEST_READINGS)
             few = part.thinned(max(own, fewest))
             parts.append(few.stretch(own) if few.record.samples > 2 * own else few)

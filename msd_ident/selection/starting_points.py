@@ -146,14 +146,18 @@ def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: M
 
 
 def _weakened(model: Model, names: Causes) -> Model:
-    """The model with these effects close to doing nothing: too strong a guess may hide the direction of descent."""
+    """The model with these effects close to doing nothing: too strong a guess may hide the direction of descent.
+
+    Where the equation of motion is linear in a law without a kink, the best strength follows from none at all.
+    """
     values = dict(zip(model.names, model.values.tolist(), strict=True))
-    weak = {
-        name: neutral + _WEAK * (values[name] - neutral)
-        for effect in names
-        for name, neutral in by_name(effect).neutral
-        if math.isfinite(neutral) and math.isfinite(values[name])
-    }
+    weak = {}
+    for effect in map(by_name, names):
+        kinked = any(parameter.kinked for parameter in effect.parameters)
+        part = 0.0 if effect.is_linear() and not kinked else _WEAK
+        for name, neutral in effect.neutral:
+            if math.isfinite(neutral) and math.isfinite(values[name]):
+                weak[name] = neutral + part * (values[name] - neutral)
     return model.with_values(weak)
 
 

@@ -148,7 +148,7 @@ class Search:
         """
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
         near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
-        plain = [frozenset({name}) for name in self.experiment.tried_alone if _linear(name)]
+        plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
         return [one | other for one, other in (*combinations(near, 2), *combinations(plain, 2))]
 
     def _walk(self) -> Ranking:
@@ -367,15 +367,15 @@ class Search:
         return worth + plain + [known[twin] for twin in twins if twin in known]
 
 
-def _linear(name: str) -> bool:
-    """Whether all parameters of an effect enter the equation of motion linearly."""
-    return all(parameter.regressor for parameter in by_name(name).parameters)
+def _linear(causes: Causes) -> bool:
+    """Whether all parameters of all causes enter the equation of motion linearly."""
+    return all(by_name(name).is_linear() for name in causes)
 
 
 def _plain(start: StartingPoint) -> bool:
     """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
     causes = start.fitted.causes
-    return len(causes) == 1 and all(map(_linear, causes)) and start.least < (1.0 - TENTH) * start.beside
+    return len(causes) == 1 and _linear(causes) and start.least < (1.0 - TENTH) * start.beside
 
 
 def _rubs_and_is_linear(start: StartingPoint) -> bool:
@@ -383,7 +383,7 @@ def _rubs_and_is_linear(start: StartingPoint) -> bool:
 
     It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
     """
-    return COULOMB in start.fitted.causes and all(map(_linear, start.fitted.causes))
+    return COULOMB in start.fitted.causes and _linear(start.fitted.causes)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

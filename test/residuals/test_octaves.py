@@ -43,6 +43,14 @@ def test_only_the_ratio_of_frequencies_counts() -> None:
     assert np.array_equal(slow.band, fast.band)
 
 
+def test_a_rest_adds_no_swing() -> None:
+    moved = swinging(4000, 20.0)
+    position = np.concatenate([moved.position, np.zeros(36_000)])
+    rested = Record(np.linspace(0.0, 100.0, position.size, endpoint=False), position, moved.force_time, moved.force)
+    assert octaves(moved).swings == pytest.approx(20.0, abs=1.0)
+    assert octaves(rested).swings == pytest.approx(200.0, abs=10.0)  # periods of the same length
+
+
 def test_noise_is_shared_by_width() -> None:
     found = octaves(swinging(4001, 20.0))
     left = np.mean([found.of(np.random.default_rng(seed).normal(size=4001)) for seed in range(200)], axis=0)

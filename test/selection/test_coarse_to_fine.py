@@ -39,3 +39,16 @@ def test_mean_forces_are_left_once_they_hide_what_is_left(monkeypatch: pytest.Mo
     assert [cause.name for cause in diagnosis.causes] == ["end_stop"] and diagnosis.verdict == "explained"
     assert diagnosis.extended.model["stop_position"] == pytest.approx(EndStop(**STOP).stop_position, rel=1e-3)
     assert max(map(len, fitted)) <= 2
+
+
+def test_a_long_rest_hides_no_cause() -> None:
+    """Nothing moves in nine tenths of the record: sizes of the motion must not be means over all of it."""
+    made = api.simulate(
+        {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.02, "rate": 100.0, "seed": 4,
+         "effects": {"quadratic_drag": {"drag_coefficient": 2.0}}, "encoder": {"counts_per_metre": 1e6, "noise": 1e-5},
+         "experiment": {"name": "steps", "force": 10.0, "hold": 12.0}}
+    )  # fmt: skip
+    record = Record(time=made.time, position=made.position, force_time=made.force_time, force=made.force)
+    diagnosis = pipeline.diagnose([record])
+    assert {cause.name for cause in diagnosis.causes} == {"coulomb_friction", "quadratic_drag"}
+    assert diagnosis.extended.model["drag_coefficient"] == pytest.approx(2.0, rel=0.02)

@@ -339,6 +339,11 @@ class Effect:
         return bends or (force is not None and not cls.memory and "x" in inspect.signature(force).parameters)
 
     @classmethod
+    def is_linear(cls) -> bool:
+        """Whether all its parameters enter the equation of motion linearly."""
+        return all(parameter.regressor for parameter in cls.parameters)
+
+    @classmethod
     def fits(cls, record: Record) -> bool:
         """Whether the law can act on a rig that gave this record, and be seen in it."""
         return not cls.angular or record.position_unit == "rad"
