@@ -43,9 +43,14 @@ _next_domain = itertools.count(17 * os.getpid())
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give each test process its own ROS domain, before anything starts a node, and one thread of BLAS."""
+    """Give each test process its own ROS domain, before anything starts a node, and one thread of BLAS.
+
+    Of several test processes, each works with one thread: they share the cores.
+    """
     parallel.one_blas_thread()
     config.stash[_claim] = ExitStack()
+    if hasattr(config, "workerinput"):
+        config.stash[_claim].enter_context(parallel.limited_to(1))
     os.environ["ROS_DOMAIN_ID"] = str(config.stash[_claim].enter_context(private_domain(next(_next_domain))))
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     # A run in the background begins with SIGINT ignored, and so would every process that a test interrupts.
