@@ -7,8 +7,9 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -76,6 +77,25 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with private_domain(next(_next_domain)) as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
+
+
+@pytest.fixture
+def without_copies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No diagnosis makes copies of its record unasked: for tests of what is found before them."""
+    monkeypatch.setattr("msd_ident.selection.replication._CHEAP", 0.0)
+
+
+@pytest.fixture
+def asking_about(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """To call with names of causes: diagnoses ask about these alone, where not the search is tested but what follows."""
+
+    def ask(*causes: str) -> None:
+        real = pipeline.prepare
+        monkeypatch.setattr(pipeline, "prepare", lambda task: replace(real(task), asked=frozenset(causes)))
+
+    from msd_ident.diagnosis import pipeline
+
+    return ask
 
 
 @pytest.fixture(scope="session")
