@@ -99,7 +99,7 @@ def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[s
         raw = joints(START_NS, [0.001])
 
         def recorded(*more: str) -> tuple[int, str, str]:
-            """Exit code, output and errors of a recorder that is interrupted once it has heard something, or refuses."""
+            """Exit code, output, errors of a recorder that is interrupted once it has heard something, or refuses."""
             with msd("record", "--out", str(tmp_path / "bag"), *more) as recording:
                 heard = publishers[-1].get_subscription_count
                 until(lambda: heard() or recording.poll() is not None, "the recorder", 60.0)
