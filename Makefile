@@ -27,6 +27,9 @@ JOBS ?= 3
 # A sourced ROS installation and the wheels in .venv do not mix.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH PYTHONHOME RMW_IMPLEMENTATION
 
+# Every process that a command or a test starts would compile the package's bytecode anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Matrices of ten by ten: threads of BLAS would only compete with the threads that fit.
 export OPENBLAS_NUM_THREADS ?= 1
 

@@ -7,8 +7,9 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -26,9 +27,11 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
-    "test_colcon", "ros/test_faults", "blind/", "test_a_demo_finds_the_rig", "docs/test_tutorial", "ros/test_huge_bag",
-    "live/", "report/", "ros/", "diagnosis/", "design/", "test_fooled", "test_pipeline", "cli/", "estimate/",
-    "msd_sim/test_node",
+    "test_colcon", "ros/test_faults", "test_new_effect", "[step_1", "ros/test_resume", "test_nobody_costs_much",
+    "test_starting_points", "test_never_worse", "test_investigation", "test_what_a_hand_moved", "blind/",
+    "test_a_demo_finds_the_rig", "docs/test_tutorial", "docs/test_pages", "ros/test_huge_bag", "test_deterministic",
+    "batching/", "live/", "report/", "ros/", "selection/", "residuals/", "diagnosis/", "design/", "export/test_ext",
+    "test_fooled", "test_pipeline", "cli/", "estimate/", "test_laws", "test_lottery", "msd_sim/test_node",
 )  # fmt: skip
 
 #: What makes a fresh checkout compile; done in two seconds where that is done.
@@ -43,9 +46,14 @@ _next_domain = itertools.count(17 * os.getpid())
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give each test process its own ROS domain, before anything starts a node, and one thread of BLAS."""
+    """Give each test process its own ROS domain, before anything starts a node, and one thread of BLAS.
+
+    Of several test processes, each works with one thread: they share the cores.
+    """
     parallel.one_blas_thread()
     config.stash[_claim] = ExitStack()
+    if hasattr(config, "workerinput"):
+        config.stash[_claim].enter_context(parallel.limited_to(1))
     os.environ["ROS_DOMAIN_ID"] = str(config.stash[_claim].enter_context(private_domain(next(_next_domain))))
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     # A run in the background begins with SIGINT ignored, and so would every process that a test interrupts.
@@ -71,6 +79,25 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with private_domain(next(_next_domain)) as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
+
+
+@pytest.fixture
+def without_copies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No diagnosis makes copies of its record unasked: for tests of what is found before them."""
+    monkeypatch.setattr("msd_ident.selection.replication._CHEAP", 0.0)
+
+
+@pytest.fixture
+def asking_about(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """To call with names of causes, about which alone diagnoses ask: for tests of what follows a search."""
+
+    def ask(*causes: str) -> None:
+        real = pipeline.prepare
+        monkeypatch.setattr(pipeline, "prepare", lambda task: replace(real(task), asked=frozenset(causes)))
+
+    from msd_ident.diagnosis import pipeline
+
+    return ask
 
 
 @pytest.fixture(scope="session")

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from unittest import mock
 
 import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.selection import replication
 from msd_ident.workflow import pipeline
 
 _made: dict[object, Diagnosis] = {}
 _diagnose = pipeline.diagnose
 
 
-def diagnosed(records: Sequence[Record]) -> Diagnosis:
-    """As ``pipeline.diagnose`` finds it."""
-    key = tuple(map(_content, records))
+def diagnosed(records: Sequence[Record], *, copied: bool = True) -> Diagnosis:
+    """As ``pipeline.diagnose`` finds it; unless ``copied``, without the copies of a poor experiment."""
+    key = copied, *map(_content, records)
     if key not in _made:
-        _made[key] = _diagnose(records)
+        with mock.patch.object(replication, "_CHEAP", replication._CHEAP if copied else 0.0):
+            _made[key] = _diagnose(records)
     return _made[key]
 
 

@@ -38,9 +38,12 @@ MEASURED = (
 )
 
 
-def never_worse(record: Record, friction_known: bool) -> None:
-    """Compare both, and the base model with a fit of mass, damping and stiffness alone."""
-    identified, found = identify([record]), diagnosed([record])
+def never_worse(record: Record, friction_known: bool, copied: bool = False) -> None:
+    """Compare both, and the base model with a fit of mass, damping and stiffness alone.
+
+    Copies of a poor experiment change probabilities and seldom the model.
+    """
+    identified, found = identify([record]), diagnosed([record], copied=copied)
     causes = {cause.name for cause in found.causes}
     effects = set(identified.refined.model.effect_names)
     assert not friction_known or effects <= causes
@@ -71,4 +74,4 @@ def test_on_measured_rigs(shared_data: Path, name: str) -> None:
     (rig,) = (rig for rig in RIGS if rig.name == name)
     if not (shared_data / rig.path).is_file():
         pytest.skip(f"no {rig.path} among the measured data")
-    never_worse(read(shared_data / rig.path, rig.options), friction_known=False)
+    never_worse(read(shared_data / rig.path, rig.options), friction_known=False, copied=name != "step_1")

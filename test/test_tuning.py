@@ -64,9 +64,9 @@ def test_no_number_stands_beside_the_declared_ones() -> None:
 
 def test_compiled_functions_hold_no_tuned_constant() -> None:
     """Numba compiles the value in, and its cache does not know when another module changes it."""
+    tuned = {one.name for one in tuning.declared() if one.is_tuned}
     for path in FILES:
         tree = parsed(path)
-        tuned = {one.name for one in tuning.declared() if one.is_tuned}
         for node in tree.body:
             if isinstance(node, ast.FunctionDef) and any("njit" in ast.unparse(one) for one in node.decorator_list):
                 used = {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}

@@ -12,7 +12,7 @@ pytest.importorskip("pyarrow", reason="the extra batch is not installed")
 from badinputs import run  # noqa: E402
 from batchrigs import row  # noqa: E402
 
-from msd_ident.batching import table  # noqa: E402
+from msd_ident.batching import cluster, table  # noqa: E402
 
 
 @pytest.fixture
@@ -50,7 +50,10 @@ def lab(tmp_path: Path) -> Path:
         (("watch", "{lab}", "--follow", "-1"), "--follow takes seconds above 0"),
     ],
 )
-def test_what_makes_no_sense_is_one_line(words: tuple[str, ...], says: str, lab: Path, tmp_path: Path) -> None:
+def test_what_makes_no_sense_is_one_line(
+    words: tuple[str, ...], says: str, lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster.connect, "__defaults__", (0.5,))  # nobody will answer, however long it waits
     (tmp_path / "empty").mkdir()
     found = run(*(word.format(empty=tmp_path / "empty", lab=lab) for word in words))
     assert (found.code, found.out) == (2, "")

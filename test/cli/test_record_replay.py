@@ -91,25 +91,34 @@ def test_nobody_who_publishes_is_told_with_the_topics_that_are_there(ros_domain:
 def test_the_namespace_is_found(ros_domain: int, tmp_path: Path, spaces: tuple[str, ...]) -> None:
     """README's pipeline is in /msd, and ``msd record`` is typed beside it."""
     from bagmaker import START_NS, joints
-    from graph import graph
+    from graph import graph, until
     from sensor_msgs.msg import JointState
 
-    long = "6"  # [s], enough for discovery on a busy machine
     with graph(ros_domain) as ros:
         publishers = [ros.node.create_publisher(JointState, f"/{space}/encoder", 10) for space in spaces]
         raw = joints(START_NS, [0.001])
-        ros.node.create_timer(0.01, lambda: [publisher.publish(raw) for publisher in publishers])
-        with msd("record", "--out", str(tmp_path / "bag"), "--duration", long) as recording:
-            output, said = recording.communicate(timeout=60.0)
+
+        def recorded(*more: str) -> tuple[int, str, str]:
+            """Exit code, output, errors of a recorder that is interrupted once it has heard something, or refuses."""
+            with msd("record", "--out", str(tmp_path / "bag"), *more) as recording:
+                heard = publishers[-1].get_subscription_count
+                until(lambda: heard() or recording.poll() is not None, "the recorder", 60.0)
+                if recording.poll() is None:
+                    publishers[-1].publish(raw)
+                    publishers[-1].wait_for_all_acked()
+                    os.kill(recording.pid, signal.SIGINT)
+                output, said = recording.communicate(timeout=60.0)
+            return recording.returncode, output, said
+
+        code, output, said = recorded()
         if len(spaces) == 1:
-            assert recording.returncode == 0, said
-            assert " messages of 1 topics, none lost" in output
+            assert code == 0, said
+            assert output.startswith("1 messages of 1 topics, none lost")
             assert "recording in the namespace /msd" in said
             return
-        assert recording.returncode == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said
-        with msd("record", "--namespace", "two", "--out", str(tmp_path / "bag"), "--duration", long) as recording:
-            output, _ = recording.communicate(timeout=60.0)
-        assert recording.returncode == 0 and " messages of 1 topics, none lost" in output
+        assert code == 2 and "in 2 namespaces (/one, /two); expected one: say --namespace /one" in said
+        code, output, said = recorded("--namespace", "two")
+        assert code == 0 and output.startswith("1 messages of 1 topics, none lost"), said
 
 
 @pytest.fixture

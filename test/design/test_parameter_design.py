@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import pytest
-from designrigs import LIMITS, Rig, stepped
+from designrigs import LIMITS, STEP, Rig, stepped
 
 from msd_ident.design.parameter_design import compared, sharpen
 from msd_ident.errors import UsageError
 from msd_ident.estimate import fit
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.workflow import pipeline
 
 
+@pytest.mark.usefixtures("without_copies")
 def test_sharpened_intervals_come_true() -> None:
     """µ after the designed experiment: as narrow as promised, and half of what a single step as long gives."""
     size = 0.05
-    diagnosis = stepped("coulomb_friction", "coulomb_force", size)
+    diagnosis = pipeline.diagnose([Rig(coulomb_friction={"coulomb_force": size}).play(STEP, LIMITS).record])
     found = sharpen(diagnosis, ["friction_coefficient"], LIMITS)
     rig = Rig(coulomb_friction={"coulomb_force": size})
     step = compared(found.profile.duration, 0.23)[0].scaled(8.0)

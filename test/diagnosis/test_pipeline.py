@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -87,8 +87,9 @@ def test_what_progress_raises_ends_it() -> None:
         diagnose_records([measured({"quadratic_drag": {"drag_coefficient": 3.0}})], progress=cancel)
 
 
-def test_offset_beside_friction_is_said_to_be_asymmetric_friction() -> None:
+def test_offset_beside_friction_is_said_to_be_asymmetric_friction(asking_about: Callable[..., None]) -> None:
     """Known zero or bent spring apart, an offset with a linear spring is only a zero; on a plain axis it is seen."""
+    asking_about("coulomb_friction", "force_offset", "quadratic_drag", "stribeck_friction")
     record = measured(
         {"coulomb_friction": {"coulomb_force": 0.5}, "force_offset": {"offset_force": 0.2}},
         stiffness=0.0, experiment={"name": "random_steps", "force": 3.0, "duration": 4.0, "shortest": 0.1},
@@ -148,7 +149,11 @@ def test_no_records_is_refused() -> None:
         diagnose_records([])
 
 
-def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certainty() -> None:
+@pytest.mark.usefixtures("without_copies")
+def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certainty(
+    asking_about: Callable[..., None],
+) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     causes = {"coulomb_friction": {"coulomb_force": 0.2}, "quadratic_drag": {"drag_coefficient": 6.0}}
     decay = {"name": "release", "duration": 4.0}
     found = diagnose_records([measured(causes, damping=0.5, experiment=decay, initial_position=0.02, duration=4.0)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from msd_ident.data.record import Record
@@ -22,7 +24,13 @@ def step(name: str, force: float, **rig: object) -> Record:
     return Record(made.time, made.position, made.force_time, made.force, name=name)
 
 
-def test_records_of_two_rigs_are_said_and_refused() -> None:
+@pytest.mark.parametrize(
+    "asked", [("coulomb_friction", "cubic_spring", "stiffness_drift"), pytest.param((), marks=pytest.mark.long)]
+)
+def test_records_of_two_rigs_are_said_and_refused(asked: tuple[str, ...], asking_about: Callable[..., None]) -> None:
+    """Whatever bends or changes a spring, or the whole library."""
+    if asked:
+        asking_about(*asked)
     found = pipeline.diagnose([step("first", 8.0), step("second", 8.0, stiffness=1500.0)])
     assert found.left.exceeds and found.left.extended.motion_percent > 20.0
     said = [line for line in found.warnings if "of one rig" in line]

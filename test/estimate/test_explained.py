@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -22,8 +24,20 @@ def moved_by_hand(seed: int) -> Record:
     return from_samples(time, np.zeros(time.size), 0.02 * position)
 
 
-@pytest.mark.parametrize("seed", [3, pytest.param(5, marks=pytest.mark.long)])
-def test_what_a_hand_moved_is_refused_in_one_line(seed: int) -> None:
+@pytest.mark.parametrize(
+    ("seed", "asked"),
+    [
+        (3, ("coulomb_friction", "quadratic_drag", "cubic_spring")),
+        pytest.param(3, (), marks=pytest.mark.long),
+        pytest.param(5, (), marks=pytest.mark.long),
+    ],
+)
+def test_what_a_hand_moved_is_refused_in_one_line(
+    seed: int, asked: tuple[str, ...], asking_about: Callable[..., None]
+) -> None:
+    """A diagnosis refuses it too: with a few causes, or with the whole library."""
+    if asked:
+        asking_about(*asked)
     end = r"explain \d+ % of the position's variance; expected more than 50 %.*a hand may have moved the cart"
     with pytest.raises(DataError, match=f"dry friction {end}"):
         pipeline.identify([moved_by_hand(seed)])

@@ -61,7 +61,7 @@ def test_two_effects_are_both_there_and_two_dry_frictions_are_refused() -> None:
 
 @pytest.mark.parametrize("name", lottery.NAMES)
 def test_no_wide_rig_runs_away(name: str) -> None:
-    for seed in range(4):
+    for seed in range(2):
         for experiment in lottery.EXPERIMENTS:
             draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, ranges="wide")
             assert np.isfinite(api.simulate(draw.spec).position).all()

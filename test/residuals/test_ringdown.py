@@ -86,6 +86,7 @@ def test_what_is_read_in_it_never_contradicts_the_diagnosis(
     assert "hardening" not in plain.sentences[0]
 
 
+@pytest.mark.usefixtures("without_copies")
 def test_a_diagnosis_reads_it_with_its_own_causes() -> None:
     """The frequency of a rubbing cart on a linear spring, says nothing of a bent one."""
     result = pipeline.diagnose([released({"coulomb_friction": {"coulomb_force": 0.15}})])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -63,7 +64,8 @@ def test_dry_friction_that_the_base_model_lacks_is_in_its_interval() -> None:
 
 
 @pytest.mark.parametrize("amplitude", [0.1, 0.4])
-def test_the_motion_that_a_missing_force_makes_is_told(amplitude: float) -> None:
+def test_the_motion_that_a_missing_force_makes_is_told(amplitude: float, asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     record = measured()
     other = disturbed(record, amplitude)
     found = diagnose_records([other]).left
@@ -88,8 +90,9 @@ def test_a_free_decay_is_compared_with_the_force_of_its_spring() -> None:
     assert left.yardstick_rms == pytest.approx(600.0 * left.motion_rms, rel=0.01)  # of 1 kg, which the rig has
 
 
-def test_the_tolerance_decides_whether_what_is_left_matters() -> None:
+def test_the_tolerance_decides_whether_what_is_left_matters(asking_about: Callable[..., None]) -> None:
     """Structure of 0.3 % of the motion, far above the noise."""
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     record = disturbed(measured(noise=1e-6), 0.01)
     verdicts = {}
     for tolerance in (1.0, 1e-3):

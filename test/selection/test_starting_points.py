@@ -30,6 +30,7 @@ def played(rig: dict[str, object], profile: Profile, seed: int, rate: float) -> 
     return Record(time=made.time, position=made.position, force_time=at, force=force, name=profile.name)
 
 
+@pytest.mark.usefixtures("without_copies")
 def test_friction_and_drag_of_one_step_at_few_samples_a_swing_are_not_taken_for_three_other_causes() -> None:
     """Where the cart comes to stick makes valleys: beside friction alone, the drag ends at none; a regression helps."""
     made = api.simulate(
@@ -150,7 +151,8 @@ def test_a_guess_that_is_too_strong_is_tried_weakly() -> None:
 
 def test_a_heavy_second_mass_beside_friction_is_found() -> None:
     second = {"second_mass": 0.36, "second_stiffness": 3017.0, "second_damping": 1.7}
-    found = pipeline.diagnose([swept({"second_mode": second, "coulomb_friction": {"coulomb_force": 0.2}})])
+    record = swept({"second_mode": second, "coulomb_friction": {"coulomb_force": 0.2}})
+    found = pipeline.diagnose([record], pipeline.Options(model="spring"))
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "second_mode"}
     assert found.extended.model["second_mass"] == pytest.approx(0.36, rel=0.02)
 

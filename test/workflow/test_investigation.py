@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,8 +42,9 @@ def test_the_first_push_of_an_unknown_rig_is_gentle() -> None:
     assert 0.3 * 0.03 < moved < 0.03
 
 
-def test_a_rig_that_sticks_is_pushed_harder_step_by_step() -> None:
+def test_a_rig_that_sticks_is_pushed_harder_step_by_step(asking_about: Callable[..., None]) -> None:
     """What a stuck cart says about its spring is nothing: its full force might throw it against a stop."""
+    asking_about("coulomb_friction")
     pushes: list[float] = []
 
     class Watched(Rig):
@@ -129,8 +131,9 @@ def pushed(force: float) -> tuple[Profile, Limits]:
     return first, Limits((-force, force), (-0.04, 0.04), 20.0)
 
 
-def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for() -> None:
+def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for(asking_about: Callable[..., None]) -> None:
     """A short lag looks like a play at first; no experiment within reach tells it from a wrong time of the force."""
+    asking_about("backlash", "actuator_lag", "time_offset", "coulomb_friction")
     plant = {"mass": 1.6478, "damping": 2.6452, "stiffness": 1955.2, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 49361.486, "noise": 2.1359e-5}
     rig = Rig(encoder, plant, actuator_lag={"lag_time": 2e-4})
