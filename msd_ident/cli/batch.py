@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,37 +19,22 @@ if TYPE_CHECKING:
     from msd_ident.io import SourceOptions
 
 ManyArgument = Annotated[
-    Optional[list[str]],  # noqa: UP045
+    list[str] | None,
     typer.Argument(metavar="PATHS…", help="folders, patterns and records; also in object stores, e.g. s3://bucket/dir"),
 ]
-ListOption = Annotated[
-    str,
-    typer.Option("--list", metavar="FILE|-", help="file with one path per line", rich_help_panel=options.SOURCE),
-]
+ListOption = Annotated[str, options.source_option("--list", metavar="FILE|-", help="file with one path per line")]
 
 
 OutOption = Annotated[
-    str,
-    typer.Option(
-        "--out",
-        metavar="TABLE.parquet",
-        help="table to write; also in an object store",
-        rich_help_panel=options.OUTPUT,
-    ),
+    str, options.output_option("--out", metavar="TABLE.parquet", help="table to write; also in an object store")
 ]
 ResumeOption = Annotated[
-    bool,
-    typer.Option(
-        "--resume", help="continue an interrupted batch; finished records are kept", rich_help_panel=options.BATCH
-    ),
+    bool, options.batch_option("--resume", help="continue an interrupted batch; finished records are kept")
 ]
 RecordPagesOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--pages",
-        metavar="FOLDER",
-        help="also write a page for each record; the report links to them",
-        rich_help_panel=options.OUTPUT,
+    Path | None,
+    options.output_option(
+        "--pages", metavar="FOLDER", help="also write a page for each record; the report links to them"
     ),
 ]
 

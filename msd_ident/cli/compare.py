@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from msd_ident.cli import batch, many, options, run, sources
 
 
@@ -13,9 +11,7 @@ from msd_ident.cli import batch, many, options, run, sources
 def compare(
     paths: many.TablesArgument,
     source: sources.Source,
-    by: Annotated[
-        str, typer.Option("--by", metavar="robot|joint|day", help="groups to compare", rich_help_panel=options.SOURCE)
-    ] = "robot",
+    by: Annotated[str, options.source_option("--by", metavar="robot|joint|day", help="groups to compare")] = "robot",
     scheduler: options.SchedulerOption = "",
     workers: options.WorkersOption = 0,
     all_joints: options.AllJointsOption = False,

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
-
-import typer
+from typing import TYPE_CHECKING, Annotated
 
 from msd_ident.cli import options, sources
 
@@ -23,33 +21,19 @@ if TYPE_CHECKING:
 
 TargetsOption = Annotated[
     str,
-    typer.Option(
-        "--for",
-        metavar="NAME,…",
-        help="design for narrower intervals of these parameters, e.g. mass,damping",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--for", metavar="NAME,…", help="design for narrower intervals of these parameters, e.g. mass,damping"
     ),
 ]
 CheckOption = Annotated[
-    bool,
-    typer.Option(
-        "--check",
-        help="look for causes that this data could not show, even if none are tied",
-        rich_help_panel=options.MODEL,
-    ),
+    bool, options.model_option("--check", help="look for causes that this data could not show, even if none are tied")
 ]
 OutOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv", rich_help_panel=options.OUTPUT),
+    Path | None, options.output_option("--out", metavar="FILE", help="profile to write: .yaml or .csv")
 ]
 FigureOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--figure",
-        metavar="FILE",
-        help="picture of the rivals' predictions (.png, .svg, .pdf)",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path | None,
+    options.output_option("--figure", metavar="FILE", help="picture of the rivals' predictions (.png, .svg, .pdf)"),
 ]
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
-
-import typer
+from typing import TYPE_CHECKING, Annotated
 
 from msd_ident.cli import options, pages, run, sources
 from msd_ident.cli.validate import saved_model
@@ -20,73 +18,40 @@ if TYPE_CHECKING:
 
 ToOption = Annotated[
     str,
-    typer.Option(
+    options.output_option(
         "--to",
         metavar="TARGET",
         help="format: mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
-        rich_help_panel=options.OUTPUT,
     ),
 ]
 ReplayOption = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Option(
-        "--replay",
-        metavar="PATH",
-        help="record for the proof by replay; repeatable; default: the result's own",
-        rich_help_panel=options.SOURCE,
+    list[Path] | None,
+    options.source_option(
+        "--replay", metavar="PATH", help="record for the proof by replay; repeatable; default: the result's own"
     ),
 ]
 
 
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        metavar="FILE",
-        help="main file; further files are written next to it",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path, options.output_option("--out", metavar="FILE", help="main file; further files are written next to it")
 ]
-NoReplayOption = Annotated[
-    bool,
-    typer.Option("--no-replay", help="write the file without a proof by replay", rich_help_panel=options.SOURCE),
-]
-JointOption = Annotated[
-    str, typer.Option("--joint", metavar="NAME", help="name of the joint", rich_help_panel=options.MODEL)
-]
+NoReplayOption = Annotated[bool, options.source_option("--no-replay", help="write the file without a proof by replay")]
+JointOption = Annotated[str, options.model_option("--joint", metavar="NAME", help="name of the joint")]
 IntoOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--into",
-        metavar="ROBOT.xml",
-        help="insert the model into a joint of this MuJoCo model; --out is the new file",
-        rich_help_panel=options.MODEL,
+    Path | None,
+    options.model_option(
+        "--into", metavar="ROBOT.xml", help="insert the model into a joint of this MuJoCo model; --out is the new file"
     ),
 ]
-FragmentOption = Annotated[
-    bool,
-    typer.Option("--fragment", help="write only the joint's elements, to paste", rich_help_panel=options.OUTPUT),
-]
+FragmentOption = Annotated[bool, options.output_option("--fragment", help="write only the joint's elements, to paste")]
 MassOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(
-        "--mass",
-        metavar="KG",
-        help="moving mass, for a result that has only ratios",
-        rich_help_panel=options.MODEL,
-    ),
+    float | None, options.model_option("--mass", metavar="KG", help="moving mass, for a result that has only ratios")
 ]
-DrawsOption = Annotated[
-    int, typer.Option("--draws", help="number of parameter sets of --to draws", rich_help_panel=options.OUTPUT)
-]
+DrawsOption = Annotated[int, options.output_option("--draws", help="number of parameter sets of --to draws")]
 StepsOption = Annotated[
-    Optional[int],  # noqa: UP045
-    typer.Option(
-        "--steps",
-        min=1,
-        max=1000,
-        help="solver steps per sample of the record; default: as many as the replay needs",
-        rich_help_panel=options.OUTPUT,
+    int | None,
+    options.output_option(
+        "--steps", min=1, max=1000, help="solver steps per sample of the record; default: as many as the replay needs"
     ),
 ]
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
-
-import typer
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 from msd_ident.cli import exports, options, pages, run, sources, trials
 
@@ -15,25 +13,17 @@ if TYPE_CHECKING:
     from msd_ident.workflow.identify import Progress
 
 
-LossOption = Annotated[
-    str, typer.Option(help="linear, or soft_l1 for data with outliers", rich_help_panel=options.MODEL)
-]
+LossOption = Annotated[str, options.model_option(help="linear, or soft_l1 for data with outliers")]
 MassOption = Annotated[
     str,
-    typer.Option(
-        "--mass",
-        metavar="KG[±STD]",
-        help="known moving mass; a free decay then has results in newtons",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--mass", metavar="KG[±STD]", help="known moving mass; a free decay then has results in newtons"
     ),
 ]
 KnownOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--known",
-        metavar="NAME=VALUE[±STD]",
-        help="parameter that is known and not fitted; repeatable",
-        rich_help_panel=options.MODEL,
+    list[str] | None,
+    options.model_option(
+        "--known", metavar="NAME=VALUE[±STD]", help="parameter that is known and not fitted; repeatable"
     ),
 ]
 

@@ -6,7 +6,7 @@ import json as text
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,50 +18,28 @@ if TYPE_CHECKING:
     from msd_ident.workflow.investigation import Investigation, Rig, Step
 
 EffectOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--effect",
-        metavar="NAME[:PARAMETER=NUMBER,…]",
-        help="effect that the simulated rig has; repeatable",
-        rich_help_panel=options.RIG,
+    list[str] | None,
+    options.rig_option(
+        "--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="effect that the simulated rig has; repeatable"
     ),
 ]
 
 
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        metavar="FOLDER",
-        help="new folder for bags, journal and report",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path, options.output_option("--out", metavar="FOLDER", help="new folder for bags, journal and report")
 ]
 RigOption = Annotated[
-    str,
-    typer.Option(
-        "--rig",
-        metavar="NAME|FILE",
-        help="simulated rig; default: the rig of the ROS graph",
-        rich_help_panel=options.RIG,
-    ),
+    str, options.rig_option("--rig", metavar="NAME|FILE", help="simulated rig; default: the rig of the ROS graph")
 ]
 FirstOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--first",
-        metavar="PROFILE",
-        help="first experiment; default: a force step, sized by a gentle trial",
-        rich_help_panel=options.MODEL,
+    Path | None,
+    options.model_option(
+        "--first", metavar="PROFILE", help="first experiment; default: a force step, sized by a gentle trial"
     ),
 ]
-RunsOption = Annotated[
-    int,
-    typer.Option(min=0, max=20, help="greatest number of experiments after the first", rich_help_panel=options.MODEL),
-]
+RunsOption = Annotated[int, options.model_option(min=0, max=20, help="greatest number of experiments after the first")]
 SecondsOption = Annotated[
-    float,
-    typer.Option(min=1.0, help="greatest total duration of all experiments, in seconds", rich_help_panel=options.MODEL),
+    float, options.model_option(min=1.0, help="greatest total duration of all experiments, in seconds")
 ]
 
 
@@ -70,11 +48,11 @@ def investigate(
     out: OutOption = Path("investigation"),
     rig: RigOption = "",
     effect: EffectOption = None,
-    seed: Annotated[int, typer.Option(help="seed of the simulated encoder noise", rich_help_panel=options.RIG)] = 0,
+    seed: Annotated[int, options.rig_option(help="seed of the simulated encoder noise")] = 0,
     first: FirstOption = None,
     runs: RunsOption = 2,
     seconds: SecondsOption = 120.0,
-    yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run", rich_help_panel=options.RIG)] = False,
+    yes: Annotated[bool, options.rig_option("--yes", help="do not ask before each run")] = False,
     namespace: options.NamespaceOption = "msd",
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,

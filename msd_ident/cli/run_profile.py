@@ -8,20 +8,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any
 
 import typer
 
 from msd_ident.cli import options
 from msd_ident.errors import UsageError
 
-OutOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--out", metavar="FOLDER", help="bag to record", rich_help_panel=options.OUTPUT),
-]
-ResetOption = Annotated[
-    bool, typer.Option("--reset", help="first call rig/reset, if it exists", rich_help_panel=options.RIG)
-]
+OutOption = Annotated[Path | None, options.output_option("--out", metavar="FOLDER", help="bag to record")]
+ResetOption = Annotated[bool, options.rig_option("--reset", help="first call rig/reset, if it exists")]
 
 
 def run_profile(

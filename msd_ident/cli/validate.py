@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,57 +20,42 @@ if TYPE_CHECKING:
 
 #: Panel of ``--help`` for simulations of the user's own.
 SIMULATION = "Your own simulation"
+simulation_option = partial(typer.Option, rich_help_panel=SIMULATION)
 
 
 PathsArgument = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+    list[Path] | None, typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")
 ]
 RefitZeroOption = Annotated[
-    bool,
-    typer.Option(
-        "--refit-zero",
-        help="also fit the encoder's zero; default: the zero of the result",
-        rich_help_panel=options.MODEL,
-    ),
+    bool, options.model_option("--refit-zero", help="also fit the encoder's zero; default: the zero of the result")
 ]
 RequireOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(
-        "--require",
-        metavar="PERCENT",
-        help="exit with code 1 if the model explains less of the motion",
-        rich_help_panel=options.MODEL,
+    float | None,
+    options.model_option(
+        "--require", metavar="PERCENT", help="exit with code 1 if the model explains less of the motion"
     ),
 ]
 MujocoOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
+    Path | None,
+    simulation_option(
         "--mujoco",
         metavar="ROBOT.xml",
         help="compare this MuJoCo model with the record, instead of a result; needs --joint",
-        rich_help_panel=SIMULATION,
     ),
 ]
-JointOption = Annotated[
-    str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco", rich_help_panel=SIMULATION)
-]
+JointOption = Annotated[str, simulation_option("--joint", metavar="NAME", help="joint of --mujoco")]
 FunctionOption = Annotated[
     str,
-    typer.Option(
+    simulation_option(
         "--callable",
         metavar="MODULE:FUNCTION",
         help="compare this Python function with the record, instead of a result",
-        rich_help_panel=SIMULATION,
     ),
 ]
 SimulatedOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--simulated",
-        metavar="FILE",
-        help="compare these simulated positions with the record, instead of a result",
-        rich_help_panel=SIMULATION,
+    Path | None,
+    simulation_option(
+        "--simulated", metavar="FILE", help="compare these simulated positions with the record, instead of a result"
     ),
 ]
 

@@ -7,8 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from msd_ident.cli import batch, many, options, run, sources
 from msd_ident.errors import DataError, UsageError
 
@@ -18,41 +16,20 @@ if TYPE_CHECKING:
 
 KeepOption = Annotated[
     str,
-    typer.Option(
-        "--table",
-        metavar="TABLE.parquet",
-        help="table that keeps the results of records in folders",
-        rich_help_panel=options.BATCH,
-    ),
+    options.batch_option("--table", metavar="TABLE.parquet", help="table that keeps the results of records in folders"),
 ]
 FalseAlarmsOption = Annotated[
-    float,
-    typer.Option(
-        "--false-alarms",
-        metavar="RATE",
-        help="accepted false alarms per robot and year",
-        rich_help_panel=options.MODEL,
-    ),
+    float, options.model_option("--false-alarms", metavar="RATE", help="accepted false alarms per robot and year")
 ]
 PerYearOption = Annotated[
     float,
-    typer.Option(
-        "--records-per-year",
-        help="records per robot and year; 0: from their time stamps, else daily",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--records-per-year", help="records per robot and year; 0: from their time stamps, else daily"
     ),
 ]
-CheckOption = Annotated[
-    bool, typer.Option("--check", help="exit with code 1 after an alarm", rich_help_panel=options.OUTPUT)
-]
+CheckOption = Annotated[bool, options.output_option("--check", help="exit with code 1 after an alarm")]
 FollowOption = Annotated[
-    float,
-    typer.Option(
-        "--follow",
-        metavar="SECONDS",
-        help="repeat with this period until Ctrl-C",
-        rich_help_panel=options.BATCH,
-    ),
+    float, options.batch_option("--follow", metavar="SECONDS", help="repeat with this period until Ctrl-C")
 ]
 
 
