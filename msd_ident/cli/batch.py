@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import options, run, sources
+from msd_ident.cli import groups, many, options, progress, run
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.batching.job import Job
-    from msd_ident.io import SourceOptions
 
 ManyArgument = Annotated[
     list[str] | None,
@@ -39,17 +36,14 @@ RecordPagesOption = Annotated[
 ]
 
 
-@sources.reading
+@groups.grouped()
 def batch(
-    source: sources.Source,
+    source: groups.Source,
     out: OutOption,
     paths: ManyArgument = None,
     listed: ListOption = "",
-    scheduler: options.SchedulerOption = "",
-    workers: options.WorkersOption = 0,
-    all_joints: options.AllJointsOption = False,
-    label: options.LabelOption = None,
-    covariate: options.CovariateOption = None,
+    *,
+    batching: many.Batching,
     model: options.ModelOption = "auto",
     tolerance: options.ToleranceOption = 1.0,
     resume: ResumeOption = False,
@@ -65,30 +59,9 @@ def batch(
     if record_pages is not None:
         run.make_folder(record_pages)
         folder = str(record_pages.absolute())
-    job = job_of(
-        source,
-        options=pipeline.Options(model=model, tolerance=tolerance),
-        all_joints=all_joints,
-        labels=label,
-        covariates=covariate,
-        pages=folder,
-    )
+    job = batching.job(source, options=pipeline.Options(model=model, tolerance=tolerance), pages=folder)
     target = _Target(out, resume, overwrite, report, quiet)
-    return make([*(paths or ()), *_listed(listed)], job, target, (scheduler, workers))
-
-
-def job_of(
-    source: SourceOptions, *, labels: Sequence[str] | None, covariates: Sequence[str] | None, **given: Any
-) -> Job:
-    """A job as the command line's options say it.
-
-    Raises:
-        UsageError: a label or a covariate that is none.
-    """
-    from msd_ident.batching.job import Job
-
-    beside = {"temperature": "", "load": "", **_pairs("--covariate", covariates)}
-    return Job(source=source, labels=_pairs("--label", labels), covariates=beside, **given)
+    return _run([*(paths or ()), *_listed(listed)], job, target, batching)
 
 
 class _Target:
@@ -104,15 +77,18 @@ class _Target:
         self.out, self.resume, self.overwrite, self.report, self.quiet = out, resume, overwrite, report, quiet
 
 
-def make(paths: Sequence[str], job: Job, target: _Target, where: tuple[str, int]) -> int:
-    """Run the batch and tell how it went; exit code 0, whatever single records are like."""
-    from msd_ident.batching import batch as many
+def _run(paths: Sequence[str], job: Job, target: _Target, batching: many.Batching) -> int:
+    """Run the batch and say how it went; exit code 0, whatever single records are like."""
+    from msd_ident.batching import batch as batches
     from msd_ident.batching import locations
 
     found = locations.records(paths)
-    with many.linked(*where) as link, bar(link.client.dashboard_link, target.quiet) as tell:
-        plan = many.Plan(target.out, target.resume, target.overwrite, _draw if job.pages else None, tell)
-        table, this = many.run(found, job, link, plan)
+    with (
+        batches.linked(batching.scheduler, batching.workers) as link,
+        progress.records(link.client.dashboard_link, target.quiet) as tell,
+    ):
+        plan = batches.Plan(target.out, target.resume, target.overwrite, _draw if job.pages else None, tell)
+        table, this = batches.run(found, job, link, plan)
     failed = sum(error is not None for error in table.column("error").to_pylist())
     if not target.quiet:
         print(f"{target.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")
@@ -142,68 +118,3 @@ def _listed(name: str) -> Sequence[str]:
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"cannot read the list {name}: {error}; expected a text file with a path a line") from None
     return locations.listed(text)
-
-
-def _pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:
-    found = {}
-    for text in given or ():
-        name, sign, value = text.partition("=")
-        if not (name and sign and value):
-            raise UsageError(f"{option} {text!r}; expected NAME=VALUE")
-        found[name] = value
-    return found
-
-
-@contextmanager
-def bar(dashboard: str, quiet: bool) -> Iterator[Callable[[int, int, Sequence[Any]], None]]:
-    """A bar on stderr with rate and time left, and the dashboard's address; a line now and then where it is a file."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    if quiet:
-        yield lambda done, total, rows: None
-        return
-    console = Console(stderr=True, highlight=False)
-    if dashboard:
-        console.print(f"dashboard: {dashboard}", soft_wrap=True)
-    if not console.is_terminal:
-        yield _lines()
-        return
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeElapsedColumn())
-    began = time.monotonic()
-    with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), console=console, transient=True) as progress:
-        task = progress.add_task("", total=None, rate="")
-
-        def tell(done: int, total: int, rows: Sequence[Any]) -> None:
-            rate = done / max(time.monotonic() - began, 1e-3)
-            progress.update(task, completed=done, total=total, rate=f"{rate:.3g} records/s")
-
-        yield tell
-
-
-#: Seconds between two lines of progress in a file.
-_LINE_SECONDS = 10.0
-
-
-def _lines() -> Callable[[int, int, Sequence[Any]], None]:
-    began = last = time.monotonic()
-
-    def tell(done: int, total: int, rows: Sequence[Any]) -> None:
-        """Print a line about the progress, at most one in ``_LINE_SECONDS``."""
-        nonlocal last
-        now = time.monotonic()
-        if now - last < _LINE_SECONDS and done < total:
-            return
-        last = now
-        rate = done / max(now - began, 1e-3)
-        left = (total - done) / rate
-        print(f"{done} of {total} records, {rate:.3g} per second, {left:.0f} s left", file=sys.stderr, flush=True)
-
-    return tell

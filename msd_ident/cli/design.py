@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from msd_ident.cli import options, sources
+from msd_ident.cli import groups, options, progress, run
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.cli.run import Output
     from msd_ident.data.record import Record
     from msd_ident.design import Limits, Proposal
     from msd_ident.design.parameter_design import Sharpened
@@ -37,33 +36,30 @@ FigureOption = Annotated[
 ]
 
 
-@sources.reading
+@groups.grouped("json", "quiet", "overwrite")
 def design(
     paths: options.PathsArgument,
-    source: sources.Source,
+    source: groups.Source,
     limits: options.LimitsOption = None,
     targets: TargetsOption = "",
     check: CheckOption = False,
     out: OutOption = None,
     figure: FigureOption = None,
     model: options.ModelOption = "auto",
-    json: options.JsonOption = "",
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Design the shortest experiment that decides between tied causes. All paths are records of one rig."""
-    from msd_ident.cli import run
     from msd_ident.diagnosis import same_plant
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
 
-    output = run.Output(json, quiet, overwrite)
     output.check()
     for target in (out, figure):
         if target is not None:
-            run.check_target(target, overwrite)
+            run.check_target(target, output.overwrite)
     allowed = options.limits_of(limits)
-    with run.progress(quiet) as report:
+    with progress.stages(output.quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
         diagnosis = pipeline.diagnose(
             records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
@@ -95,10 +91,9 @@ class Found:
     name: str
 
 
-def _write(made: Found, output: Output, out: Path | None, figure: Path | None) -> None:
+def _write(made: Found, output: run.Output, out: Path | None, figure: Path | None) -> None:
     from rich.console import Console
 
-    from msd_ident.cli import run
     from msd_ident.design import Proposal, write_profile
     from msd_ident.report import design_figures, design_tables
 

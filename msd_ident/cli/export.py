@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from msd_ident.cli import options, pages, run, sources
+from msd_ident.cli import groups, options, pages, run
 from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
@@ -56,10 +56,10 @@ StepsOption = Annotated[
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "figures", "quiet", "overwrite")
 def export(
     result: options.ResultArgument,
-    source: sources.Source,
+    source: groups.Source,
     to: ToOption,
     out: OutOption,
     replay: ReplayOption = None,
@@ -71,11 +71,8 @@ def export(
     draws: DrawsOption = 1000,
     steps: StepsOption = None,
     line: options.LineOption = None,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Export a saved model to MuJoCo, SDF, URDF, Python, FMU, gains or draws, and check it by replay."""
     from rich.console import Console
@@ -84,13 +81,10 @@ def export(
     from msd_ident.io import read_all
     from msd_ident.report import export as tables
 
-    output = run.Output(json, quiet, overwrite)
     output.check()
-    page = pages.Pages(report, None, figures, source, output)
-    page.check()
     chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
     chosen.check_name(out)
-    _check_files(chosen, out, overwrite)
+    _check_files(chosen, out, output.overwrite)
     saved = saved_model(result, line)
     settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
@@ -101,8 +95,7 @@ def export(
     if output.tables:
         tables.print_export(found, Console(highlight=False))
     run.write([found.to_json_dict()], output)
-    page.keep(tuple(paths), found)
-    page.finish()
+    pages.write([(tuple(paths), found)], source, output)
     return 0
 
 

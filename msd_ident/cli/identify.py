@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, cast
 
-from msd_ident.cli import exports, options, pages, run, sources, trials
+from msd_ident.cli import groups, options, run, solving
+from msd_ident.cli.further import Further
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -28,10 +29,10 @@ KnownOption = Annotated[
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "markdown", "figures", "quiet", "overwrite")
 def identify(
     paths: options.PathsArgument,
-    source: sources.Source,
+    source: groups.Source,
     model: options.ModelOption = "auto",
     loss: LossOption = "linear",
     mass: MassOption = "",
@@ -39,12 +40,8 @@ def identify(
     together: options.TogetherOption = False,
     on: options.OnOption = None,
     export: options.ExportOption = None,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    markdown: options.MarkdownOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Estimate ωn, ζ and K, then mass, damping, stiffness and dry friction, each with its 95 % interval."""
     from msd_ident.report import tables
@@ -53,17 +50,10 @@ def identify(
     from msd_ident.workflow.options import Options
 
     settings = Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
-    output = run.Output(json, quiet, overwrite)
-    targets = pages.Pages(report, markdown, figures, source, output)
-    targets.check()
-    tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
-    exported.check(1 if together else len(paths))
 
     def solve(records: Sequence[Record], progress: Progress) -> Identification:
         return identification.identify(records, settings, progress)
 
-    further = trials.both(tried, exported)
-    after = run.After(tables.print_identification, exported.keep, further)
-    code = run.work(run.Data(paths, source, together), output, solve, after)
-    targets.finish()
-    return code
+    further = Further(on or (), export or (), source)
+    data = solving.Data(paths, source, together)
+    return solving.work(data, output, solve, tables.print_identification, further)[0]

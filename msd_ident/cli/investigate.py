@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import options
+from msd_ident.cli import groups, options, run
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ SecondsOption = Annotated[
 ]
 
 
+@groups.grouped("json", "quiet")
 def investigate(
     limits: options.LimitsOption = None,
     out: OutOption = Path("investigation"),
@@ -56,15 +57,13 @@ def investigate(
     namespace: options.NamespaceOption = "msd",
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,
-    json: options.JsonOption = "",
-    quiet: options.QuietOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Run, diagnose and design experiments in a loop until one explanation remains."""
-    from msd_ident.cli import run
     from msd_ident.design import read_profile
     from msd_ident.workflow import investigation
 
-    output = run.Output(json, quiet, False)
     output.check()
     allowed = options.limits_of(limits)
     begin = read_profile(first) if first else None
@@ -133,11 +132,9 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
     return tell
 
 
-def _write(found: Investigation, out: Path, output: object) -> None:
-    from msd_ident.cli import run
+def _write(found: Investigation, out: Path, output: run.Output) -> None:
     from msd_ident.report import investigation_page
 
-    assert isinstance(output, run.Output)
     journal = run.jsonable(found.to_json_dict())
     (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     investigation_page.save(found, out / "report.html")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import run
+from msd_ident.cli import progress, run
 from msd_ident.errors import DataError, MsdError, UsageError
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, outpu
     from msd_ident.workflow import all_joints
 
     found = in_bag(path)
-    with run.progress(output.quiet) as tell:
+    with progress.stages(output.quiet) as tell:
         tell(f"{len(found)} joints", 0.1)
         results = all_joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
     if output.tables:

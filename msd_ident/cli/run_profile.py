@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from msd_ident.cli import options
+from msd_ident.cli import groups, options, progress, run
 from msd_ident.errors import UsageError
 
 OutOption = Annotated[Path | None, options.output_option("--out", metavar="FOLDER", help="bag to record")]
 ResetOption = Annotated[bool, options.rig_option("--reset", help="first call rig/reset, if it exists")]
 
 
+@groups.grouped("json", "quiet")
 def run_profile(
     profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
     limits: options.LimitsOption = None,
@@ -27,15 +27,13 @@ def run_profile(
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,
     reset: ResetOption = False,
-    json: options.JsonOption = "",
-    quiet: options.QuietOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Play a profile on the rig and record it; force 0 at a limit, without encoder samples, or on Ctrl-C."""
-    from msd_ident.cli import run
     from msd_ident.cli.needs_ros import require_ros
     from msd_ident.design import read_profile
 
-    output = run.Output(json, quiet, False)
     output.check()
     wanted = read_profile(profile)
     allowed = options.limits_of(limits)
@@ -46,7 +44,11 @@ def run_profile(
     from msd_ident.ros.experimenter.profile_player import Experiment
     from msd_ident.ros.experimenter.session import conductor
 
-    with conductor(namespace, silence, lead) as played_by, stopped_by_signals() as stop, run.progress(quiet) as report:
+    with (
+        conductor(namespace, silence, lead) as played_by,
+        stopped_by_signals() as stop,
+        progress.stages(output.quiet) as report,
+    ):
         done = played_by.play(
             Experiment(wanted, allowed, bag, reset),
             stop,
@@ -67,14 +69,12 @@ def run_profile(
 @contextmanager
 def stopped_by_signals() -> Iterator[threading.Event]:
     """An event that Ctrl-C, SIGTERM and SIGHUP set, so that the force goes to 0 before anything ends."""
+    from msd_ident.ros.common.signals import ENDING, handled
+
     stop = threading.Event()
 
     def ask(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    kept: dict[int, Any] = {n: signal.signal(n, ask) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    try:
+    with handled(ask, *ENDING):
         yield stop
-    finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)

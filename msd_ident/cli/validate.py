@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from msd_ident.cli import options, pages, run, sources
+from msd_ident.cli import groups, options, progress, run, solving
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -60,10 +60,10 @@ SimulatedOption = Annotated[
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "figures", "quiet", "overwrite")
 def validate(
     result: options.ResultArgument,
-    source: sources.Source,
+    source: groups.Source,
     paths: PathsArgument = None,
     line: options.LineOption = None,
     refit_zero: RefitZeroOption = False,
@@ -73,50 +73,40 @@ def validate(
     function: FunctionOption = "",
     simulated: SimulatedOption = None,
     together: options.TogetherOption = False,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: run.Output,
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
-    targets = pages.Pages(report, None, figures, source, run.Output(json, quiet, overwrite))
+    output.check()
     if mujoco is not None or function or simulated is not None:
-        from msd_ident.cli import theirs
+        from msd_ident.cli import user_simulation
 
         if refit_zero or line is not None:
             raise UsageError(
                 "--refit-zero or --line with a simulation of your own; expected neither: they are about a saved result"
             )
-        chosen = theirs.Chosen(mujoco, joint, function, simulated)
-        return theirs.compare([result, *(paths or ())], chosen, together, require, targets)
+        chosen = user_simulation.Chosen(mujoco, joint, function, simulated)
+        data = solving.Data([result, *(paths or ())], source, together)
+        return user_simulation.compare(data, chosen, require, output)
     if not paths:
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident.workflow import validation
 
     settings = validation.Options(refit_zero, require)
-    targets.check()
-    return _tried(saved_model(result, line), settings, paths, together, targets)
+    return _validate(saved_model(result, line), settings, solving.Data(paths, source, together), output)
 
 
-def _tried(saved: SavedModel, settings: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
-    """Try a saved model on every path, or on all together; the exit code."""
-    from msd_ident.report import validation as tables
+def _validate(saved: SavedModel, settings: Options, data: solving.Data, output: run.Output) -> int:
+    """Validate a saved model on every path, or on all together; the exit code."""
+    from msd_ident.report.validation import print_validation
     from msd_ident.workflow import validation
 
-    met = []
+    def solve(records: Sequence[Record], report: progress.Progress) -> Validation:
+        report("simulating the saved model", 0.5)
+        return validation.validate(saved, records, settings)
 
-    def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
-        progress("simulating the saved model", 0.5)
-        found = validation.validate(saved, records, settings)
-        met.append(found.met)
-        return found
-
-    source, output = targets.source, targets.output
-    after = run.After(tables.print_validation, targets.keep)
-    code = run.work(run.Data(paths, source, together), output, solve, after)
-    targets.finish()
-    return code or (0 if all(met) else 1)
+    code, found = solving.work(data, output, solve, print_validation)
+    return code or (0 if all(one.met for one in found) else 1)
 
 
 def saved_model(path: Path, line: int | None) -> SavedModel:
