@@ -47,6 +47,20 @@ def private_environment(number: int) -> dict[str, str]:
     return {**kept, **PRIVATE, "ROS_DOMAIN_ID": str(number)}
 
 
+@contextmanager
+def in_domain(number: int) -> Iterator[dict[str, str]]:
+    """This process's environment is that of the domain within the block."""
+    kept = dict(os.environ)
+    environment = private_environment(number)
+    os.environ.clear()
+    os.environ.update(environment)
+    try:
+        yield environment
+    finally:
+        os.environ.clear()
+        os.environ.update(kept)
+
+
 def _silent(number: int) -> bool:
     """Whether no participant listens in the domain: the first ones have fixed ports."""
     for participant in range(4):

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import threading
 import time
-import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.action import ActionServer, CancelResponse
+from rclpy.action import CancelResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
 from msd_ident.cancellation import Cancelled, raise_if_cancelled
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros.common import codes, diagnostics_status, names
+from msd_ident.ros.common import action_server, codes, diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.parameters import Settings
 from msd_ident.ros.common.worker import Worker, deliver
@@ -107,16 +104,8 @@ class Diagnosing:
         self._goals: dict[bytes, _Goal] = {}
         self._last: _Told | None = None
         self._publisher = node.create_publisher(DiagnosisMessage, names.private(names.DIAGNOSIS), names.latest_qos())
-        self._server = ActionServer(
-            node,
-            Diagnose,
-            names.private(names.DIAGNOSE),
-            self._execute,
-            callback_group=ReentrantCallbackGroup(),
-            cancel_callback=self._on_cancel,
-            goal_service_qos_profile=names.service_qos(),
-            result_service_qos_profile=names.service_qos(),
-            cancel_service_qos_profile=names.service_qos(),
+        self._server = action_server.serve(
+            node, Diagnose, names.DIAGNOSE, self._execute, cancel_callback=self._on_cancel
         )
 
     def close(self) -> None:
@@ -158,12 +147,7 @@ class Diagnosing:
             goal.settle(_refused(str(error), codes.BUSY))
         result: Diagnose.Result = await goal.answer
         del self._goals[bytes(handle.goal_id.uuid)]
-        if handle.status == GoalStatus.STATUS_CANCELING and goal.stop.is_set():
-            handle.canceled()
-        elif result.success:
-            handle.succeed()
-        else:
-            handle.abort()
+        action_server.finish(handle, result.success, goal.stop.is_set())
         return result
 
     def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
@@ -191,8 +175,7 @@ class Diagnosing:
         except MsdError as error:
             result = _refused(str(error), code_of(error))
         except Exception as error:
-            log.error(traceback.format_exc())
-            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}", code_of(error))
+            result = _refused(*codes.internal(error, log))
         diagnostics_status.log(log, result.success, result.message)
         return result
 

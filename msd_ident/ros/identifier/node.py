@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -22,6 +21,7 @@ from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, Sink, wanted
 from msd_ident.ros.common.live_buffer import LiveBuffer, Units
 from msd_ident.ros.common.message_batching import Poller
+from msd_ident.ros.common.node_runner import NodeOwner
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER
 from msd_ident.ros.common.worker import Worker
@@ -97,7 +97,7 @@ class Reply:
 _ENDS = Reply(False, "stopped: the identifier ends", code=codes.CANCELLED)
 
 
-class Identifier:
+class Identifier(NodeOwner):
     """Owns the node, its buffer and its worker thread.
 
     Args:
@@ -136,14 +136,6 @@ class Identifier:
         self._diagnosing.close()
         return ended
 
-    @property
-    def failure(self) -> str:
-        """Nothing that happens to a fit ends the node."""
-        return ""
-
-    def on_signal(self, number: int) -> None:
-        """No signal but the ending ones has a meaning here."""
-
     def identify(self, request: Request) -> Reply:
         """Fit what is asked for, in the calling thread; nothing that the data does can raise from here."""
         try:
@@ -153,9 +145,8 @@ class Identifier:
         except Cancelled:
             return _ENDS
         except Exception as error:
-            self._log.error(traceback.format_exc())
-            words = f"internal error, please report it: {type(error).__name__}: {error}"
-            return Reply(False, words, code=code_of(error))
+            message, code = codes.internal(error, self._log)
+            return Reply(False, message, code=code)
 
     def _make_inputs(self) -> dict[str, list[Input]]:
         poller = Poller(self.node)
@@ -173,7 +164,7 @@ class Identifier:
         group = ReentrantCallbackGroup()
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._estimate = node.create_publisher(Estimate, names.private(names.ESTIMATE), names.latest_qos())
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        self._diagnostics = diagnostics_status.DiagnosticsPublisher(node, self.settings["hardware_id"])
         many = {"qos_profile": names.service_qos(), "callback_group": group}
         node.create_service(Identify, names.private(names.IDENTIFY), self._on_identify, **many)
         node.create_service(Trigger, names.private(names.TRIGGER), self._on_trigger, **many)
@@ -276,16 +267,12 @@ class Identifier:
         return Reply(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
-        inputs = self.inputs
-        place, node = self.node.get_namespace(), self.node.get_name()
-        name = partial(names.status_name, place, node)
+        inputs, name = self.inputs, self._diagnostics.name
         data = diagnostics_status.data_status(
             name("data"), self.buffer, inputs["force"], inputs["position"], self.watch
         )
         level = diagnostics_status.OK if self._last.success and not self._last.doubt else diagnostics_status.WARN
         estimate = diagnostics_status.status(name("estimate"), level, self._last.doubt or self._last.message, {})
         model = self._diagnosing.status(name("model"))
-        told = [one for one in (data, estimate, model, self._monitoring.status(name("watch"))) if one is not None]
-        for status in told:
-            status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
-        self._diagnostics.publish(diagnostics_status.array(self.node.get_clock().now().to_msg(), *told))
+        monitored = self._monitoring.status(name("watch"))
+        self._diagnostics.publish(data, estimate, model, *([] if monitored is None else [monitored]))

@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
@@ -19,7 +18,7 @@ from msd_ident.live import Scope
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import Signal, message_class
 from msd_ident.ros.common.inputs import Wanted, wanted
-from msd_ident.ros.common.message_batching import waiting
+from msd_ident.ros.common.message_batching import Unserved, waiting
 from msd_ident.ros.common.parameters import Settings
 
 #: Silence of the encoder after which the page says so [s].
@@ -27,24 +26,6 @@ SILENCE = 2.0
 
 Stamps = npt.NDArray[np.int64]
 Samples = tuple[Stamps, FloatArray]
-
-
-class Polled(CallbackGroup):
-    """Subscriptions that no executor serves: their owner drains them.
-
-    At 1 kHz an executor's way from sample to sample costs several times what it costs to take the sample.
-    """
-
-    def can_execute(self, entity: object) -> bool:
-        """Never."""
-        return False
-
-    def beginning_execution(self, entity: object) -> bool:
-        """Never."""
-        return False
-
-    def ending_execution(self, entity: object) -> None:
-        """There is none."""
 
 
 class Tap:
@@ -73,7 +54,7 @@ class Tap:
         try:
             self.signal = Signal(self._wanted.what, type_name, self._wanted.field, self._wanted.scale)
             kind, topic = message_class(type_name), self._wanted.topic
-            self._subscription = self._node.create_subscription(kind, topic, _nobody, qos, callback_group=Polled())
+            self._subscription = self._node.create_subscription(kind, topic, _nobody, qos, callback_group=Unserved())
             self.problem = ""
         except MsdError as error:
             self.problem = f"{self.topic}: {error}"

@@ -14,6 +14,7 @@ from msd_ident.live.board import Known
 from msd_ident.live.page import Shown
 from msd_ident.live.server import HERE, LiveServer, new_token
 from msd_ident.ros.common import names
+from msd_ident.ros.common.node_runner import NodeOwner
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.live import results
 from msd_ident.ros.live.controls import LiveControls
@@ -41,7 +42,7 @@ SETTINGS = (
 LOOK_PERIOD = 0.5
 
 
-class LiveView:
+class LiveView(NodeOwner):
     """Owns the node and the page's server.
 
     Args:
@@ -87,14 +88,6 @@ class LiveView:
         ended = self.server.stop()
         self._controls.close()
         return ended
-
-    @property
-    def failure(self) -> str:
-        """Nothing that happens to the page ends the node."""
-        return ""
-
-    def on_signal(self, number: int) -> None:
-        """No signal but the ending ones has a meaning here."""
 
     def _serve(self) -> LiveServer:
         s = self.settings

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
@@ -21,6 +21,7 @@ from msd_ident.ros.common import diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller
+from msd_ident.ros.common.node_runner import NodeOwner
 from msd_ident.ros.common.parameters import Setting, Settings
 from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
 from msd_ident.ros.recorder.recording import QueueLimits, Recording, Summary
@@ -52,7 +53,7 @@ SETTINGS = (
 LOOK_PERIOD = 0.1
 
 
-class Recorder:
+class Recorder(NodeOwner):
     """Owns the node and the recording in progress.
 
     Args:
@@ -74,7 +75,7 @@ class Recorder:
         self._following: Following | None = None
         self._poller = Poller(self.node)
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        self._diagnostics = diagnostics_status.DiagnosticsPublisher(node, self.settings["hardware_id"])
         many = names.service_qos()
         node.create_service(StartRecording, names.private(names.RECORDER_START), self._on_start, qos_profile=many)
         node.create_service(Trigger, names.private(names.RECORDER_STOP), self._on_stop, qos_profile=many)
@@ -208,20 +209,13 @@ class Recorder:
             sentence = f"{state}: {summary.sentence}"
             for topic, count in summary.topics.items():
                 values[topic] = count.received
-                values[f"{topic}: rate [Hz]"] = f"{count.rate:.6g}"
-                values[f"{topic}: missing by numbers"] = count.lost
-                values[f"{topic}: missing by stamps"] = count.holes
+                values |= diagnostics_status.topic_values(topic, count, count.lost)
             odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
             level = DiagnosticStatus.WARN if summary.lost or odd else level
             level = DiagnosticStatus.ERROR if summary.error else level
             sentence = "; ".join((sentence, *odd[: diagnostics_status.MOST_TOLD]))
-        values.update({f"seen: {kind}": times for kind, times in self.watch.counts.items()})
-        place = self.node.get_namespace()
-        status = diagnostics_status.status(
-            names.status_name(place, self.node.get_name(), "bag"), level, sentence, values
-        )
-        status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
-        self._diagnostics.publish(diagnostics_status.array(self.node.get_clock().now().to_msg(), status))
+        values |= diagnostics_status.fault_values(self.watch)
+        self._diagnostics.publish(diagnostics_status.status(self._diagnostics.name("bag"), level, sentence, values))
 
     def _silences(self, summary: Summary) -> Iterator[str]:
         """Topics that came in a stream and do no more."""
