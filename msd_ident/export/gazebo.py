@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 from msd_ident.export import header
 from msd_ident.export.laws import number
 from msd_ident.export.plan import MOTIONS, Plan
 from msd_ident.export.saying import Saying
 from msd_ident.export.target import Target
+from msd_ident.export.templates import filled
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
@@ -17,71 +17,6 @@ from msd_ident.model.effects import Effect
 FREE = 1e6
 _SHAKEN = "the nearest m, b, k and friction are fitted in its place"
 
-_SDF = """<?xml version="1.0"?>
-<!--
-{header}
--->
-<sdf version="1.11">
-  <model name="{joint}">
-    <link name="base"/>
-    <joint name="{joint}_mount" type="fixed"><parent>world</parent><child>base</child></joint>
-    <link name="{joint}_body">
-      <inertial>{inertial}</inertial>
-      <gravity>false</gravity>
-    </link>
-    <joint name="{joint}" type="{kind}">
-      <parent>base</parent>
-      <child>{joint}_body</child>
-      <axis>
-        <xyz>1 0 0</xyz>
-        <limit><lower>{lower}</lower><upper>{upper}</upper><effort>{effort}</effort>{stop}</limit>
-        <dynamics>
-          <damping>{damping}</damping>
-          <friction>{friction}</friction>
-          <spring_stiffness>{stiffness}</spring_stiffness>
-          <spring_reference>{reference}</spring_reference>
-        </dynamics>
-      </axis>
-    </joint>
-    <plugin filename="gz-sim-apply-joint-force-system" name="gz::sim::systems::ApplyJointForce">
-      <joint_name>{joint}</joint_name>
-    </plugin>
-  </model>
-</sdf>
-"""
-
-_URDF = """<?xml version="1.0"?>
-<!--
-{header}
--->
-<robot name="{joint}">
-  <link name="base"/>
-  <link name="{joint}_body">
-    <inertial>{inertial}</inertial>
-  </link>
-  <joint name="{joint}" type="{kind}">
-    <parent link="base"/>
-    <child link="{joint}_body"/>
-    <axis xyz="1 0 0"/>
-    <limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{free}"/>
-    <dynamics damping="{damping}" friction="{friction}"/>
-  </joint>
-  <!-- URDF itself has no spring; Gazebo takes one from this element, other readers of URDF pass over it. -->
-  <gazebo reference="{joint}">
-    <springStiffness>{stiffness}</springStiffness>
-    <springReference>{reference}</springReference>
-  </gazebo>
-  <!-- ros2_control: a joint with command_interface effort moves like this model; joint_state_broadcaster reads it. -->
-  <ros2_control name="{joint}_system" type="system">
-    <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
-    <joint name="{joint}">
-      <command_interface name="effort"/>
-      <state_interface name="position"/>
-      <state_interface name="velocity"/>
-    </joint>
-  </ros2_control>
-</robot>
-"""
 
 _SAID = {
     "coulomb_friction": Saying("exact", "friction of the joint"),
@@ -107,7 +42,7 @@ class SdfTarget(Target):
     why_not = "Gazebo has no Python package that steps a world; open it with gz sim"
     needs_newtons = True
     kept = ("coulomb_friction", "force_offset", "end_stop")
-    template = _SDF
+    template = "joint.sdf.txt"
 
     def says(self, effect: type[Effect]) -> Saying:
         """How this target carries an effect."""
@@ -121,8 +56,9 @@ class SdfTarget(Target):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        text = self.template.format(
-            header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"),
+        text = filled(
+            self.template,
+            header=header.xml_text(plan, self.what),
             joint=plan.joint, kind=MOTIONS[plan.saved.position_unit], inertial=self.inertial(plan), free=number(FREE),
             **_limits(plan), **_dynamics(plan),
         )  # fmt: skip
@@ -145,7 +81,7 @@ class UrdfTarget(SdfTarget):
     suffixes = (".urdf",)
     what = "URDF with ros2_control"
     why_not = "URDF is a description; its spring needs Gazebo: open it with gz sim"
-    template = _URDF
+    template = "joint.urdf.txt"
 
     @staticmethod
     def inertial(plan: Plan) -> str:

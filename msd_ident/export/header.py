@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from xml.sax.saxutils import escape
+
 from msd_ident.data.provenance import versions
 from msd_ident.export.plan import FORCES, Plan
 from msd_ident.quantity import Z95
+
+
+def text(plan: Plan, target: str) -> str:
+    """The header without comment signs."""
+    return "\n".join(lines(plan, target))
+
+
+def xml_text(plan: Plan, target: str) -> str:
+    """The header for an XML comment, which may not hold two hyphens in a row."""
+    return escape(text(plan, target)).replace("--", "- -")
 
 
 def lines(plan: Plan, target: str) -> list[str]:

@@ -169,8 +169,6 @@ NATIVE: dict[str, tuple[Callable[[Elements, Plan], None], str]] = {
     "second_mode": (_second, "a body that hangs on the first"),
     "force_gain_nonlinearity": (_gain, "ctrlrange where there is only a limit, else the callback file"),
 }
-#: A force that acts before its stamp says.
-BEFORE = Saying("cannot", "a force that acts before it is commanded: shift the commands instead")
 #: Kinds of law that the callback file adds.
 CALLED = ("constant", "disturbance", "force", "friction", "input_map", "reading")
 

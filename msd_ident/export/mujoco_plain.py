@@ -12,7 +12,6 @@ from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import DELAY
 
 _SAID = {
     "coulomb_friction": Saying("exact", "frictionloss, dry within a step by solreffriction"),
@@ -29,6 +28,7 @@ class MujocoXmlTarget(Target):
     what = "MuJoCo model (MJCF) without callbacks"
     library = "mujoco"
     stepped = True
+    commanded = True
 
     def says(self, effect: type[Effect]) -> Saying:
         """How this target carries an effect."""
@@ -42,8 +42,6 @@ class MujocoXmlTarget(Target):
 
     def saying(self, effect: Effect, model: Model) -> Saying:
         """How this target carries this effect of this model."""
-        if effect.structure == DELAY and effect.values[0] < 0.0:
-            return mujoco_elements.BEFORE
         if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
             return Saying("exact", "ctrlrange")
         return super().saying(effect, model)

@@ -12,6 +12,7 @@ from msd_ident.export import header, laws, mujoco_replay, python_source
 from msd_ident.export.plan import Plan
 from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState, Target
+from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import ABOVE, BOTH, OUTSIDE
 
@@ -35,7 +36,7 @@ class PythonTarget(Target):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = "\n".join(header.lines(plan, self.what))
+        said = header.text(plan, self.what)
         return {out: python_source.text(plan, said, out.stem).encode()}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
@@ -47,25 +48,6 @@ class PythonTarget(Target):
             start.initial.position, start.initial.velocity, hold=record.hold,
         )  # fmt: skip
         return np.asarray(readings, dtype=np.float64)
-
-
-_LINES = '''"""{header}
-
-{file} must lie beside this file; positions are measured from the relaxed spring, at the reading {zero}.
-"""
-
-from dataclasses import replace
-from pathlib import Path
-
-import msd_ident
-from msd_ident.model import simulate
-
-
-def motion(record, position=0.0, velocity=0.0):
-    """Trajectory of the saved model under the force of a msd_ident.Record, from this state on."""
-    saved = msd_ident.load(Path(__file__).with_name("{file}"))
-    return simulate(saved.model, replace(record, force=saved.force_sign * record.force), position, velocity)
-'''
 
 
 class PythonMsdTarget(Target):
@@ -84,9 +66,9 @@ class PythonMsdTarget(Target):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = "\n".join(header.lines(plan, self.what))
+        said = header.text(plan, self.what)
         beside = out.with_suffix(".json")
-        text = _LINES.format(header=said, file=beside.name, zero=laws.number(plan.zero))
+        text = filled("load_result.py.txt", header=said, file=beside.name, zero=laws.number(plan.zero))
         return {out: text.encode(), beside: plan.saved.text.encode()}
 
     def beside(self, out: Path) -> tuple[Path, ...]:

@@ -36,6 +36,10 @@ class Saying:
         return f"{WORDS[self.kind]}: {self.how}"
 
 
+#: A force that acts before its stamp says.
+BEFORE = Saying("cannot", "a force that acts before it is commanded: shift the commands instead")
+
+
 @dataclass(frozen=True)
 class Row:
     """How a target carries one effect of a model.

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from msd_ident.errors import UsageError
-from msd_ident.export.saying import Saying
+from msd_ident.export.saying import BEFORE, Saying
+from msd_ident.model.effects.base import DELAY
 
 if TYPE_CHECKING:
     from msd_ident.data.record import FloatArray, Record
@@ -52,6 +53,8 @@ class Target:
     stepped: ClassVar[bool] = False
     #: Whether dry friction reverses and stops inside its steps, so that it asks for none of its own.
     located: ClassVar[bool] = False
+    #: Whether it takes forces that act when they come, so that none can act before its stamp.
+    commanded: ClassVar[bool] = False
     #: Effects that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 
@@ -67,6 +70,8 @@ class Target:
             model: the model that contains it.
         """
         del model
+        if self.commanded and effect.structure == DELAY and effect.values[0] < 0.0:
+            return BEFORE
         return self.says(type(effect))
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
