@@ -22,6 +22,8 @@ from msd_ident.quantity import Quantity
 SCHEMA = "msd.batch/1"
 #: Row as plain values, by column.
 Row = dict[str, Any]
+#: Rows as ``table`` reads and writes them: a ``pyarrow.Table``, which has no types.
+Table = Any
 
 #: Parameters of the plant; those of the library follow.
 PLANT = ("mass", "damping", "stiffness")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from msd_ident.batching import reading
+from msd_ident.batching.row import Table
 from msd_ident.comparison.estimates import Measured
 from msd_ident.errors import DataError, MsdError, UsageError
 
@@ -18,13 +19,6 @@ BY = ("robot", "joint", "day")
 MOST = 100
 #: A cause is named from this probability on.
 _NAMED = 0.5
-
-
-class Table(Protocol):
-    """A table of rows."""
-
-    def to_pylist(self) -> list[dict[str, Any]]:
-        """The rows."""
 
 
 def check(by: str) -> None:

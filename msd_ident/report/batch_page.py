@@ -8,9 +8,9 @@ import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from msd_ident.batching.row import CAUSES, PARAMETERS
+from msd_ident.batching.row import CAUSES, PARAMETERS, Table
 from msd_ident.data.provenance import versions
 from msd_ident.model.effects import spoken
 from msd_ident.report.page import environment, shipped
@@ -24,17 +24,6 @@ _NUMBERS = (
     *("left_percent", "see", "noise_floor", "temperature", "load", "amplitude", "peak_force", "samples", "duration_s"),
     *("rate_hz", "seconds"),
 )
-
-
-class Table(Protocol):
-    """A table of rows, as ``msd_ident.batching.table`` reads it."""
-
-    @property
-    def num_rows(self) -> int:
-        """Number of rows."""
-
-    def column(self, name: str) -> Any:
-        """A column, with ``to_pylist``."""
 
 
 def save(table: Table, path: Path, source: str) -> None:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from msd_ident.data.provenance import versions
-from msd_ident.report.page import environment, shipped
+from msd_ident.report.page import document, environment
 from msd_ident.report.plot import Plot
 from msd_ident.report.writing import write_text
 
@@ -67,12 +66,4 @@ def render(command: str, name: str, sections: Sequence[Told]) -> str:
         for place, one in enumerate(sections)
     ]
     article = {"anchor": "r1", "command": command, "name": name, "verdict": "", "pill": "", "sections": bodies}
-    return environment().get_template("page.html.j2").render(
-        articles=[article],
-        title=f"{name} – {command}",
-        version=versions()["msd_ident"],
-        made="",
-        css=Markup(shipped("templates", "page.css")),
-        script=Markup(shipped("templates", "page.js")),
-        plotly=Markup(shipped("vendor", "plotly-basic.min.js")),
-    )  # fmt: skip
+    return document([article], f"{name} – {command}")

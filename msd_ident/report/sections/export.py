@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from msd_ident.export import Export
 from msd_ident.model.effects import spoken
 from msd_ident.report import marked
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
 
-if TYPE_CHECKING:
-    from msd_ident.export import Export
 
-
-class Exported(Section):
+class Exported(ResultSection[Export]):
     """The outcome of an export: sentence, figures, and the class of each effect."""
 
     slug = "verdict"
     title = "Export"
-
-    def __init__(self, found: Export) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards, and what is lost."""
@@ -63,14 +58,11 @@ class Exported(Section):
         return cards
 
 
-class Effects(Section):
+class Effects(ResultSection[Export]):
     """What each effect became."""
 
     slug = "export"
     title = "Effects in the target"
-
-    def __init__(self, found: Export) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """A row an effect."""
