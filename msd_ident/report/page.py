@@ -42,9 +42,8 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
     from msd_ident.data.provenance import Provenance
-    from msd_ident.data.record import FloatArray
     from msd_ident.quantity import Quantity
-    from msd_ident.report.plot import Plot, Role
+    from msd_ident.report.plot import Plot
     from msd_ident.workflow.identification import Identification
 
     #: What a page has an article about.
@@ -129,11 +128,11 @@ def of_export(found: Export, provenance: Provenance | None = None, detail: Detai
     sections: list[Section] = [Exported(found)]
     if found.proof is not None:
         detail = detail or Detail.shared_by(len(found.records))
-        target = found.target.name
-        runs: tuple[tuple[str, Role], ...] = (("base", "base"), ("target", "extended"))
+        target, parts = found.target.name, found.proof.parts
+        base, exported = tuple(part.base for part in parts), tuple(part.target for part in parts)
         curves = [
-            ModelCurve(f"{'m, b, k alone' if name == 'base' else 'exported'}, in {target}", role, *_runs(found, name))
-            for name, role in runs
+            ModelCurve.of_readings(f"m, b, k alone, in {target}", "base", found.records, base),
+            ModelCurve.of_readings(f"exported, in {target}", "extended", found.records, exported),
         ]
         sections.append(Fit(found.records, curves, found.plan.saved.noise_floor, detail))
     sections.append(Effects(found))
@@ -145,10 +144,9 @@ def of_export(found: Export, provenance: Provenance | None = None, detail: Detai
 def of_comparison(found: Comparison, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
     """The sections of a user's own simulation against a record."""
     detail = detail or Detail.shared_by(len(found.records))
-    rig = tuple(record.position + left for record, left in zip(found.records, found.rig.residuals, strict=True))
     curves = (
-        ModelCurve("your simulation", "base", found.simulated, found.residuals),
-        ModelCurve("model of the rig", "extended", rig, found.rig.residuals),
+        ModelCurve.of_readings("your simulation", "base", found.records, found.simulated),
+        ModelCurve.of_fit("model of the rig", "extended", found.records, found.rig),
     )
     sections: tuple[Section, ...] = (
         Outcome(found),
@@ -160,14 +158,6 @@ def of_comparison(found: Comparison, provenance: Provenance | None = None, detai
     )
     name = " + ".join(record.name for record in found.records)
     return Article("msd validate", f"{found.simulation} on {name}", sections)
-
-
-def _runs(found: Export, name: str) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-    """Readings and residuals of a simulation in the target."""
-    assert found.proof is not None
-    readings = tuple(getattr(part, name) for part in found.proof.parts)
-    left = tuple(run - part.record.position for run, part in zip(readings, found.proof.parts, strict=True))
-    return readings, left
 
 
 def _saved_column(found: Validation) -> Column:

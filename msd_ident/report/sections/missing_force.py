@@ -12,7 +12,7 @@ from msd_ident.diagnosis.nonlinear_laws import Beyond, beyond
 from msd_ident.report import words
 from msd_ident.report.numbers import length_scale
 from msd_ident.report.plot import Plot
-from msd_ident.report.plots import Detail, missing_clouds, missing_time_plot, ring_down_plot
+from msd_ident.report.plots import Detail, MissingForceView, missing_force_plots, ring_down_plot
 from msd_ident.report.sections.section import Found, ResultSection
 
 if TYPE_CHECKING:
@@ -43,13 +43,7 @@ class ForceSection(ResultSection[Found]):
     def by_record(self) -> tuple[tuple[str, tuple[Plot, ...]], ...]:
         """For each record its name, and the plots against time, velocity and position."""
         return tuple(
-            (
-                record.name,
-                (
-                    missing_time_plot(self.force, record, index, self._detail, self.model),
-                    *missing_clouds(self.force, record, index, self._detail, self.model),
-                ),
-            )
+            (record.name, missing_force_plots(MissingForceView(self.force, record, index, self._detail, self.model)))
             for index, record in enumerate(self._records)
         )
 
