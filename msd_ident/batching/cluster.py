@@ -1,4 +1,4 @@
-"""The processes that work: a cluster of this machine, or one that runs elsewhere."""
+"""The Dask cluster of a batch: processes on this machine, or a scheduler that runs elsewhere."""
 
 from __future__ import annotations
 

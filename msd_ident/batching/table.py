@@ -1,4 +1,4 @@
-"""Tables of rows: their schema, and how they lie in parquet so that no row is lost or doubled.
+"""Tables of rows in parquet files: their schema, and writing so that no row is lost or stored twice.
 
 While a batch runs, rows go into parts beside the table, each written whole under another name and then moved to its
 place. At the end the parts become the table, in the same way, and go.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import groups, many, options, progress, run
+from msd_ident.cli import groups, many_records, options, progress, results
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def batch(
     paths: ManyArgument = None,
     listed: ListOption = "",
     *,
-    batching: many.Batching,
+    batching: many_records.Batching,
     model: options.ModelOption = "auto",
     tolerance: options.ToleranceOption = 1.0,
     resume: ResumeOption = False,
@@ -57,7 +57,7 @@ def batch(
 
     folder = ""
     if record_pages is not None:
-        run.make_folder(record_pages)
+        results.make_folder(record_pages)
         folder = str(record_pages.absolute())
     job = batching.job(source, options=pipeline.Options(model=model, tolerance=tolerance), pages=folder)
     target = _Target(out, resume, overwrite, report, quiet)
@@ -73,11 +73,11 @@ class _Target:
         if not is_table(out):
             raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
         if report is not None:
-            run.check_target(report, overwrite or resume)
+            results.check_target(report, overwrite or resume)
         self.out, self.resume, self.overwrite, self.report, self.quiet = out, resume, overwrite, report, quiet
 
 
-def _run(paths: Sequence[str], job: Job, target: _Target, batching: many.Batching) -> int:
+def _run(paths: Sequence[str], job: Job, target: _Target, batching: many_records.Batching) -> int:
     """Run the batch and say how it went; exit code 0, whatever single records are like."""
     from msd_ident.batching import batch as batches
     from msd_ident.batching import locations

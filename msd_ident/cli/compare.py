@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from msd_ident.cli import groups, many, options, run
+from msd_ident.cli import groups, many_records, options, results
 
 
 @groups.grouped("json", "report", "quiet", "overwrite")
 def compare(
-    paths: many.TablesArgument,
+    paths: many_records.TablesArgument,
     source: groups.Source,
     by: Annotated[str, options.source_option("--by", metavar="robot|joint|day", help="groups to compare")] = "robot",
     *,
-    batching: many.Batching,
-    output: run.Output,
+    batching: many_records.Batching,
+    output: results.Output,
 ) -> int:
     """Compare robots, joints or days: which parameters they share, and which differ."""
     from msd_ident.comparison import comparing, rows
@@ -24,7 +24,7 @@ def compare(
     table = batching.table(paths, source, output.quiet)
     measured, said = rows.measured(table, by)
     found = comparing.compare(measured, by, said)
-    run.write([found.to_json_dict()], output)
+    results.write([found.to_json_dict()], output)
     if output.tables:
         print(found.sentence)
         for warning in found.warnings:

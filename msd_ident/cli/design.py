@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from msd_ident.cli import groups, options, progress, run
+from msd_ident.cli import groups, options, progress, results
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,7 +47,7 @@ def design(
     figure: FigureOption = None,
     model: options.ModelOption = "auto",
     *,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Design the shortest experiment that decides between tied causes. All paths are records of one rig."""
     from msd_ident.diagnosis import same_plant
@@ -57,7 +57,7 @@ def design(
     output.check()
     for target in (out, figure):
         if target is not None:
-            run.check_target(target, output.overwrite)
+            results.check_target(target, output.overwrite)
     allowed = options.limits_of(limits)
     with progress.stages(output.quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
@@ -91,7 +91,7 @@ class Found:
     name: str
 
 
-def _write(made: Found, output: run.Output, out: Path | None, figure: Path | None) -> None:
+def _write(made: Found, output: results.Output, out: Path | None, figure: Path | None) -> None:
     from rich.console import Console
 
     from msd_ident.design import Proposal, write_profile
@@ -102,7 +102,7 @@ def _write(made: Found, output: run.Output, out: Path | None, figure: Path | Non
         "schema": "msd.design/1", "path": made.name, "verdict": diagnosis.verdict,
         "limits": made.limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
     }  # fmt: skip
-    run.write([line], output)
+    results.write([line], output)
     console: Console = Console(highlight=False)
     if output.tables:
         design_tables.print_design(found, diagnosis, console)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import groups, options, run, solving
+from msd_ident.cli import groups, options, results, solving
 from msd_ident.cli.further import Further
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def diagnose(
     on: options.OnOption = None,
     export: options.ExportOption = None,
     *,
-    output: run.Output,
+    output: results.Output,
     all_joints: options.AllJointsOption = False,
 ) -> int:
     """Find what the model of mass, damping and stiffness lacks: causes, probabilities, extended model, gain."""

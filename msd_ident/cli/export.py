@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from msd_ident.cli import groups, options, pages, run
+from msd_ident.cli import groups, options, pages, results
 from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
@@ -72,7 +72,7 @@ def export(
     steps: StepsOption = None,
     line: options.LineOption = None,
     *,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Export a saved model to MuJoCo, SDF, URDF, Python, FMU, gains or draws, and check it by replay."""
     from rich.console import Console
@@ -94,14 +94,14 @@ def export(
         found = found.unproven(why)
     if output.tables:
         tables.print_export(found, Console(highlight=False))
-    run.write([found.to_json_dict()], output)
+    results.write([found.to_json_dict()], output)
     pages.write([(tuple(paths), found)], source, output)
     return 0
 
 
 def _check_files(target: Target, out: Path, overwrite: bool) -> None:
     for path in (out, *target.beside(out)):
-        run.check_target(path, overwrite)
+        results.check_target(path, overwrite)
 
 
 def _paths(

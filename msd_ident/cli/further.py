@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import run
+from msd_ident.cli import results
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ class Further:
     export: Sequence[str]
     source: SourceOptions
 
-    def check(self, results: int, overwrite: bool) -> None:
+    def check(self, count: int, overwrite: bool) -> None:
         """Refuse before any work what could not be written afterwards.
 
         Args:
-            results: how many the command gives.
+            count: number of results of the command.
             overwrite: whether a file that exists may be replaced.
 
         Raises:
@@ -43,13 +43,13 @@ class Further:
         """
         from msd_ident import export
 
-        if self.export and results > 1:
-            raise UsageError(f"--export with {results} results; expected one: give one path, or --together")
+        if self.export and count > 1:
+            raise UsageError(f"--export with {count} results; expected one: give one path, or --together")
         for one in self.export:
             target, out = _parsed(one)
             export.target(target).check_name(out)
             for path in (out, *export.target(target).beside(out)):
-                run.check_target(path, overwrite)
+                results.check_target(path, overwrite)
 
     def use(
         self, result: Mapping[str, Any], group: tuple[Path, ...], kept: list[Kept], console: Console | None
@@ -95,7 +95,7 @@ class Further:
         from msd_ident.report.export import print_export
         from msd_ident.workflow import saved_model
 
-        model, lines = saved_model.from_json_dict(run.jsonable(result)), []
+        model, lines = saved_model.from_json_dict(results.jsonable(result)), []
         records = [record for path in group for record in read_all(path, self.source)]
         for one in self.export:
             target, out = _parsed(one)

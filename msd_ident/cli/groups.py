@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import many, options, run
+from msd_ident.cli import many_records, options, results
 
 if TYPE_CHECKING:
     from msd_ident.io import SourceOptions
@@ -43,7 +43,7 @@ GROUPS: dict[str, tuple[Callable[..., Any], dict[str, tuple[Any, Any]]]] = {
         },
     ),
     "batching": (
-        many.Batching,
+        many_records.Batching,
         {
             "scheduler": (options.SchedulerOption, ""),
             "workers": (options.WorkersOption, 0),
@@ -53,7 +53,7 @@ GROUPS: dict[str, tuple[Callable[..., Any], dict[str, tuple[Any, Any]]]] = {
         },
     ),
     "output": (
-        run.Output,
+        results.Output,
         {
             "json": (options.JsonOption, ""),
             "report": (options.ReportOption, None),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, cast
 
-from msd_ident.cli import groups, options, run, solving
+from msd_ident.cli import groups, options, results, solving
 from msd_ident.cli.further import Further
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def identify(
     on: options.OnOption = None,
     export: options.ExportOption = None,
     *,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Estimate ωn, ζ and K, then mass, damping, stiffness and dry friction, each with its 95 % interval."""
     from msd_ident.report import tables

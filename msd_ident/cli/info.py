@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import groups, options, run
+from msd_ident.cli import groups, options, results
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def info(
     paths: options.PathsArgument,
     source: groups.Source,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Show topics, types, rates and gaps, the signals that would be used, and problems with them."""
     from rich.console import Console
@@ -34,7 +34,7 @@ def info(
             _show(found, console)
         return _to_json(found)
 
-    return run.each_path(paths, output, handle)
+    return results.each_path(paths, output, handle)
 
 
 @dataclass(frozen=True)

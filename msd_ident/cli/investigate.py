@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import groups, options, run
+from msd_ident.cli import groups, options, results
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def investigate(
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,
     *,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Run, diagnose and design experiments in a loop until one explanation remains."""
     from msd_ident.design import read_profile
@@ -71,7 +71,7 @@ def investigate(
         allowed.check(begin)
     if out.exists():
         raise UsageError(f"{out} exists; expected a new folder: give another --out")
-    run.make_folder(out)
+    results.make_folder(out)
     ask = investigation.always if yes else asking()
     tell = _telling(out, output.tables)
     budget = investigation.Budget(runs, seconds)
@@ -93,7 +93,7 @@ def _rig(name: str, effects: list[str], seed: int, out: Path, graph: tuple[str, 
     if effects:
         raise UsageError("--effect without --rig; expected a simulated rig for it: the graph's rig has its own")
     from msd_ident.cli.needs_ros import require_ros
-    from msd_ident.cli.run_profile import stopped_by_signals
+    from msd_ident.cli.run import stopped_by_signals
 
     require_ros("msd investigate")
     from msd_ident.ros.experimenter.session import GraphRig, conductor
@@ -132,13 +132,13 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
     return tell
 
 
-def _write(found: Investigation, out: Path, output: run.Output) -> None:
+def _write(found: Investigation, out: Path, output: results.Output) -> None:
     from msd_ident.report import investigation_page
 
-    journal = run.jsonable(found.to_json_dict())
+    journal = results.jsonable(found.to_json_dict())
     (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     investigation_page.save(found, out / "report.html")
-    run.write([{"path": str(out), **found.to_json_dict()}], output)
+    results.write([{"path": str(out), **found.to_json_dict()}], output)
     if output.tables:
         print(found.sentence)
         for sentence in found.measurements:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import progress, run
+from msd_ident.cli import progress, results
 from msd_ident.errors import DataError, MsdError, UsageError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ def diagnose_joints(
     paths: Sequence[Path],
     source: SourceOptions,
     options: pipeline.Options,
-    output: run.Output,
+    output: results.Output,
     others: Sequence[object],
 ) -> int:
     """Diagnose all joints of each bag, in parallel; one table a bag, one JSON object a joint.
@@ -50,13 +50,15 @@ def diagnose_joints(
         except MsdError as error:
             failures.append(error)
             lines.append({"schema": SCHEMA, "path": str(path), "error": str(error)})
-    run.write(lines, output)
+    results.write(lines, output)
     if failures:
         raise DataError("; ".join(map(str, failures)))
     return 0
 
 
-def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, output: run.Output) -> list[dict[str, Any]]:
+def _one_bag(
+    path: Path, source: SourceOptions, options: pipeline.Options, output: results.Output
+) -> list[dict[str, Any]]:
     from rich.console import Console
 
     from msd_ident.io import joints as in_bag

@@ -1,4 +1,4 @@
-"""Options that several subcommands share: each stands here once, with its help text and its panel in ``--help``."""
+"""Options that several subcommands share: each is defined once, with its help text and its panel in ``--help``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a result is written to beside the terminal: page, Markdown summary, figures."""
+"""Writes the page, the Markdown summary and the figures of results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import progress, run
+from msd_ident.cli import progress, results
 
 if TYPE_CHECKING:
     from msd_ident.data.provenance import Origin, Provenance
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     Kept = tuple[tuple[Path, ...], Result]
 
 
-def write(kept: Sequence[Kept], source: SourceOptions, output: run.Output) -> None:
-    """Write page, summary and figures of all results, and say where, unless told to be quiet.
+def write(kept: Sequence[Kept], source: SourceOptions, output: results.Output) -> None:
+    """Write page, summary and figures of all results, and print where, unless the output is quiet.
 
     Args:
         kept: the results.
@@ -42,7 +42,7 @@ def write(kept: Sequence[Kept], source: SourceOptions, output: run.Output) -> No
         print(*lines, sep="\n")
 
 
-def _pages(kept: Sequence[Kept], source: SourceOptions, output: run.Output) -> list[str]:
+def _pages(kept: Sequence[Kept], source: SourceOptions, output: results.Output) -> list[str]:
     lines: list[str] = []
     if output.report is None and output.markdown is None:
         return lines
@@ -74,7 +74,7 @@ def _figures(kept: Sequence[Kept], folder: Path, overwrite: bool) -> list[str]:
         target = folder / f"{name}{getattr(found, 'label', '')}".replace("/", "_")
         if target.is_dir():
             for path in figures.paths(found, target):
-                run.check_target(path, overwrite)
+                results.check_target(path, overwrite)
         figures.save(found, target)
         lines.append(f"figures: {target}")
     return lines

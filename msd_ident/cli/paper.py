@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from msd_ident.cli import groups, progress, run
+from msd_ident.cli import groups, progress, results
 
 
 @groups.grouped("json", "quiet", "overwrite")
-def paper(output: run.Output) -> int:
+def paper(output: results.Output) -> int:
     """Compute Tables 2 and 3 of the paper from its Table 1, and show what no viscous + Coulomb model reproduces."""
     from rich.console import Console
 
@@ -18,5 +18,5 @@ def paper(output: run.Output) -> int:
         found = study(progress=report)
     if output.tables:
         print_paper(found, Console(highlight=False))
-    run.write([found.to_json_dict()], output)
+    results.write([found.to_json_dict()], output)
     return 0

@@ -76,7 +76,7 @@ def record(
             return made[0]
 
         code = run(make, signals, args=[])
-    return _told(made[0].summary if made else None, code)
+    return _report(made[0].summary if made else None, code)
 
 
 def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> str:
@@ -95,14 +95,14 @@ def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> 
     return place
 
 
-def _told(summary: Summary | None, code: int) -> int:
+def _report(summary: Summary | None, code: int) -> int:
     """Say what was recorded; nothing is no success."""
     if summary is None:
         return code
     if not summary.messages and not code:
-        heard = ", ".join(summary.topics) or "no topic"
+        topics = ", ".join(summary.topics) or "no topic"
         raise DataError(
-            f"nothing was recorded in {summary.folder}: no message came, of {heard}; expected some: does the rig run, "
+            f"nothing was recorded in {summary.folder}: no message came, of {topics}; expected some: does the rig run, "
             "under the same namespace and ROS_DOMAIN_ID?"
         )
     print(summary.sentence)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import groups, run
+from msd_ident.cli import groups, results
 
 if TYPE_CHECKING:
     from msd_ident.io import Repair
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @groups.grouped("json", "overwrite")
 def repair(
     paths: Annotated[list[Path], typer.Argument(help="bag folders or .mcap files", show_default=False)],
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Rebuild index and metadata of bags whose recording was interrupted, and report what was lost."""
     from msd_ident import io
@@ -27,7 +27,7 @@ def repair(
             print("\n".join((done.sentence, *(f"note: {note}" for note in done.notes))))
         return _to_json(done)
 
-    return run.each_path(paths, output, handle)
+    return results.each_path(paths, output, handle)
 
 
 def _to_json(done: Repair) -> dict[str, Any]:

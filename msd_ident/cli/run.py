@@ -1,116 +1,80 @@
-"""Where results go, and the work on several paths: an error stops one path and not the others."""
+"""``msd run``: play a profile on the rig of the graph, watched and recorded."""
 
 from __future__ import annotations
 
-import json
-import math
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from types import FrameType
+from typing import Annotated
 
-from msd_ident.errors import MsdError, SetupError, UsageError
+import typer
 
+from msd_ident.cli import groups, options, progress, results
+from msd_ident.errors import UsageError
 
-@dataclass(frozen=True)
-class Output:
-    """Where results go.
-
-    Attributes:
-        json: file for one JSON object a path, ``-`` for standard output (then nothing else is printed there),
-            empty for none.
-        quiet: no tables and no progress.
-        overwrite: whether a file that exists may be replaced.
-        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
-    """
-
-    json: str = ""
-    quiet: bool = False
-    overwrite: bool = False
-    report: Path | None = None
-    markdown: Path | None = None
-    figures: Path | None = None
-
-    def check(self) -> None:
-        """Refuse before any work what could not be written afterwards; make the folder of the figures.
-
-        Raises:
-            UsageError: a file exists and may not be replaced, or its folder does not exist.
-            SetupError: the disk does not take the folder.
-        """
-        json = None if self.json in ("", "-") else Path(self.json)
-        for target in (self.report, self.markdown, json):
-            if target is not None:
-                check_target(target, self.overwrite)
-        if self.figures is not None:
-            make_folder(self.figures)
-
-    @property
-    def tables(self) -> bool:
-        """Whether tables belong on standard output."""
-        return not self.quiet and self.json != "-"
+OutOption = Annotated[Path | None, options.output_option("--out", metavar="FOLDER", help="bag to record")]
+ResetOption = Annotated[bool, options.rig_option("--reset", help="first call rig/reset, if it exists")]
 
 
-def check_target(path: Path, overwrite: bool) -> None:
-    """Raise UsageError when ``path`` exists and may not be replaced, or cannot be created."""
-    if path.exists() and not overwrite:
-        raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+@groups.grouped("json", "quiet")
+def run(
+    profile: Annotated[Path, typer.Argument(metavar="PROFILE", help=".yaml or .csv file of msd design")],
+    limits: options.LimitsOption = None,
+    out: OutOption = None,
+    namespace: options.NamespaceOption = "msd",
+    silence: options.SilenceOption = 0.5,
+    lead: options.LeadOption = 0.05,
+    reset: ResetOption = False,
+    *,
+    output: results.Output,
+) -> int:
+    """Play a profile on the rig and record it; force 0 at a limit, without encoder samples, or on Ctrl-C."""
+    from msd_ident.cli.needs_ros import require_ros
+    from msd_ident.design import read_profile
 
-
-def make_folder(path: Path) -> None:
-    """Make the folder, with its parents, where it is not there.
-
-    Raises:
-        UsageError: something else has this name.
-        SetupError: the disk does not take it.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
-    except OSError as error:
-        raise SetupError(f"cannot make {path}: {error.strerror}; expected a writable place") from None
-
-
-def jsonable(value: Any) -> Any:
-    """The same with NaN and infinity as null, which strict JSON has no words for."""
-    if isinstance(value, Mapping):
-        return {key: jsonable(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [jsonable(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
-
-
-def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
-    """One JSON object a line, to the file or to standard output, as ``output`` says."""
-    text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
-    if output.json == "-":
-        sys.stdout.write(text)
-    elif output.json:
-        from msd_ident.report.writing import write_text
-
-        write_text(text, Path(output.json))
-
-
-def each_path(paths: Sequence[Path], output: Output, handle: Callable[[Path], Mapping[str, Any]]) -> int:
-    """Write the JSON object of every path; exit code 0, or 2 when any path failed.
-
-    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
-    """
     output.check()
-    lines: list[Mapping[str, Any]] = []
-    failed = False
-    for path in paths:
-        try:
-            lines.append(handle(path))
-        except MsdError as error:
-            failed = True
-            print(f"msd: {error}", file=sys.stderr)
-            lines.append({"path": str(path), "error": str(error)})
-    write(lines, output)
-    return 2 if failed else 0
+    wanted = read_profile(profile)
+    allowed = options.limits_of(limits)
+    allowed.check(wanted)
+    bag = out or Path(f"{profile.stem}_bag")
+    results.check_target(bag, False)
+    require_ros("msd run")
+    from msd_ident.ros.experimenter.profile_player import Experiment
+    from msd_ident.ros.experimenter.session import conductor
+
+    with (
+        conductor(namespace, silence, lead) as played_by,
+        stopped_by_signals() as stop,
+        progress.stages(output.quiet) as report,
+    ):
+        done = played_by.play(
+            Experiment(wanted, allowed, bag, reset),
+            stop,
+            lambda part, force, at: report(f"{force:.3g} N, {at:.4g} m", part),
+        )
+    line = {
+        "schema": "msd.run/1", "path": str(done.bag), "stopped": done.stopped, "commands": done.commands,
+        "worst_delay_s": done.worst, "mean_delay_s": done.mean,
+    }  # fmt: skip
+    results.write([line], output)
+    if output.tables:
+        print(done.sentence)
+    if done.stopped and done.stopped != "cancelled":
+        raise UsageError(f"{done.stopped}; the force is 0 and {done.bag} holds what was recorded until then")
+    return 0
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[threading.Event]:
+    """An event that Ctrl-C, SIGTERM and SIGHUP set, so that the force goes to 0 before anything ends."""
+    from msd_ident.ros.common.signals import ENDING, handled
+
+    stop = threading.Event()
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        stop.set()
+
+    with handled(ask, *ENDING):
+        yield stop

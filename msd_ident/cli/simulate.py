@@ -65,9 +65,9 @@ def simulate(
 ) -> int:
     """Simulate an experiment on a rig and write force and encoder signal to a CSV file or a bag."""
     from msd_ident import io
-    from msd_ident.cli import run
+    from msd_ident.cli import results
 
-    output = run.Output(json, quiet, overwrite)
+    output = results.Output(json, quiet, overwrite)
     output.check()
     if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
         raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")
@@ -88,7 +88,7 @@ def simulate(
         io.write_csv(_one_clock(record), out, overwrite)
     else:
         io.write_bag(record, out, overwrite)
-    run.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
+    results.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
     if output.tables:
         print(f"{out}: {record.samples} samples in {record.duration:.3f} s, experiment {name} on rig {rig}")
     return 0

@@ -1,4 +1,4 @@
-"""Read, solve and show every path: what identify, diagnose and validate share."""
+"""The loop over paths that identify, diagnose and validate share: read, solve, print, write."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import pages, progress, run
+from msd_ident.cli import pages, progress, results
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
@@ -31,7 +31,11 @@ class Data:
 
 
 def work(
-    data: Data, output: run.Output, solve: Solve, show: Callable[[Any, Console], None], further: Further | None = None
+    data: Data,
+    output: results.Output,
+    solve: Solve,
+    show: Callable[[Any, Console], None],
+    further: Further | None = None,
 ) -> tuple[int, list[Any]]:
     """Read, solve, show and write every path, or all together.
 
@@ -78,10 +82,9 @@ def work(
             failed = True
             print(f"msd: {error}", file=sys.stderr)
         lines.append(line)
-    results = [result for _, result in kept]
-    run.write(lines, output)
+    results.write(lines, output)
     pages.write(kept, data.source, output)
-    return (2 if failed else 0), results
+    return (2 if failed else 0), [result for _, result in kept]
 
 
 def _parts(group: tuple[Path, ...], data: Data) -> list[tuple[tuple[Path, ...], SourceOptions]]:
@@ -101,7 +104,7 @@ def _run(source: SourceOptions) -> str:
     return f" run {source.run}" if source.run not in ("", "all") else ""
 
 
-def _solved(group: Sequence[Path], source: SourceOptions, output: run.Output, solve: Solve) -> Any:
+def _solved(group: Sequence[Path], source: SourceOptions, output: results.Output, solve: Solve) -> Any:
     from msd_ident.io import read_all
 
     with progress.stages(output.quiet) as report:

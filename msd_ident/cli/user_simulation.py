@@ -1,4 +1,4 @@
-"""``msd validate`` with somebody else's simulation: a MuJoCo model, a Python function, or simulated positions."""
+"""``msd validate`` with a user's own simulation: a MuJoCo model, a Python function, or simulated positions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import progress, run, solving
+from msd_ident.cli import progress, results, solving
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     return TableSimulation(str(path), found.time, found.position)
 
 
-def compare(data: solving.Data, chosen: Chosen, require: float | None, output: run.Output) -> int:
+def compare(data: solving.Data, chosen: Chosen, require: float | None, output: results.Output) -> int:
     """Compare every path, or all together, with the simulation.
 
     Returns:

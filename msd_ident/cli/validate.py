@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from msd_ident.cli import groups, options, progress, run, solving
+from msd_ident.cli import groups, options, progress, results, solving
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def validate(
     simulated: SimulatedOption = None,
     together: options.TogetherOption = False,
     *,
-    output: run.Output,
+    output: results.Output,
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
     output.check()
@@ -96,7 +96,7 @@ def validate(
     return _validate(saved_model(result, line), settings, solving.Data(paths, source, together), output)
 
 
-def _validate(saved: SavedModel, settings: Options, data: solving.Data, output: run.Output) -> int:
+def _validate(saved: SavedModel, settings: Options, data: solving.Data, output: results.Output) -> int:
     """Validate a saved model on every path, or on all together; the exit code."""
     from msd_ident.report.validation import print_validation
     from msd_ident.workflow import validation

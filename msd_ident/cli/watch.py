@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any
 
-from msd_ident.cli import groups, many, options, run
+from msd_ident.cli import groups, many_records, options, results
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ FollowOption = Annotated[
 
 @groups.grouped("json", "report", "quiet", "overwrite")
 def watch(
-    paths: many.TablesArgument,
+    paths: many_records.TablesArgument,
     source: groups.Source,
     keep: KeepOption = "msd_watch.parquet",
     false_alarms: FalseAlarmsOption = 1.0,
@@ -42,8 +42,8 @@ def watch(
     check: CheckOption = False,
     follow: FollowOption = 0.0,
     *,
-    batching: many.Batching,
-    output: run.Output,
+    batching: many_records.Batching,
+    output: results.Output,
 ) -> int:
     """Find changes of parameters over days, and raise an alarm with a known false-alarm rate."""
     from msd_ident.monitoring.watching import Options
@@ -61,7 +61,7 @@ def watch(
     return 1 if check and any(one.alarms for one in found) else 0
 
 
-def _watch(table: Any, settings: Options, output: run.Output, source: str) -> list[Watch]:
+def _watch(table: Any, settings: Options, output: results.Output, source: str) -> list[Watch]:
     """Watch all robots of a table, and print and write what was found."""
     from msd_ident.monitoring import rows, watching
 
@@ -73,7 +73,7 @@ def _watch(table: Any, settings: Options, output: run.Output, source: str) -> li
             few.append(error)
     if not found:
         raise few[0]
-    run.write([one.to_json_dict() for one in found], output)
+    results.write([one.to_json_dict() for one in found], output)
     if output.tables:
         for one in found:
             print(f"{one.name}: {one.sentence}")

@@ -7,7 +7,7 @@ from pathlib import Path
 from msd_ident.export import header
 from msd_ident.export.laws import number
 from msd_ident.export.plan import MOTIONS, Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import Target
 from msd_ident.export.templates import filled
 from msd_ident.model import Model
@@ -18,17 +18,17 @@ FREE = 1e6
 _SHAKEN = "the nearest m, b, k and friction are fitted in its place"
 
 
-_SAID = {
-    "coulomb_friction": Saying("exact", "friction of the joint"),
-    "force_offset": Saying("exact", "spring_reference"),
-    "end_stop": Saying("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
-    "sensor_drift": Saying("cannot", "the drift of a sensor is not part of a joint"),
-    "actuator_lag": Saying("cannot", "no actuator: put the lag into the controller"),
-    "time_offset": Saying("cannot", "no actuator: put the delay into the controller"),
-    "periodic_disturbance": Saying("cannot", "no force that depends on time"),
-    "stiffness_drift": Saying("approximated", "the mean stiffness over the record"),
-    "second_mode": Saying("approximated", "one moving mass: " + _SHAKEN),
-    "force_gain_nonlinearity": Saying("approximated", "effort limit; of a bent gain, " + _SHAKEN),
+_SUPPORT = {
+    "coulomb_friction": Support("exact", "friction of the joint"),
+    "force_offset": Support("exact", "spring_reference"),
+    "end_stop": Support("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
+    "sensor_drift": Support("cannot", "the drift of a sensor is not part of a joint"),
+    "actuator_lag": Support("cannot", "no actuator: put the lag into the controller"),
+    "time_offset": Support("cannot", "no actuator: put the delay into the controller"),
+    "periodic_disturbance": Support("cannot", "no force that depends on time"),
+    "stiffness_drift": Support("approximated", "the mean stiffness over the record"),
+    "second_mode": Support("approximated", "one moving mass: " + _SHAKEN),
+    "force_gain_nonlinearity": Support("approximated", "effort limit; of a bent gain, " + _SHAKEN),
 }
 
 
@@ -44,15 +44,15 @@ class SdfTarget(Target):
     kept = ("coulomb_friction", "force_offset", "end_stop")
     template = "joint.sdf.txt"
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return _SAID.get(effect.name, Saying("approximated", _SHAKEN))
+        return _SUPPORT.get(effect.name, Support("approximated", _SHAKEN))
 
-    def saying(self, effect: Effect, model: Model) -> Saying:
+    def support(self, effect: Effect, model: Model) -> Support:
         """How this target carries this effect of this model."""
         if effect.name == "force_offset" and model.stiffness == 0.0:
-            return Saying("cannot", "there is no spring whose reference could carry it")
-        return super().saying(effect, model)
+            return Support("cannot", "there is no spring whose reference could carry it")
+        return super().support(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

@@ -10,7 +10,7 @@ from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_re
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
 from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
@@ -32,9 +32,9 @@ class MujocoTarget(Target):
     located = True
     commanded = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return mujoco_elements.says(effect)
+        return mujoco_elements.supports(effect)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

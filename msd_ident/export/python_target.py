@@ -10,7 +10,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.export import header, laws, mujoco_replay, python_source
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
 from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
@@ -26,13 +26,13 @@ class PythonTarget(Target):
     library = ""
     imported = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
         if effect.jumps and (effect.knee is None or effect.knee[2] in (BOTH, ABOVE, OUTSIDE)):
-            return Saying("cannot", "its force begins with a jump at a place that the file does not look for")
+            return Support("cannot", "its force begins with a jump at a place that the file does not look for")
         if effect.laws() or effect.knee or effect.structure in python_source.STRUCTURES:
-            return Saying("exact", "its law, in the file")
-        return Saying("cannot", "no law that the file could hold")
+            return Support("exact", "its law, in the file")
+        return Support("cannot", "no law that the file could hold")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
@@ -60,9 +60,9 @@ class PythonMsdTarget(Target):
     imported = True
     itself = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return Saying("exact", "msd_ident itself")
+        return Support("exact", "msd_ident itself")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

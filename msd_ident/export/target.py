@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from msd_ident.errors import UsageError
-from msd_ident.export.saying import BEFORE, Saying
+from msd_ident.export.support import BEFORE, Support
 from msd_ident.model.effects.base import DELAY
 
 if TYPE_CHECKING:
@@ -58,11 +58,11 @@ class Target:
     #: Effects that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How it carries an effect."""
         raise NotImplementedError
 
-    def saying(self, effect: Effect, model: Model) -> Saying:
+    def support(self, effect: Effect, model: Model) -> Support:
         """How the target carries an effect with the values that it has.
 
         Args:
@@ -72,7 +72,7 @@ class Target:
         del model
         if self.commanded and effect.structure == DELAY and effect.values[0] < 0.0:
             return BEFORE
-        return self.says(type(effect))
+        return self.supports(type(effect))
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write, the main file first.

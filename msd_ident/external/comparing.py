@@ -132,14 +132,14 @@ class Comparison:
                 }
                 for one in self.differences
             ],
-            "models": {"rig": _told(self.rig), "simulation": _told(self.theirs)},
+            "models": {"rig": _model_json(self.rig), "simulation": _model_json(self.theirs)},
             "missing_force_rms": self.missing_size,
             "missing_force_depends_on": self.depends_on,
             "warnings": list(self.warnings),
         }  # fmt: skip
 
 
-def _told(one: FitResult) -> dict[str, Any]:
+def _model_json(one: FitResult) -> dict[str, Any]:
     """A fitted model for the JSON."""
     return {
         "effects": list(one.model.effect_names), "parameters": quantities_dict(one.quantities), "see_m": one.see,

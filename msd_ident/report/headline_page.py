@@ -13,7 +13,7 @@ from msd_ident.report.writing import write_text
 
 
 @dataclass(frozen=True)
-class Told:
+class HeadlineSection:
     """A section.
 
     Attributes:
@@ -36,7 +36,7 @@ class Told:
     pill: tuple[str, str] = ("", "")
 
 
-def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
+def save(command: str, name: str, sections: Sequence[HeadlineSection], path: Path) -> None:
     """Write the page.
 
     Args:
@@ -51,11 +51,11 @@ def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
     write_text(render(command, name, sections), path)
 
 
-def render(command: str, name: str, sections: Sequence[Told]) -> str:
+def render(command: str, name: str, sections: Sequence[HeadlineSection]) -> str:
     """The page as text."""
     from markupsafe import Markup
 
-    template = environment().get_template("told.html.j2")
+    template = environment().get_template("headline.html.j2")
     bodies: list[dict[str, Any]] = [
         {
             "anchor": one.slug,

@@ -1,4 +1,4 @@
-"""Short sentences for the page and the terminal; they add no facts."""
+"""Names and short sentences for the page and the terminal."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class Exported(ResultSection[Export]):
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards, and what is lost."""
         found = self._found
-        lost = [row.sentence for row in found.rows if row.saying.kind != "exact"]
+        lost = [row.sentence for row in found.rows if row.support.kind != "exact"]
         proven = found.proof is not None and found.nearest is None
         return {
             "verdict": "explained" if proven else "ambiguous",
@@ -66,5 +66,5 @@ class Effects(ResultSection[Export]):
 
     def context(self) -> Mapping[str, Any]:
         """A row an effect."""
-        rows = [(spoken(row.effect), row.saying.kind, row.saying.how) for row in self._found.rows]
+        rows = [(spoken(row.effect), row.support.kind, row.support.how) for row in self._found.rows]
         return {"rows": rows, "step": f"{1e3 * self._found.plan.step:.4g} ms"}

@@ -109,10 +109,10 @@ class StandardForm(ResultSection[Identification]):
         quantities = form.quantities if form is not None else {}
         rows = []
         for name, quantity in quantities.items():
-            told = shown(quantity)
-            text = marked.quantity("", told).text
+            displayed = shown(quantity)
+            text = marked.quantity("", displayed).text
             value = Marked(f"standard_form.{name}.value", quantity.value, text)
-            rows.append((*words.parameter(name), value, "" if told.unit == "1" else told.unit))
+            rows.append((*words.parameter(name), value, "" if displayed.unit == "1" else displayed.unit))
         return {"rows": rows}
 
 

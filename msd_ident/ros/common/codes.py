@@ -1,4 +1,4 @@
-"""How a request ended, as a number: the codes of ``msd_interfaces/msg/ResultCode``."""
+"""Result codes of requests, those of ``msd_interfaces/msg/ResultCode``."""
 
 from __future__ import annotations
 

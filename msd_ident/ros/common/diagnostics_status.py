@@ -1,4 +1,4 @@
-"""What the nodes say on ``/diagnostics``: one status a concern, a sentence and the numbers behind it."""
+"""Statuses that the nodes publish on ``/diagnostics``: each a sentence with its numbers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from msd_ident.ros.common.missing_samples import SILENCE, TopicCount
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 #: Faults that one sentence tells.
-MOST_TOLD = 3
+MOST_SENTENCES = 3
 
 
 class DiagnosticsPublisher:
@@ -111,15 +111,15 @@ def _judge_data(
     odd = [entry.signal.problem for entry in (*position, *force) if entry.signal and entry.signal.problem]
     if not counts.positions:
         return ERROR, odd[0] if odd else f"no position samples; expected some on {listed(position)}"
-    silent = time.monotonic() - max(entry.count.heard for entry in position)
+    silent = time.monotonic() - max(entry.count.last_received for entry in position)
     if silent > SILENCE:
         nobody = "" if any(entry.publishers for entry in position) else ", and nobody publishes them"
         return ERROR, f"no position sample for {silent:.0f} s{nobody}; expected them on {listed(position)}"
-    told = [*watch.recent, *crowds(position), *_silences(force)]
+    warnings = [*watch.recent, *crowds(position), *_silences(force)]
     if force and not counts.forces:
-        told.append(f"no force samples yet; expected some on {listed(force)}")
-    if told:
-        return WARN, "; ".join(told[:MOST_TOLD])
+        warnings.append(f"no force samples yet; expected some on {listed(force)}")
+    if warnings:
+        return WARN, "; ".join(warnings[:MOST_SENTENCES])
     return OK, f"{counts.positions} position samples, {counts.forces} force samples"
 
 

@@ -1,4 +1,4 @@
-"""A ROS domain for oneself: nobody else on this machine hears what happens in it. Imports no ROS."""
+"""A private ROS domain: no other process on this machine takes part in it. Imports no ROS."""
 
 from __future__ import annotations
 

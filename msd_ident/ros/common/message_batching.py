@@ -1,4 +1,4 @@
-"""What waits in a subscription's queue, taken in a handful.
+"""Takes the messages that wait in a subscription's queue together.
 
 An executor's way from one message to the next costs several times what it costs to take one: a node that is behind
 would fall further behind.

@@ -1,4 +1,4 @@
-"""Parameters of the nodes: declared with a description, a range, and words that refuse nonsense."""
+"""Parameters of the nodes, declared with description and range, and checked when they are set."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder that service requests may name files in: nothing outside it, by dots and links neither. Without ROS."""
+"""Paths of service requests: only files in one folder, also through dots and links. Without ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs that are started together and ended together, whatever happens in between. Imports no ROS."""
+"""A group of processes that are started and ended together, whatever happens in between. Imports no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ctrl-C and friends, heard from the first moment and as often as they come. Imports nothing heavy on purpose.
+"""Ctrl-C and other signals, noted from the first moment and as often as they come. Imports nothing heavy on purpose.
 
 A handler that only takes a note cannot interrupt anything half-way: a second Ctrl-C inside a shutdown has no effect.
 """

@@ -31,7 +31,7 @@ STEP = 0.15 * 69.5
 #: Speed of the rig's time with ``fast``.
 FAST = 5.0
 #: Position samples that the identifier keeps: with ``fast``, those of 400 s of the wall's time. A window of the live
-#: buffer is told from its first sample, so that one must still be there when a slow machine comes to ask.
+#: buffer is given relative to its first sample, so that one must still be there when a slow machine comes to ask.
 BUFFER = 2_000_000
 NAMESPACE = "msd"
 
@@ -62,7 +62,7 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
     Args:
         folder: for the bag and the logs; exists.
         fast: whether the rig makes its own time, faster than the wall.
-        say: told what is being done and how much of all is done (0 to 1).
+        say: called with what is being done and the part of all that is done (0 to 1).
 
     Raises:
         SetupError: a process does not come up.
@@ -116,10 +116,10 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     say("asking the identifier", 0.82)
     record = read(bag)
     live = _live(player, record)  # first, as the buffer grows meanwhile
-    told = player.identify(bag)
+    answer = player.identify(bag)
     say("identifying the bag", 0.9)
     found = pipeline.identify([record])
-    different = differences(told, to_estimate(found, bag, 0))
+    different = differences(answer, to_estimate(found, bag, 0))
     if different:
         raise DataError(f"service and bag differ in {', '.join(different)}; expected the same numbers: report this")
     say("comparing with the live buffer", 0.98)

@@ -1,4 +1,4 @@
-"""A rig with a sail, a recorder and an identifier in a domain of their own: something for the live view to look at."""
+"""The graph of ``msd live --demo``: a rig with quadratic drag, a recorder and an identifier in a private domain."""
 
 from __future__ import annotations
 

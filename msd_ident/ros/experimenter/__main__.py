@@ -1,4 +1,4 @@
-"""``ros2 run msd_ident experimenter``: the way into the experimenter node."""
+"""``ros2 run msd_ident experimenter``: entry point of the node."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class Experimenter(NodeOwner):
         return result
 
     def _work(self, handle: ServerGoalHandle) -> RunExperiment.Result:
-        """In the worker's thread; what goes wrong is told in words."""
+        """In the worker's thread; an error becomes a sentence of the result."""
         goal: RunExperiment.Goal = handle.request
 
         def tell(fraction: float, force: float, position: float) -> None:

@@ -1,4 +1,4 @@
-"""A conductor in this process, and a rig of the graph as an investigation sees it."""
+"""A profile player in this process, and the rig of the graph for ``msd investigate``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class GraphRig:
         conductor: plays on it.
         folder: for the bags.
         stop: ends an experiment in progress.
-        advance: told what goes on.
+        advance: called with the progress.
         runs: experiments so far.
     """
 

@@ -1,4 +1,4 @@
-"""``ros2 run msd_ident identifier``: the way into the identifier node."""
+"""``ros2 run msd_ident identifier``: entry point of the node."""
 
 from __future__ import annotations
 

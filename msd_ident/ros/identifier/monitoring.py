@@ -1,4 +1,4 @@
-"""The identifier's watch over its own estimates: kept in a file, told on ``/diagnostics``."""
+"""Monitoring of the identifier's estimates for changes: kept in a file, reported on ``/diagnostics``."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Monitoring:
         )
 
     def add(self, found: Identification, made_ns: int) -> None:
-        """Take a further estimate; what the disk says against it is told on ``/diagnostics``."""
+        """Take a further estimate; an error of the disk is reported on ``/diagnostics``."""
         from msd_ident.monitoring.watching import Sample
 
         if self._history is None:
@@ -85,7 +85,7 @@ class Monitoring:
             self._history.note()
 
     def status(self, name: str) -> DiagnosticStatus | None:
-        """What is told on ``/diagnostics``; nothing where no file is kept."""
+        """Status for ``/diagnostics``; ``None`` where no file is kept."""
         if self._history is None:
             return None
         stands = self._history.standing

@@ -262,7 +262,7 @@ class Identifier(NodeOwner):
             self._monitoring.add(found, made_ns)
         notes = {note for used in found.records for note in used.notes}
         doubt = "; ".join(
-            [warning for warning in found.warnings if warning not in notes][: diagnostics_status.MOST_TOLD]
+            [warning for warning in found.warnings if warning not in notes][: diagnostics_status.MOST_SENTENCES]
         )
         return Reply(True, sentence(estimate), estimate, doubt)
 

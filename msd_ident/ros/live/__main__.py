@@ -1,4 +1,4 @@
-"""``ros2 run msd_ident live``: the way into the live view's node."""
+"""``ros2 run msd_ident live``: entry point of the live view's node."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class LiveView(NodeOwner):
 
     Args:
         overrides: parameters that go before those of the command line.
-        say: told, once, where the page is.
+        say: called once with the address of the page.
         node_options: further arguments of ``rclpy.node.Node`` (a context, arguments of a test).
 
     Raises:
@@ -62,7 +62,7 @@ class LiveView(NodeOwner):
     ) -> None:
         self.node = Node("live", parameter_overrides=overrides, **node_options)
         s = self.settings = Settings(self.node, SETTINGS)
-        # The button commands the topic `force`; a rig whose force comes from elsewhere does not hear it.
+        # The button commands the topic `force`; a rig whose force comes from another topic does not receive it.
         limit = 0.0 if s["force"] else s["step_limit"]
         self.scope = Scope(hold=s["hold"])
         self.board = Board(
@@ -111,7 +111,7 @@ class LiveView(NodeOwner):
 
     def _look(self) -> None:
         self._data.look()
-        self.board.tell(data=self._data.told(), present=self._controls.present(self._data.subscriptions))
+        self.board.tell(data=self._data.status(), present=self._controls.present(self._data.subscriptions))
 
     def _on_estimate(self, message: Estimate) -> None:
         self._estimate = message

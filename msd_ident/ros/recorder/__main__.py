@@ -1,4 +1,4 @@
-"""``ros2 run msd_ident recorder``: the way into the recorder node."""
+"""``ros2 run msd_ident recorder``: entry point of the node."""
 
 from __future__ import annotations
 

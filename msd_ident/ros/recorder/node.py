@@ -133,8 +133,8 @@ class Recorder(NodeOwner):
         path = self._place(folder)
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
         self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
-        hear = Wanted(self._wanted, self.settings["queue_depth"])
-        self._following = Following(self.node, self._recording, hear, self.watch, self._poller)
+        wanted = Wanted(self._wanted, self.settings["queue_depth"])
+        self._following = Following(self.node, self._recording, wanted, self.watch, self._poller)
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
         self._log.info(f"recording {what} to {path}")
@@ -185,11 +185,11 @@ class Recorder(NodeOwner):
         except MsdError as error:
             response.success, response.message, response.code = False, str(error), code_of(error)
             return response
-        heard = self._following.subscriptions if self._following else {}
-        waiting = sorted((self._wanted or frozenset()) - set(heard))
+        subscribed = self._following.subscriptions if self._following else {}
+        waiting = sorted((self._wanted or frozenset()) - set(subscribed))
         later = f"; as soon as they come: {', '.join(waiting)}" if waiting else ""
         response.success, response.path = True, str(path)
-        response.message = f"recording {len(heard)} topics to {path}{later}"
+        response.message = f"recording {len(subscribed)} topics to {path}{later}"
         return response
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -213,7 +213,7 @@ class Recorder(NodeOwner):
             odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
             level = DiagnosticStatus.WARN if summary.lost or odd else level
             level = DiagnosticStatus.ERROR if summary.error else level
-            sentence = "; ".join((sentence, *odd[: diagnostics_status.MOST_TOLD]))
+            sentence = "; ".join((sentence, *odd[: diagnostics_status.MOST_SENTENCES]))
         values |= diagnostics_status.fault_values(self.watch)
         self._diagnostics.publish(diagnostics_status.status(self._diagnostics.name("bag"), level, sentence, values))
 

@@ -1,4 +1,4 @@
-"""``ros2 run msd_ident replayer``: the way into the replayer node."""
+"""``ros2 run msd_ident replayer``: entry point of the node."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class Replayer(NodeOwner):
                 self._play_once()
                 again = self.settings["loop"]
             self._wait_until_taken()
-        except Exception as error:  # told at the end, as the one line of the program
+        except Exception as error:  # reported at the end, as the one line of the program
             self._failure = str(error)
         self._log.info(f"played {self.sent} messages of {len(self._publishers)} topics")
         self._on_end()
