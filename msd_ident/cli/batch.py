@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +14,7 @@ from msd_ident.cli import groups, many_records, options, progress, results
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
+    from msd_ident.batching.batch import Plan
     from msd_ident.batching.job import Job
 
 ManyArgument = Annotated[
@@ -53,6 +55,9 @@ def batch(
     overwrite: options.OverwriteOption = False,
 ) -> int:
     """Diagnose many records into one table with a row for each; a record that fails is a row with the reason."""
+    from msd_ident.batching import batch as batches
+    from msd_ident.batching import locations
+    from msd_ident.batching.table import is_table
     from msd_ident.workflow import pipeline
 
     folder = ""
@@ -60,44 +65,32 @@ def batch(
         results.make_folder(record_pages)
         folder = str(record_pages.absolute())
     job = batching.job(source, options=pipeline.Options(model=model, tolerance=tolerance), pages=folder)
-    target = _Target(out, resume, overwrite, report, quiet)
-    return _run([*(paths or ()), *_listed(listed)], job, target, batching)
+    if not is_table(out):
+        raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
+    output = results.Output(quiet=quiet, overwrite=overwrite or resume, report=report)
+    output.check()
+    plan = batches.Plan(out, resume, overwrite, _draw if job.pages else None)
+    return _run(locations.records([*(paths or ()), *_listed(listed)]), job, plan, output, batching)
 
 
-class _Target:
-    """Where the results of a batch go, and whether anything is said meanwhile."""
-
-    def __init__(self, out: str, resume: bool, overwrite: bool, report: Path | None, quiet: bool) -> None:
-        from msd_ident.batching.table import is_table
-
-        if not is_table(out):
-            raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
-        if report is not None:
-            results.check_target(report, overwrite or resume)
-        self.out, self.resume, self.overwrite, self.report, self.quiet = out, resume, overwrite, report, quiet
-
-
-def _run(paths: Sequence[str], job: Job, target: _Target, batching: many_records.Batching) -> int:
+def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, batching: many_records.Batching) -> int:
     """Run the batch and say how it went; exit code 0, whatever single records are like."""
     from msd_ident.batching import batch as batches
-    from msd_ident.batching import locations
 
-    found = locations.records(paths)
     with (
         batches.linked(batching.scheduler, batching.workers) as link,
-        progress.records(link.client.dashboard_link, target.quiet) as tell,
+        progress.records(link.client.dashboard_link, output.quiet) as tell,
     ):
-        plan = batches.Plan(target.out, target.resume, target.overwrite, _draw if job.pages else None, tell)
-        table, this = batches.run(found, job, link, plan)
+        table, this = batches.run(paths, job, link, replace(plan, progress=tell))
     failed = sum(error is not None for error in table.column("error").to_pylist())
-    if not target.quiet:
-        print(f"{target.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")
-    if target.report is not None:
+    if not output.quiet:
+        print(f"{plan.out}: {table.num_rows} rows, {failed} with an error, {this.reused} records done before")
+    if output.report is not None:
         from msd_ident.report import batch_page
 
-        batch_page.save(table, target.report, target.out)
-        if not target.quiet:
-            print(f"report: {target.report}")
+        batch_page.save(table, output.report, plan.out)
+        if not output.quiet:
+            print(f"report: {output.report}")
     return 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,8 +82,7 @@ def _line(path: Path, one: Any) -> dict[str, Any]:
         "effort_usable": one.usable,
         "sentence": one.sentence,
     }
-    found: Mapping[str, Any] = one.diagnosis.to_json_dict() if one.diagnosis else {}
-    return {**line, "diagnosis": {key: value for key, value in found.items()} or None}
+    return {**line, "diagnosis": one.diagnosis.to_json_dict() if one.diagnosis else None}
 
 
 def _show(path: Path, results: Sequence[Any], console: Any) -> None:
