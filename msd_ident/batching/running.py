@@ -207,8 +207,8 @@ class Runner:
             again = replace(task, tries=task.tries + (kind == "KilledWorker"))
             self._waiting.append(again)  # behind the others: whom its worker took along comes through first
             return None
-        said = " ".join(str(error).split())[:300]
-        return Answer(task, error=f"internal error, please report it: {kind}: {said}")
+        reason = " ".join(str(error).split())[:300]
+        return Answer(task, error=f"internal error, please report it: {kind}: {reason}")
 
     def _again(self) -> None:
         """Hand out again what was in progress, once the scheduler is back."""

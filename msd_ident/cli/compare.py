@@ -22,8 +22,8 @@ def compare(
     output.check()
     rows.check(by)
     table = batching.table(paths, source, output.quiet)
-    measured, said = rows.measured(table, by)
-    found = comparing.compare(measured, by, said)
+    measured, remarks = rows.measured(table, by)
+    found = comparing.compare(measured, by, remarks)
     results.write([found.to_json_dict()], output)
     if output.tables:
         print(found.sentence)

@@ -95,10 +95,10 @@ class Comparison:
             f"{abs(size):.2g} % ± {half:.1g} {'lower' if size < 0.0 else 'higher'} on {self.by} {group}"
             for group, (size, half) in one.percent.items()
         ]
-        said = f"{one.parameter} is {', '.join(sizes)}"
+        text = f"{one.parameter} is {', '.join(sizes)}"
         if one.kind == "differs":
-            return f"{said} (p {min(one.probability, 0.999):.3f})"
-        return f"{said}, or it is {' or '.join(one.tied_with)}: these records cannot tell"
+            return f"{text} (p {min(one.probability, 0.999):.3f})"
+        return f"{text}, or it is {' or '.join(one.tied_with)}: these records cannot tell"
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.compare/1``."""
@@ -130,13 +130,13 @@ class Comparison:
         }
 
 
-def compare(measured: Sequence[Measured], by: str, said: Sequence[str] = ()) -> Comparison:
+def compare(measured: Sequence[Measured], by: str, remarks: Sequence[str] = ()) -> Comparison:
     """Compare groups of records.
 
     Args:
         measured: records, each with its group; in one pair of units.
         by: what the groups are, a word: robot, joint, day.
-        said: what a reader must know already.
+        remarks: what a reader must know already.
 
     Raises:
         UsageError: fewer than two groups.
@@ -163,7 +163,7 @@ def compare(measured: Sequence[Measured], by: str, said: Sequence[str] = ()) -> 
     tau = {name: 100.0 * float(value) for name, value in zip(made.names, made.repeatability, strict=True)}
     return Comparison(
         by, counts, model.effect_names, differences, tuple(estimates), tau,
-        _joint(estimates, groups, differing), (*said, *failed, *_warnings(made, counts, by)),
+        _joint(estimates, groups, differing), (*remarks, *failed, *_warnings(made, counts, by)),
     )  # fmt: skip
 
 
@@ -262,15 +262,15 @@ def _joint(estimates: Sequence[Estimate], groups: Sequence[str], differing: Sequ
 
 
 def _warnings(made: Design, counts: Mapping[str, int], by: str) -> tuple[str, ...]:
-    said = []
+    warnings = []
     if max(counts.values()) == 1:
-        said.append(
+        warnings.append(
             f"One record of each {by}: the repeatability is not known, so a difference between two records counts "
             f"as a difference between two {by}s; record each several times."
         )
     missing = [name for name in ("temperature", "load") if name not in made.columns]
     if missing:
-        said.append(
+        warnings.append(
             f"No {' and no '.join(missing)} that varies was recorded, so neither can be excluded as the reason."
         )
-    return tuple(said)
+    return tuple(warnings)

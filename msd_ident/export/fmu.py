@@ -34,9 +34,9 @@ class FmuTarget(PythonTarget):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = header.text(plan, self.what)
+        comment = header.text(plan, self.what)
         name = f"Rig{hashlib.sha256(repr(plan.values).encode() + repr(plan.zero).encode()).hexdigest()[:8]}"
-        text = python_source.text(plan, said, name) + _slave(plan, name)
+        text = python_source.text(plan, comment, name) + _slave(plan, name)
         return {out: built(text, name)}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:

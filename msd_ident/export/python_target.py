@@ -36,8 +36,8 @@ class PythonTarget(Target):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = header.text(plan, self.what)
-        return {out: python_source.text(plan, said, out.stem).encode()}
+        comment = header.text(plan, self.what)
+        return {out: python_source.text(plan, comment, out.stem).encode()}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         """Readings (n,) of the written file, run in its target."""
@@ -66,9 +66,9 @@ class PythonMsdTarget(Target):
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = header.text(plan, self.what)
+        comment = header.text(plan, self.what)
         beside = out.with_suffix(".json")
-        text = filled("load_result.py.txt", header=said, file=beside.name, zero=laws.number(plan.zero))
+        text = filled("load_result.py.txt", header=comment, file=beside.name, zero=laws.number(plan.zero))
         return {out: text.encode(), beside: plan.saved.text.encode()}
 
     def beside(self, out: Path) -> tuple[Path, ...]:

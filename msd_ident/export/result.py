@@ -95,14 +95,14 @@ class Export:
         proof = self.proof
         if not math.isfinite(proof.see("target")):
             return f"In {self.target.name} the model blows up at steps of {self.plan.step:.3g} s: give more --steps."
-        said = (
+        sentence = (
             f"In {self.target.name} the model leaves {proof.see('target'):.3g} {unit}, {proof.ratio:.3f} times what it "
             f"leaves here; mass, damping and stiffness alone leave {proof.see('base'):.3g} {unit} there"
         )
         if self.nearest is not None:
-            said += f"; {proof.see('expected'):.3g} {unit} were predicted"
+            sentence += f"; {proof.see('expected'):.3g} {unit} were predicted"
         return (
-            f"{said}. It explains {percent_text(proof.explained('target'))} % of the motion, uncorrected "
+            f"{sentence}. It explains {percent_text(proof.explained('target'))} % of the motion, uncorrected "
             f"{percent_text(proof.explained('base'))} %."
         )
 

@@ -126,9 +126,9 @@ class Watch:
         if self.alarms:
             last = self.alarms[-1]
             sized = f" by {last.percent:+.2g} %" if math.isfinite(last.percent) else ""
-            said = f"{last.what} changed{sized}: alarm at {self.samples[last.index].name}"
+            outcome = f"{last.what} changed{sized}: alarm at {self.samples[last.index].name}"
         else:
-            said = "no alarm"
+            outcome = "no alarm"
         found = [(change, one) for one in self.series for change in one.changes]
         listed = ", ".join(
             f"{one.name} {change.percent:+.2g} % at {self.samples[one.index[change.index]].name} "
@@ -136,7 +136,7 @@ class Watch:
             for change, one in found
         )
         return (
-            f"{said} in {len(self.samples)} records, at most {self.rate:g} false alarms a year on average"
+            f"{outcome} in {len(self.samples)} records, at most {self.rate:g} false alarms a year on average"
             f"{'; change points: ' + listed if listed else '; no change points'}"
         )
 

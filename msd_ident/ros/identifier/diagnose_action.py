@@ -199,8 +199,10 @@ class Diagnosing:
             from msd_ident.report import page
 
             page.save(found, target)
-        said = [one.summary for one in result.diagnoses]
-        result.message = said[0] if len(said) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
+        summaries = [one.summary for one in result.diagnoses]
+        result.message = (
+            summaries[0] if len(summaries) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
+        )
         return result
 
     def _one(self, goal: _Goal, group: _Part, result: Diagnose.Result, found: list[Diagnosis]) -> None:
