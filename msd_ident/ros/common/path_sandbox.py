@@ -9,8 +9,6 @@ from pathlib import Path
 
 from msd_ident.errors import SetupError, UsageError
 
-#: Where bags lie when nothing else is said.
-DEFAULT_FOLDER = "~/bags"
 #: Longest path that a request may hold, and longest name in it, as Linux has them [bytes].
 LONGEST_PATH, LONGEST_NAME = 4096, 255
 #: Characters of a long text that a refusal quotes.

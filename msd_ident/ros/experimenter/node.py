@@ -20,18 +20,14 @@ from msd_ident.errors import MsdError, UsageError
 from msd_ident.ros.common import action_server, codes, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.node_runner import NodeOwner
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
+from msd_ident.ros.common.parameters import Settings, declared
+from msd_ident.ros.common.path_sandbox import Place
 from msd_ident.ros.common.worker import Worker
-from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Experiment, Played, ProfilePlayer
+from msd_ident.ros.experimenter.profile_player import CANCELLED, Experiment, Played, ProfilePlayer
 from msd_interfaces.action import RunExperiment
 from msd_interfaces.msg import ResultCode
 
-SETTINGS = (
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
-    Setting("silence", 0.5, "longest time without an encoder sample before an experiment is stopped [s]", 0.02, 60.0),
-    Setting("lead", LEAD, "time by which a force is sent in advance; 0 for a rig that acts at once [s]", 0.0, 10.0),
-)
+SETTINGS = declared("experimenter")
 
 
 class Experimenter(NodeOwner):

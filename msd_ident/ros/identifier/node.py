@@ -22,8 +22,7 @@ from msd_ident.ros.common.inputs import Input, Sink, wanted
 from msd_ident.ros.common.live_buffer import LiveBuffer, Units
 from msd_ident.ros.common.message_batching import Poller
 from msd_ident.ros.common.node_runner import NodeOwner
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER
+from msd_ident.ros.common.parameters import Settings, declared
 from msd_ident.ros.common.worker import Worker
 from msd_ident.ros.identifier import monitoring
 from msd_ident.ros.identifier.diagnose_action import Diagnosing
@@ -32,42 +31,7 @@ from msd_ident.ros.identifier.step_detection import Settling, StepWatcher
 from msd_interfaces.msg import Estimate
 from msd_interfaces.srv import Identify
 
-SETTINGS = (
-    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force; none: free decay"),
-    Setting(
-        "position",
-        "",
-        "TOPIC:FIELD of the position, e.g. /joint_states:position[elbow]; empty: encoder or encoder_batch",
-    ),
-    Setting("force_scale", 1.0, "force unit per unit of the message", -1e9, 1e9),
-    Setting("position_scale", 1.0, "position unit per unit of the message; negative inverts the sign", -1e9, 1e9),
-    Setting("force_unit", "N", "N or N·m; any other (e.g. V) means that the gain is unknown"),
-    Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
-    Setting("hold", "zero", "force between its samples: zero (held) or linear", choices=("zero", "linear")),
-    Setting("buffer_samples", 200_000, "position samples in the buffer; the oldest are dropped", 100, 10_000_000),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports"),
-    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
-    Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
-    Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
-    Setting("settle_time", 0.5, "rest after which a response counts as settled [s]", 0.05, 60.0, fixed=False),
-    Setting(
-        "settle_band", 0.02, "allowed variation of a settled position, as a part of its range", 0.001, 0.5, fixed=False
-    ),
-    Setting(
-        "model",
-        "auto",
-        "plant of automatic fits",
-        choices=("auto", "spring", "no_spring"),
-        fixed=False,
-    ),
-    Setting("all_joints", False, "a diagnosis of bags covers every joint of their JointState topics", fixed=False),
-    Setting("tolerance", 1.0, "unexplained part of the motion that is acceptable [%]", 0.0, 99.0, fixed=False),
-    Setting("calibrate", False, "calibrate every diagnosis on simulated copies of the record", fixed=False),
-    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
-    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
-    *monitoring.SETTINGS,
-)
+SETTINGS = declared("identifier")
 
 #: How often the graph and the steps are looked at [s].
 LOOK_PERIOD = 0.1

@@ -16,14 +16,14 @@ from rclpy.validate_topic_name import validate_topic_name
 from std_srvs.srv import Trigger
 
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.io.writer import SPLIT_BYTES, Compression
+from msd_ident.io.writer import Compression
 from msd_ident.ros.common import diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller
 from msd_ident.ros.common.node_runner import NodeOwner
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
+from msd_ident.ros.common.parameters import Settings, declared
+from msd_ident.ros.common.path_sandbox import Place
 from msd_ident.ros.recorder.recording import QueueLimits, Recording, Summary
 from msd_ident.ros.recorder.resuming import Interrupted, Notebook
 from msd_ident.ros.recorder.subscriptions import Following, Wanted
@@ -31,23 +31,7 @@ from msd_interfaces.srv import StartRecording
 
 COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
 
-SETTINGS = (
-    Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
-    Setting("all_topics", False, "record all topics, including those that start later"),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
-    Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
-    Setting("autostart", False, "start recording at once"),
-    Setting("resume", False, "continue in a new bag after the recorder was killed (respawn:=true of the launch file)"),
-    Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
-    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
-    Setting("queue_megabytes", 512, "memory for messages that wait for the disk [MiB]", 1, 65_536),
-    Setting("sync_period", 1.0, "longest time until a message is on the disk [s]", 0.05, 3600.0),
-    Setting("split_megabytes", SPLIT_BYTES // 2**20, "size at which a file of the bag ends [MiB]", 1, 1_048_576),
-    Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
-    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
-    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
-)
+SETTINGS = declared("recorder")
 
 #: How often the graph is looked at for new topics [s].
 LOOK_PERIOD = 0.1

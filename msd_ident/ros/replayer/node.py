@@ -19,17 +19,10 @@ from msd_ident.io import Bag, RawMessage, open_bag
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import message_class, time_message
 from msd_ident.ros.common.node_runner import NodeOwner
-from msd_ident.ros.common.parameters import Setting, Settings
+from msd_ident.ros.common.parameters import Settings, declared
 from msd_ident.ros.replayer.schedule import CLOCK_PERIOD_NS, ReplayRate, Tick, with_ticks
 
-SETTINGS = (
-    Setting("bag", "", "rosbag2 folder, .mcap or .db3 file to play"),
-    Setting("rate", 1.0, "playback speed", 0.01, 100.0),
-    Setting("loop", False, "begin anew at the end"),
-    Setting("clock", False, "publish /clock with the bag's time, for nodes with use_sim_time"),
-    Setting("topics", [""], "topics to play; empty: all"),
-    Setting("wait", 3.0, "longest wait for a subscriber on every topic before the first message [s]", 0.0, 3600.0),
-)
+SETTINGS = declared("replayer")
 
 
 class Replayer(NodeOwner):
