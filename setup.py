@@ -41,6 +41,7 @@ setup(
     packages=find_packages(include=["msd_ident", "msd_ident.*", "msd_sim", "msd_sim.*"]),
     package_data={
         "": ["py.typed", "*.html", "*.css", "*.js", "*.svg", "*.j2", "*.yaml"],
+        "msd_ident.export": ["templates/*"],
         "msd_ident.report": ["templates/*", "vendor/*"],
     },
     data_files=[

@@ -10,7 +10,7 @@ from pathlib import Path
 
 #: What commands import within: imported once, before any of them.
 HEAVY = (
-    *("msd_ident.cli.main", "msd_ident.cli.diagnose", "msd_ident.cli.pages", "msd_ident.cli.sources", "rich.console"),
+    *("msd_ident.cli.main", "msd_ident.cli.diagnose", "msd_ident.cli.pages", "msd_ident.cli.groups", "rich.console"),
     *("msd_ident.workflow.pipeline", "msd_ident.io", "msd_ident.io.repair", "msd_ident.design", "pydantic.main"),
 )
 

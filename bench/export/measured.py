@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench.real.rigs import RIGS, folder
-from msd_ident.cli.run import jsonable
+from msd_ident.cli.results import jsonable
 from msd_ident.errors import MsdError
 from msd_ident.export import Options, export, target
 from msd_ident.io import read

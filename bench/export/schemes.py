@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.export.replays import EXACT
 from bench.export.results import drawn, fitted
-from msd_ident.export import Options, export, mujoco_elements, mujoco_target, target
+from msd_ident.export import Options, export, mujoco_elements, target, templates
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,11 @@ def ratios(seed: int, number: int) -> tuple[float, ...]:
 @contextmanager
 def _made(scheme: Scheme) -> Iterator[None]:
     """Exports with this form of the constraint."""
-    text = mujoco_target._MODEL.replace('"RK4"', f'"{scheme.integrator}"')
+    read = templates.read
     with (
         mock.patch.object(mujoco_elements, "SLIP", scheme.rate),
         mock.patch.object(mujoco_elements, "STIFF", scheme.impedance),
-        mock.patch.object(mujoco_target, "_MODEL", text),
+        mock.patch.object(templates, "read", lambda name: read(name).replace('"RK4"', f'"{scheme.integrator}"')),
     ):
         yield
 

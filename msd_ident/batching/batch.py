@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from distributed import Client, Future
 
-#: Told how many records are done, of how many, and the rows that came last.
+#: Called with the number of records done, of all records, and the rows that came last.
 Progress = Callable[[int, int, Sequence[Row]], None]
 
 
@@ -90,8 +90,8 @@ class Run:
         self._digest: dict[str, str] = {}
         self._places: dict[str, list[int]] = defaultdict(list)
         self._like: dict[str, str] = {}
-        told = (self.earlier.column(name).to_pylist() for name in ("path", "job", "sha256"))
-        for place, (path, job, digest) in enumerate(zip(*told, strict=True)):
+        columns = (self.earlier.column(name).to_pylist() for name in ("path", "job", "sha256"))
+        for place, (path, job, digest) in enumerate(zip(*columns, strict=True)):
             if digest and job == self.work.job.digest:
                 self._digest[path] = digest
                 self._places[path].append(place)
@@ -134,8 +134,8 @@ class Run:
         path, found = answer.task.path, answer.result
         if answer.error:
             job = self.work.job
-            told = {**identity(path, job.labels), "code": job.code, "job": job.digest, "options": job.told()}
-            return [{**told, "error": answer.error}]
+            row = {**identity(path, job.labels), "code": job.code, "job": job.digest, "options": job.changes()}
+            return [{**row, "error": answer.error}]
         if isinstance(found, Done):
             self.reused += bool(found.known)
             return found.rows
@@ -181,7 +181,7 @@ def run(paths: Iterable[str | os.PathLike[str]], job: Job, link: Link, plan: Pla
         whole = this.whole()
     except BaseException:
         if store is not None:
-            with suppress(MsdError):  # what is told is why the work ended
+            with suppress(MsdError):  # the error to report is why the work ended
                 store.flush()
         raise
     if store is not None:

@@ -1,4 +1,4 @@
-"""The processes that work: a cluster of this machine, or one that runs elsewhere."""
+"""The Dask cluster of a batch: processes on this machine, or a scheduler that runs elsewhere."""
 
 from __future__ import annotations
 
@@ -88,9 +88,9 @@ def connect(address: str, patience: float = ANSWER_SECONDS) -> Client:
     except ValueError as error:
         raise UsageError(f"scheduler {address}: {error}; expected an address such as tcp://host:8786") from None
     except (OSError, TimeoutError) as error:
-        said = "no answer" if isinstance(error, TimeoutError) else _line(error)
+        reason = "no answer" if isinstance(error, TimeoutError) else _line(error)
         raise SetupError(
-            f"no scheduler at {address} ({said}); expected one that runs: start it with dask scheduler, or leave "
+            f"no scheduler at {address} ({reason}); expected one that runs: start it with dask scheduler, or leave "
             "--scheduler away to work on this machine"
         ) from None
 

@@ -1,4 +1,4 @@
-"""What is done with every record of a batch, and a digest of it that is stored in each row."""
+"""The job of a batch: how every record is read and diagnosed, with a digest that each row stores."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Job:
         if self.all_joints and (self.source.force or self.source.position):
             raise UsageError("--all-joints takes force and position of each joint; expected no --force and --position")
 
-    def told(self) -> str:
+    def changes(self) -> str:
         """What was asked for beyond the defaults, as JSON; the same text on every computer."""
         plain = Job(code=self.code)
         changed: dict[str, Any] = {}
@@ -69,7 +69,7 @@ class Job:
     @property
     def digest(self) -> str:
         """Of what is asked and of the code: two rows of one content with the same digest are the same row."""
-        return hashlib.sha256(f"{self.code}\n{self.told()}\n{bool(self.pages)}".encode()).hexdigest()[:16]
+        return hashlib.sha256(f"{self.code}\n{self.changes()}\n{bool(self.pages)}".encode()).hexdigest()[:16]
 
 
 def _plain(value: Any, default: Any) -> Any:

@@ -73,7 +73,7 @@ def _local(path: str) -> Sequence[str]:
 
 
 def _remote(path: str) -> Sequence[str]:
-    with said(path):
+    with one_line_errors(path):
         store, root = library("fsspec").core.url_to_fs(path)
         protocol = path.partition("://")[0]
         names = store.glob(root) if _PATTERN.search(root) else store.find(root)
@@ -118,7 +118,7 @@ def local(path: str) -> Iterator[Path]:
         return
     with TemporaryDirectory(prefix="msd_") as folder:
         copy = Path(folder) / PurePosixPath(path).name
-        with said(path):
+        with one_line_errors(path):
             store, root = library("fsspec").core.url_to_fs(path)
             if store.isfile(root):
                 store.get_file(root, str(copy))
@@ -138,7 +138,7 @@ def _fetch(store: Any, root: str, copy: Path) -> None:
 
 
 @contextmanager
-def said(path: str) -> Iterator[None]:
+def one_line_errors(path: str) -> Iterator[None]:
     """What an object store raises, in one line."""
     try:
         yield

@@ -1,4 +1,4 @@
-"""The libraries of the extra ``batch``, or a sentence that names it."""
+"""Import of the libraries of the extra ``batch``, with an error that names it."""
 
 from __future__ import annotations
 

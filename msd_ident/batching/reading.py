@@ -1,4 +1,4 @@
-"""From rows of a table back to what they were made of."""
+"""Records, parameters and covariates from the rows of a table."""
 
 from __future__ import annotations
 

@@ -22,6 +22,8 @@ from msd_ident.quantity import Quantity
 SCHEMA = "msd.batch/1"
 #: Row as plain values, by column.
 Row = dict[str, Any]
+#: Rows as ``table`` reads and writes them: a ``pyarrow.Table``, which has no types.
+Table = Any
 
 #: Parameters of the plant; those of the library follow.
 PLANT = ("mass", "damping", "stiffness")
@@ -40,7 +42,7 @@ def identity(path: str, labels: Mapping[str, str]) -> Row:
     """
     place = PurePosixPath(path)
     day = _DAY.search(place.name) or _DAY.search(path)
-    told: Row = {
+    row: Row = {
         "path": path,
         "name": place.name,
         "joint": "",
@@ -49,14 +51,14 @@ def identity(path: str, labels: Mapping[str, str]) -> Row:
     }
     for column, text in labels.items():
         found = re.search(text, path)
-        told[column] = found.group(1) if found else None
-    return told
+        row[column] = found.group(1) if found else None
+    return row
 
 
 def of_record(record: Record) -> Row:
     """What a record is, before any model."""
     when = datetime.fromtimestamp(record.start_ns / 1e9, timezone.utc) if record.start_ns else None
-    told: Row = {
+    row: Row = {
         "samples": record.samples,
         "duration_s": record.duration,
         "rate_hz": 1.0 / record.period,
@@ -66,13 +68,13 @@ def of_record(record: Record) -> Row:
         "amplitude": 0.5 * float(np.ptp(record.position)),
     }
     if when is not None:
-        told |= {"start": when, "day": when.date().isoformat()}
-    return told
+        row |= {"start": when, "day": when.date().isoformat()}
+    return row
 
 
 def of_diagnosis(found: Diagnosis) -> Row:
     """Columns of a diagnosis: one for every parameter and cause of the library."""
-    told: Row = {
+    row: Row = {
         "verdict": found.verdict,
         "summary": found.summary,
         "causes": [
@@ -90,18 +92,18 @@ def of_diagnosis(found: Diagnosis) -> Row:
         "findings": [vars(finding) for finding in found.findings],
         "warnings": list(found.warnings),
     }
-    told |= {f"p_{one.name}": one.probability for one in found.tried}
-    told |= _quantities(found.extended.quantities, "")
-    told |= _quantities({name: found.base.quantities[name] for name in PLANT}, "base_")
-    return finite(told)
+    row |= {f"p_{one.name}": one.probability for one in found.tried}
+    row |= _quantities(found.extended.quantities, "")
+    row |= _quantities({name: found.base.quantities[name] for name in PLANT}, "base_")
+    return finite(row)
 
 
 def _quantities(quantities: Mapping[str, Quantity], prefix: str) -> Row:
-    told: Row = {}
+    row: Row = {}
     for name, quantity in quantities.items():
         if name in PARAMETERS:
-            told |= {f"{prefix}{name}": quantity.value, f"{prefix}{name}_std": quantity.std}
-    return told
+            row |= {f"{prefix}{name}": quantity.value, f"{prefix}{name}_std": quantity.std}
+    return row
 
 
 def finite(row: Mapping[str, Any]) -> Row:

@@ -161,12 +161,12 @@ class Runner:
         """What has arrived, fetched at once: one trip for each would be the slowest part of a large cluster."""
         futures = self._drained()
         tasks = {future.key: self._running.pop(future.key)[0] for future in futures}
-        told: dict[str, Any] = {}
+        gathered: dict[str, Any] = {}
         finished = {future.key: future for future in futures if future.status == "finished"}
         if len(finished) > 1:
             with suppress(Exception):  # then each on its own, which says what is wrong with which
-                told = self._link.client.gather(finished, errors="skip")
-        found = [self._answer(future, tasks[future.key], told) for future in futures]
+                gathered = self._link.client.gather(finished, errors="skip")
+        found = [self._answer(future, tasks[future.key], gathered) for future in futures]
         return [answer for answer in found if answer is not None]
 
     def _drained(self) -> list[Future]:
@@ -180,10 +180,10 @@ class Runner:
             pass
         return [future for future in found if future.key in self._running]  # others are of a scheduler that is gone
 
-    def _answer(self, future: Future, task: Task, told: dict[str, Any]) -> Answer | None:
+    def _answer(self, future: Future, task: Task, gathered: dict[str, Any]) -> Answer | None:
         try:
-            if future.key in told:
-                return Answer(task, told[future.key])
+            if future.key in gathered:
+                return Answer(task, gathered[future.key])
             if future.status not in ("finished", "error"):
                 self._waiting.appendleft(task)
                 return None
@@ -207,11 +207,11 @@ class Runner:
             again = replace(task, tries=task.tries + (kind == "KilledWorker"))
             self._waiting.append(again)  # behind the others: whom its worker took along comes through first
             return None
-        said = " ".join(str(error).split())[:300]
-        return Answer(task, error=f"internal error, please report it: {kind}: {said}")
+        reason = " ".join(str(error).split())[:300]
+        return Answer(task, error=f"internal error, please report it: {kind}: {reason}")
 
     def _again(self) -> None:
-        """All that was under way is handed out anew, at a scheduler that is there again."""
+        """Hand out again what was in progress, once the scheduler is back."""
         tasks = [task for task, _ in self._running.values()]
         self._running.clear()
         self._waiting.extendleft(reversed(tasks))

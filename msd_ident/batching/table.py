@@ -1,4 +1,4 @@
-"""Tables of rows: their schema, and how they lie in parquet so that no row is lost or doubled.
+"""Tables of rows in parquet files: their schema, and writing so that no row is lost or stored twice.
 
 While a batch runs, rows go into parts beside the table, each written whole under another name and then moved to its
 place. At the end the parts become the table, in the same way, and go.
@@ -84,10 +84,10 @@ def read(path: str) -> pa.Table:
 
 
 def _checked(found: pa.Table, path: str) -> pa.Table:
-    said = (found.schema.metadata or {}).get(_KEY, b"none").decode(errors="replace")
-    if said != SCHEMA:
+    stated = (found.schema.metadata or {}).get(_KEY, b"none").decode(errors="replace")
+    if stated != SCHEMA:
         raise DataError(
-            f"{path} has the schema {said}; expected {SCHEMA}: make the table again with this version of msd batch"
+            f"{path} has the schema {stated}; expected {SCHEMA}: make the table again with this version of msd batch"
         )
     wanted = schema()
     missing = [name for name in ("path", "joint", "sha256", "job", "error") if name not in found.schema.names]
@@ -220,9 +220,9 @@ def rows_at(table: pa.Table, places: Sequence[int]) -> pa.Table:
 
 
 def _store(path: str) -> tuple[Any, str]:
-    from msd_ident.batching.locations import said
+    from msd_ident.batching.locations import one_line_errors
 
-    with said(path):
+    with one_line_errors(path):
         store, place = library("fsspec").core.url_to_fs(path)
     return store, str(place)
 

@@ -15,7 +15,7 @@ from msd_ident.batching import locations
 from msd_ident.batching.code import code_version
 from msd_ident.batching.job import Job
 from msd_ident.batching.row import Row, finite, identity, of_diagnosis, of_record
-from msd_ident.data.effort import judge
+from msd_ident.data.joint_effort import judge
 from msd_ident.data.provenance import fingerprint
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
@@ -69,12 +69,12 @@ class Work:
                 "version everywhere: install the same on all workers and start them again"
             )
         began = time.perf_counter()
-        told = {**identity(path, self.job.labels), "code": self.job.code, "job": self.job.digest}
-        told |= {"options": self.job.told(), "worker": _here()}
+        columns = {**identity(path, self.job.labels), "code": self.job.code, "job": self.job.digest}
+        columns |= {"options": self.job.changes(), "worker": _here()}
         try:
             with locations.local(path) as copy:
                 size, digest = fingerprint(copy)
-                told |= {"sha256": digest, "bytes": size}
+                columns |= {"sha256": digest, "bytes": size}
                 if digest in self.known:
                     return Done((), digest)
                 with parallel.limited_to(self.threads or parallel.threads()):
@@ -82,7 +82,7 @@ class Work:
         except Exception as error:
             rows = [{"error": in_words(error)}]
         seconds = (time.perf_counter() - began) / len(rows)
-        return Done(tuple({**told, "seconds": seconds, **row} for row in rows))
+        return Done(tuple({**columns, "seconds": seconds, **row} for row in rows))
 
     def _rows(self, path: str, copy: Path) -> list[Row]:
         beside = finite(covariates(copy, self.job.covariates))
@@ -109,17 +109,17 @@ class Work:
         return self._row(path, record, joint.name)
 
     def _row(self, path: str, record: Record, part: str) -> Row:
-        told, began = of_record(record), time.perf_counter()
+        row, began = of_record(record), time.perf_counter()
         try:
             found = pipeline.diagnose([record], self.job.options)
-            told |= {"diagnosis_seconds": time.perf_counter() - began, **of_diagnosis(found)}
+            row |= {"diagnosis_seconds": time.perf_counter() - began, **of_diagnosis(found)}
             if self.draw is not None and self.job.pages:
                 page = Path(self.job.pages) / page_name(path, part)
                 self.draw(found, path, page)
-                told["page"] = str(page)
+                row["page"] = str(page)
         except Exception as error:
-            told |= {"diagnosis_seconds": time.perf_counter() - began, "error": in_words(error)}
-        return told
+            row |= {"diagnosis_seconds": time.perf_counter() - began, "error": in_words(error)}
+        return row
 
 
 def page_name(path: str, part: str) -> str:
@@ -129,8 +129,8 @@ def page_name(path: str, part: str) -> str:
         path: of the record.
         part: of the record, such as a joint; may be empty.
     """
-    told = f"{path}\n{part}".encode()
-    return f"{hashlib.sha256(told).hexdigest()[:16]}.html"
+    text = f"{path}\n{part}".encode()
+    return f"{hashlib.sha256(text).hexdigest()[:16]}.html"
 
 
 def in_words(error: Exception) -> str:

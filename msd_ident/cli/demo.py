@@ -90,12 +90,10 @@ def _progress(console: Console) -> Iterator[Callable[[str, float], None]]:
 def _ended_by_signals() -> Iterator[None]:
     """Make SIGTERM and SIGHUP unwind the stack as Ctrl-C does, so that everything started is ended."""
 
+    from msd_ident.ros.common.signals import handled
+
     def unwind(number: int, frame: FrameType | None) -> None:
         sys.exit(128 + number)
 
-    kept = {number: signal.signal(number, unwind) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
+    with handled(unwind, signal.SIGTERM, signal.SIGHUP):
         yield
-    finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from msd_ident.cli import options, sources
+from msd_ident.cli import groups, options, progress, results
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from msd_ident.cli.run import Output
     from msd_ident.data.record import Record
     from msd_ident.design import Limits, Proposal
     from msd_ident.design.parameter_design import Sharpened
@@ -23,63 +20,46 @@ if TYPE_CHECKING:
 
 TargetsOption = Annotated[
     str,
-    typer.Option(
-        "--for",
-        metavar="NAME,…",
-        help="design for narrower intervals of these parameters, e.g. mass,damping",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--for", metavar="NAME,…", help="design for narrower intervals of these parameters, e.g. mass,damping"
     ),
 ]
 CheckOption = Annotated[
-    bool,
-    typer.Option(
-        "--check",
-        help="look for causes that this data could not show, even if none are tied",
-        rich_help_panel=options.MODEL,
-    ),
+    bool, options.model_option("--check", help="look for causes that this data could not show, even if none are tied")
 ]
 OutOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--out", metavar="FILE", help="profile to write: .yaml or .csv", rich_help_panel=options.OUTPUT),
+    Path | None, options.output_option("--out", metavar="FILE", help="profile to write: .yaml or .csv")
 ]
 FigureOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--figure",
-        metavar="FILE",
-        help="picture of the rivals' predictions (.png, .svg, .pdf)",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path | None,
+    options.output_option("--figure", metavar="FILE", help="picture of the rivals' predictions (.png, .svg, .pdf)"),
 ]
 
 
-@sources.reading
+@groups.grouped("json", "quiet", "overwrite")
 def design(
     paths: options.PathsArgument,
-    source: sources.Source,
+    source: groups.Source,
     limits: options.LimitsOption = None,
     targets: TargetsOption = "",
     check: CheckOption = False,
     out: OutOption = None,
     figure: FigureOption = None,
     model: options.ModelOption = "auto",
-    json: options.JsonOption = "",
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: results.Output,
 ) -> int:
     """Design the shortest experiment that decides between tied causes. All paths are records of one rig."""
-    from msd_ident.cli import run
     from msd_ident.diagnosis import same_plant
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
 
-    output = run.Output(json, quiet, overwrite)
     output.check()
     for target in (out, figure):
         if target is not None:
-            run.check_target(target, overwrite)
+            results.check_target(target, output.overwrite)
     allowed = options.limits_of(limits)
-    with run.progress(quiet) as report:
+    with progress.stages(output.quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
         diagnosis = pipeline.diagnose(
             records, pipeline.Options(model=model), lambda stage, part, cause: report(f"{stage} {cause}", 0.9 * part)
@@ -111,10 +91,9 @@ class Found:
     name: str
 
 
-def _write(made: Found, output: Output, out: Path | None, figure: Path | None) -> None:
+def _write(made: Found, output: results.Output, out: Path | None, figure: Path | None) -> None:
     from rich.console import Console
 
-    from msd_ident.cli import run
     from msd_ident.design import Proposal, write_profile
     from msd_ident.report import design_figures, design_tables
 
@@ -123,7 +102,7 @@ def _write(made: Found, output: Output, out: Path | None, figure: Path | None) -
         "schema": "msd.design/1", "path": made.name, "verdict": diagnosis.verdict,
         "limits": made.limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
     }  # fmt: skip
-    run.write([line], output)
+    results.write([line], output)
     console: Console = Console(highlight=False)
     if output.tables:
         design_tables.print_design(found, diagnosis, console)

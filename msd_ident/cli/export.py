@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from msd_ident.cli import options, pages, run, sources
+from msd_ident.cli import groups, options, pages, results
 from msd_ident.cli.validate import saved_model
 from msd_ident.errors import MsdError, UsageError
 
@@ -20,81 +18,48 @@ if TYPE_CHECKING:
 
 ToOption = Annotated[
     str,
-    typer.Option(
+    options.output_option(
         "--to",
         metavar="TARGET",
         help="format: mujoco, mujoco-xml (no callbacks), sdf, urdf, python, python-msd, fmu, gains, draws",
-        rich_help_panel=options.OUTPUT,
     ),
 ]
 ReplayOption = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Option(
-        "--replay",
-        metavar="PATH",
-        help="record for the proof by replay; repeatable; default: the result's own",
-        rich_help_panel=options.SOURCE,
+    list[Path] | None,
+    options.source_option(
+        "--replay", metavar="PATH", help="record for the proof by replay; repeatable; default: the result's own"
     ),
 ]
 
 
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        metavar="FILE",
-        help="main file; further files are written next to it",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path, options.output_option("--out", metavar="FILE", help="main file; further files are written next to it")
 ]
-NoReplayOption = Annotated[
-    bool,
-    typer.Option("--no-replay", help="write the file without a proof by replay", rich_help_panel=options.SOURCE),
-]
-JointOption = Annotated[
-    str, typer.Option("--joint", metavar="NAME", help="name of the joint", rich_help_panel=options.MODEL)
-]
+NoReplayOption = Annotated[bool, options.source_option("--no-replay", help="write the file without a proof by replay")]
+JointOption = Annotated[str, options.model_option("--joint", metavar="NAME", help="name of the joint")]
 IntoOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--into",
-        metavar="ROBOT.xml",
-        help="insert the model into a joint of this MuJoCo model; --out is the new file",
-        rich_help_panel=options.MODEL,
+    Path | None,
+    options.model_option(
+        "--into", metavar="ROBOT.xml", help="insert the model into a joint of this MuJoCo model; --out is the new file"
     ),
 ]
-FragmentOption = Annotated[
-    bool,
-    typer.Option("--fragment", help="write only the joint's elements, to paste", rich_help_panel=options.OUTPUT),
-]
+FragmentOption = Annotated[bool, options.output_option("--fragment", help="write only the joint's elements, to paste")]
 MassOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(
-        "--mass",
-        metavar="KG",
-        help="moving mass, for a result that has only ratios",
-        rich_help_panel=options.MODEL,
-    ),
+    float | None, options.model_option("--mass", metavar="KG", help="moving mass, for a result that has only ratios")
 ]
-DrawsOption = Annotated[
-    int, typer.Option("--draws", help="number of parameter sets of --to draws", rich_help_panel=options.OUTPUT)
-]
+DrawsOption = Annotated[int, options.output_option("--draws", help="number of parameter sets of --to draws")]
 StepsOption = Annotated[
-    Optional[int],  # noqa: UP045
-    typer.Option(
-        "--steps",
-        min=1,
-        max=1000,
-        help="solver steps per sample of the record; default: as many as the replay needs",
-        rich_help_panel=options.OUTPUT,
+    int | None,
+    options.output_option(
+        "--steps", min=1, max=1000, help="solver steps per sample of the record; default: as many as the replay needs"
     ),
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "figures", "quiet", "overwrite")
 def export(
     result: options.ResultArgument,
-    source: sources.Source,
+    source: groups.Source,
     to: ToOption,
     out: OutOption,
     replay: ReplayOption = None,
@@ -106,11 +71,8 @@ def export(
     draws: DrawsOption = 1000,
     steps: StepsOption = None,
     line: options.LineOption = None,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: results.Output,
 ) -> int:
     """Export a saved model to MuJoCo, SDF, URDF, Python, FMU, gains or draws, and check it by replay."""
     from rich.console import Console
@@ -119,13 +81,10 @@ def export(
     from msd_ident.io import read_all
     from msd_ident.report import export as tables
 
-    output = run.Output(json, quiet, overwrite)
     output.check()
-    page = pages.Pages(report, None, figures, source, output)
-    page.check()
     chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
     chosen.check_name(out)
-    _check_files(chosen, out, overwrite)
+    _check_files(chosen, out, output.overwrite)
     saved = saved_model(result, line)
     settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
@@ -135,15 +94,14 @@ def export(
         found = found.unproven(why)
     if output.tables:
         tables.print_export(found, Console(highlight=False))
-    run.write([found.to_json_dict()], output)
-    page.keep(tuple(paths), found)
-    page.finish()
+    results.write([found.to_json_dict()], output)
+    pages.write([(tuple(paths), found)], source, output)
     return 0
 
 
 def _check_files(target: Target, out: Path, overwrite: bool) -> None:
     for path in (out, *target.beside(out)):
-        run.check_target(path, overwrite)
+        results.check_target(path, overwrite)
 
 
 def _paths(

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
-import typer
-
-from msd_ident.cli import exports, options, pages, run, sources, trials
+from msd_ident.cli import groups, options, results, solving
+from msd_ident.cli.further import Further
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -15,33 +14,25 @@ if TYPE_CHECKING:
     from msd_ident.workflow.identify import Progress
 
 
-LossOption = Annotated[
-    str, typer.Option(help="linear, or soft_l1 for data with outliers", rich_help_panel=options.MODEL)
-]
+LossOption = Annotated[str, options.model_option(help="linear, or soft_l1 for data with outliers")]
 MassOption = Annotated[
     str,
-    typer.Option(
-        "--mass",
-        metavar="KG[±STD]",
-        help="known moving mass; a free decay then has results in newtons",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--mass", metavar="KG[±STD]", help="known moving mass; a free decay then has results in newtons"
     ),
 ]
 KnownOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--known",
-        metavar="NAME=VALUE[±STD]",
-        help="parameter that is known and not fitted; repeatable",
-        rich_help_panel=options.MODEL,
+    list[str] | None,
+    options.model_option(
+        "--known", metavar="NAME=VALUE[±STD]", help="parameter that is known and not fitted; repeatable"
     ),
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "markdown", "figures", "quiet", "overwrite")
 def identify(
     paths: options.PathsArgument,
-    source: sources.Source,
+    source: groups.Source,
     model: options.ModelOption = "auto",
     loss: LossOption = "linear",
     mass: MassOption = "",
@@ -49,12 +40,8 @@ def identify(
     together: options.TogetherOption = False,
     on: options.OnOption = None,
     export: options.ExportOption = None,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    markdown: options.MarkdownOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: results.Output,
 ) -> int:
     """Estimate ωn, ζ and K, then mass, damping, stiffness and dry friction, each with its 95 % interval."""
     from msd_ident.report import tables
@@ -63,17 +50,10 @@ def identify(
     from msd_ident.workflow.options import Options
 
     settings = Options(model, cast(Literal["linear", "soft_l1"], loss), parse_all(known or (), mass))
-    output = run.Output(json, quiet, overwrite)
-    targets = pages.Pages(report, markdown, figures, source, output)
-    targets.check()
-    tried, exported = trials.Trials(on or (), source), exports.Exports(export or (), source, targets)
-    exported.check(1 if together else len(paths))
 
     def solve(records: Sequence[Record], progress: Progress) -> Identification:
         return identification.identify(records, settings, progress)
 
-    further = trials.both(tried, exported)
-    after = run.After(tables.print_identification, exported.keep, further)
-    code = run.work(run.Data(paths, source, together), output, solve, after)
-    targets.finish()
-    return code
+    further = Further(on or (), export or (), source)
+    data = solving.Data(paths, source, together)
+    return solving.work(data, output, solve, tables.print_identification, further)[0]

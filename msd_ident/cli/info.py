@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import options, sources
+from msd_ident.cli import groups, options, results
 from msd_ident.errors import MsdError
 
 if TYPE_CHECKING:
@@ -18,36 +17,24 @@ if TYPE_CHECKING:
     from msd_ident.io import BagInfo, SourceOptions
 
 
-@sources.reading
+@groups.grouped("json", "overwrite")
 def info(
     paths: options.PathsArgument,
-    source: sources.Source,
-    json: options.JsonOption = "",
-    overwrite: options.OverwriteOption = False,
+    source: groups.Source,
+    output: results.Output,
 ) -> int:
     """Show topics, types, rates and gaps, the signals that would be used, and problems with them."""
     from rich.console import Console
 
-    from msd_ident.cli import run
-
-    output = run.Output(json, quiet=False, overwrite=overwrite)
-    output.check()
     console = Console(highlight=False)
-    lines: list[dict[str, Any]] = []
-    failed = False
-    for path in paths:
-        try:
-            found = _look(path, source)
-        except MsdError as error:
-            failed = True
-            print(f"msd: {error}", file=sys.stderr)
-            lines.append({"path": str(path), "error": str(error)})
-            continue
-        lines.append(_to_json(found))
+
+    def handle(path: Path) -> dict[str, Any]:
+        found = _look(path, source)
         if output.tables:
             _show(found, console)
-    run.write(lines, output)
-    return 2 if failed else 0
+        return _to_json(found)
+
+    return results.each_path(paths, output, handle)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Ctrl-C that is never lost: not even while Python cannot raise an exception."""
+"""Ctrl-C is not lost where Python drops the exception of a signal."""
 
 from __future__ import annotations
 

@@ -6,11 +6,11 @@ import json as text
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import options
+from msd_ident.cli import groups, options, results
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -18,75 +18,52 @@ if TYPE_CHECKING:
     from msd_ident.workflow.investigation import Investigation, Rig, Step
 
 EffectOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--effect",
-        metavar="NAME[:PARAMETER=NUMBER,…]",
-        help="effect that the simulated rig has; repeatable",
-        rich_help_panel=options.RIG,
+    list[str] | None,
+    options.rig_option(
+        "--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="effect that the simulated rig has; repeatable"
     ),
 ]
 
 
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        metavar="FOLDER",
-        help="new folder for bags, journal and report",
-        rich_help_panel=options.OUTPUT,
-    ),
+    Path, options.output_option("--out", metavar="FOLDER", help="new folder for bags, journal and report")
 ]
 RigOption = Annotated[
-    str,
-    typer.Option(
-        "--rig",
-        metavar="NAME|FILE",
-        help="simulated rig; default: the rig of the ROS graph",
-        rich_help_panel=options.RIG,
-    ),
+    str, options.rig_option("--rig", metavar="NAME|FILE", help="simulated rig; default: the rig of the ROS graph")
 ]
 FirstOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--first",
-        metavar="PROFILE",
-        help="first experiment; default: a force step, sized by a gentle trial",
-        rich_help_panel=options.MODEL,
+    Path | None,
+    options.model_option(
+        "--first", metavar="PROFILE", help="first experiment; default: a force step, sized by a gentle trial"
     ),
 ]
-RunsOption = Annotated[
-    int,
-    typer.Option(min=0, max=20, help="greatest number of experiments after the first", rich_help_panel=options.MODEL),
-]
+RunsOption = Annotated[int, options.model_option(min=0, max=20, help="greatest number of experiments after the first")]
 SecondsOption = Annotated[
-    float,
-    typer.Option(min=1.0, help="greatest total duration of all experiments, in seconds", rich_help_panel=options.MODEL),
+    float, options.model_option(min=1.0, help="greatest total duration of all experiments, in seconds")
 ]
 
 
+@groups.grouped("json", "quiet")
 def investigate(
     limits: options.LimitsOption = None,
     out: OutOption = Path("investigation"),
     rig: RigOption = "",
     effect: EffectOption = None,
-    seed: Annotated[int, typer.Option(help="seed of the simulated encoder noise", rich_help_panel=options.RIG)] = 0,
+    seed: Annotated[int, options.rig_option(help="seed of the simulated encoder noise")] = 0,
     first: FirstOption = None,
     runs: RunsOption = 2,
     seconds: SecondsOption = 120.0,
-    yes: Annotated[bool, typer.Option("--yes", help="do not ask before each run", rich_help_panel=options.RIG)] = False,
+    yes: Annotated[bool, options.rig_option("--yes", help="do not ask before each run")] = False,
     namespace: options.NamespaceOption = "msd",
     silence: options.SilenceOption = 0.5,
     lead: options.LeadOption = 0.05,
-    json: options.JsonOption = "",
-    quiet: options.QuietOption = False,
+    *,
+    output: results.Output,
 ) -> int:
     """Run, diagnose and design experiments in a loop until one explanation remains."""
-    from msd_ident.cli import run
     from msd_ident.design import read_profile
     from msd_ident.workflow import investigation
 
-    output = run.Output(json, quiet, False)
     output.check()
     allowed = options.limits_of(limits)
     begin = read_profile(first) if first else None
@@ -94,7 +71,7 @@ def investigate(
         allowed.check(begin)
     if out.exists():
         raise UsageError(f"{out} exists; expected a new folder: give another --out")
-    run.make_folder(out)
+    results.make_folder(out)
     ask = investigation.always if yes else asking()
     tell = _telling(out, output.tables)
     budget = investigation.Budget(runs, seconds)
@@ -116,7 +93,7 @@ def _rig(name: str, effects: list[str], seed: int, out: Path, graph: tuple[str, 
     if effects:
         raise UsageError("--effect without --rig; expected a simulated rig for it: the graph's rig has its own")
     from msd_ident.cli.needs_ros import require_ros
-    from msd_ident.cli.run_profile import stopped_by_signals
+    from msd_ident.cli.run import stopped_by_signals
 
     require_ros("msd investigate")
     from msd_ident.ros.experimenter.session import GraphRig, conductor
@@ -155,15 +132,13 @@ def _telling(out: Path, tables: bool) -> Callable[[Step], None]:
     return tell
 
 
-def _write(found: Investigation, out: Path, output: object) -> None:
-    from msd_ident.cli import run
+def _write(found: Investigation, out: Path, output: results.Output) -> None:
     from msd_ident.report import investigation_page
 
-    assert isinstance(output, run.Output)
-    journal = run.jsonable(found.to_json_dict())
+    journal = results.jsonable(found.to_json_dict())
     (out / "journal.json").write_text(text.dumps(journal, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     investigation_page.save(found, out / "report.html")
-    run.write([{"path": str(out), **found.to_json_dict()}], output)
+    results.write([{"path": str(out), **found.to_json_dict()}], output)
     if output.tables:
         print(found.sentence)
         for sentence in found.measurements:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from msd_ident.cli import run
+from msd_ident.cli import progress, results
 from msd_ident.errors import DataError, MsdError, UsageError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ def diagnose_joints(
     paths: Sequence[Path],
     source: SourceOptions,
     options: pipeline.Options,
-    output: run.Output,
+    output: results.Output,
     others: Sequence[object],
 ) -> int:
     """Diagnose all joints of each bag, in parallel; one table a bag, one JSON object a joint.
@@ -50,13 +50,15 @@ def diagnose_joints(
         except MsdError as error:
             failures.append(error)
             lines.append({"schema": SCHEMA, "path": str(path), "error": str(error)})
-    run.write(lines, output)
+    results.write(lines, output)
     if failures:
         raise DataError("; ".join(map(str, failures)))
     return 0
 
 
-def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, output: run.Output) -> list[dict[str, Any]]:
+def _one_bag(
+    path: Path, source: SourceOptions, options: pipeline.Options, output: results.Output
+) -> list[dict[str, Any]]:
     from rich.console import Console
 
     from msd_ident.io import joints as in_bag
@@ -64,7 +66,7 @@ def _one_bag(path: Path, source: SourceOptions, options: pipeline.Options, outpu
     from msd_ident.workflow import all_joints
 
     found = in_bag(path)
-    with run.progress(output.quiet) as tell:
+    with progress.stages(output.quiet) as tell:
         tell(f"{len(found)} joints", 0.1)
         results = all_joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
     if output.tables:
@@ -80,8 +82,7 @@ def _line(path: Path, one: Any) -> dict[str, Any]:
         "effort_usable": one.usable,
         "sentence": one.sentence,
     }
-    found: Mapping[str, Any] = one.diagnosis.to_json_dict() if one.diagnosis else {}
-    return {**line, "diagnosis": {key: value for key, value in found.items()} or None}
+    return {**line, "diagnosis": one.diagnosis.to_json_dict() if one.diagnosis else None}
 
 
 def _show(path: Path, results: Sequence[Any], console: Any) -> None:

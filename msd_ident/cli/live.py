@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 DemoOption = Annotated[bool, typer.Option("--demo", help="also start a simulated rig, a recorder and an identifier")]
-RateOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(min=1.0, max=30.0, help="greatest number of frames per second"),
-]
+RateOption = Annotated[float | None, typer.Option(min=1.0, max=30.0, help="greatest number of frames per second")]
 
 
 def live(

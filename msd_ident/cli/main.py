@@ -17,8 +17,6 @@ COMMANDS = (
     *("identify", "diagnose", "validate", "export", "batch", "compare", "watch", "design", "run", "investigate"),
     *("record", "replay", "live", "repair", "simulate", "demo", "paper", "info", "warm"),
 )
-#: Subcommand -> module and function, where the name differs.
-MODULES = {"run": "run_profile"}
 
 app = typer.Typer(
     name="msd",
@@ -50,12 +48,12 @@ def _register() -> None:
         return
     for name in COMMANDS:
         try:
-            module = importlib.import_module(f"msd_ident.cli.{MODULES.get(name, name)}")
+            module = importlib.import_module(f"msd_ident.cli.{name}")
         except ModuleNotFoundError as missing:
-            if missing.name != f"msd_ident.cli.{MODULES.get(name, name)}":
+            if missing.name != f"msd_ident.cli.{name}":
                 raise
             continue
-        app.command(name=name)(getattr(module, MODULES.get(name, name)))
+        app.command(name=name)(getattr(module, name))
 
 
 def fail(error: MsdError) -> int:

@@ -1,4 +1,4 @@
-"""The one line that subcommands say when there is no ROS 2."""
+"""Check that ROS 2 and ``msd_interfaces`` are installed, for subcommands that need them."""
 
 from __future__ import annotations
 

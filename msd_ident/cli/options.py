@@ -1,9 +1,10 @@
-"""Options that several subcommands share: each stands here once, with its help text and its panel in ``--help``."""
+"""Options that several subcommands share: each is defined once, with its help text and its panel in ``--help``."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,220 +16,128 @@ if TYPE_CHECKING:
 #: Panels of ``--help``.
 SOURCE, MODEL, OUTPUT, RIG, BATCH = "Source", "Model", "Output", "Rig", "Many records"
 
-# typer reads these annotations at run time, also on Python 3.10: hence Optional.
+# An option of a panel.
+source_option = partial(typer.Option, rich_help_panel=SOURCE)
+model_option = partial(typer.Option, rich_help_panel=MODEL)
+output_option = partial(typer.Option, rich_help_panel=OUTPUT)
+rig_option = partial(typer.Option, rich_help_panel=RIG)
+batch_option = partial(typer.Option, rich_help_panel=BATCH)
 
 # Source: which records, and how they are read.
 PathsArgument = Annotated[list[Path], typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")]
 ResultArgument = Annotated[
     Path, typer.Argument(metavar="RESULT.json", help="file that --json of identify or diagnose wrote")
 ]
-LineOption = Annotated[
-    Optional[int],  # noqa: UP045
-    typer.Option("--line", min=1, help="line of RESULT.json to use, if it has several", rich_help_panel=SOURCE),
-]
+LineOption = Annotated[int | None, source_option("--line", min=1, help="line of RESULT.json to use, if it has several")]
 ForceOption = Annotated[
-    str,
-    typer.Option(
-        "--force", metavar="TOPIC:FIELD|COLUMN|none", help="force signal; none: free decay", rich_help_panel=SOURCE
-    ),
+    str, source_option("--force", metavar="TOPIC:FIELD|COLUMN|none", help="force signal; none: free decay")
 ]
-PositionOption = Annotated[
-    str, typer.Option("--position", metavar="TOPIC:FIELD|COLUMN", help="position signal", rich_help_panel=SOURCE)
-]
-TimeOption = Annotated[
-    str, typer.Option("--time", metavar="COLUMN", help="time column of a table", rich_help_panel=SOURCE)
-]
+PositionOption = Annotated[str, source_option("--position", metavar="TOPIC:FIELD|COLUMN", help="position signal")]
+TimeOption = Annotated[str, source_option("--time", metavar="COLUMN", help="time column of a table")]
 RateOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option("--rate", metavar="HZ", help="sampling rate of a table without a time column", rich_help_panel=SOURCE),
+    float | None, source_option("--rate", metavar="HZ", help="sampling rate of a table without a time column")
 ]
 RunOption = Annotated[
     str,
-    typer.Option(
-        "--run",
-        metavar="N|all",
-        help="run to use, in a table with several side by side; all: each is a record",
-        rich_help_panel=SOURCE,
+    source_option(
+        "--run", metavar="N|all", help="run to use, in a table with several side by side; all: each is a record"
     ),
 ]
-ForceScaleOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="factor from the source's force to the force unit", rich_help_panel=SOURCE),
-]
+ForceScaleOption = Annotated[float | None, source_option(help="factor from the source's force to the force unit")]
 PositionScaleOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(
-        help="factor from the source's position to the position unit; negative inverts the sign",
-        rich_help_panel=SOURCE,
-    ),
+    float | None,
+    source_option(help="factor from the source's position to the position unit; negative inverts the sign"),
 ]
-TimeScaleOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="factor from the time column to seconds", rich_help_panel=SOURCE),
-]
+TimeScaleOption = Annotated[float | None, source_option(help="factor from the time column to seconds")]
 ForceUnitOption = Annotated[
-    str,
-    typer.Option(
-        help="force unit after scaling: N or N·m; any other (e.g. V) means that the gain is unknown",
-        rich_help_panel=SOURCE,
-    ),
+    str, source_option(help="force unit after scaling: N or N·m; any other (e.g. V) means that the gain is unknown")
 ]
-PositionUnitOption = Annotated[
-    str, typer.Option(help="position unit after scaling: m, rad or count", rich_help_panel=SOURCE)
-]
+PositionUnitOption = Annotated[str, source_option(help="position unit after scaling: m, rad or count")]
 HoldOption = Annotated[
     str,
-    typer.Option(
-        help="force between its samples: zero (held), linear, band_limited; auto: inferred from a table's data",
-        rich_help_panel=SOURCE,
+    source_option(
+        help="force between its samples: zero (held), linear, band_limited; auto: inferred from a table's data"
     ),
 ]
-StartOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="start of the part to use, in seconds", rich_help_panel=SOURCE),
-]
-EndOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="end of the part to use, in seconds", rich_help_panel=SOURCE),
-]
-TogetherOption = Annotated[
-    bool, typer.Option("--together", help="treat all paths as one experiment with one model", rich_help_panel=SOURCE)
-]
-AllJointsOption = Annotated[
-    bool, typer.Option("--all-joints", help="treat every joint of a bag separately", rich_help_panel=SOURCE)
-]
+StartOption = Annotated[float | None, source_option(help="start of the part to use, in seconds")]
+EndOption = Annotated[float | None, source_option(help="end of the part to use, in seconds")]
+TogetherOption = Annotated[bool, source_option("--together", help="treat all paths as one experiment with one model")]
+AllJointsOption = Annotated[bool, source_option("--all-joints", help="treat every joint of a bag separately")]
 
 # Model: what is fitted, and how the result is judged.
-ModelOption = Annotated[
-    str, typer.Option(help="auto, spring, or no_spring for an axis without a spring", rich_help_panel=MODEL)
-]
+ModelOption = Annotated[str, model_option(help="auto, spring, or no_spring for an axis without a spring")]
 ToleranceOption = Annotated[
-    float,
-    typer.Option(
-        "--tolerance",
-        metavar="PERCENT",
-        help="unexplained part of the motion that is acceptable",
-        rich_help_panel=MODEL,
-    ),
+    float, model_option("--tolerance", metavar="PERCENT", help="unexplained part of the motion that is acceptable")
 ]
 CalibrateOption = Annotated[
     bool,
-    typer.Option(
-        "--calibrate",
-        help="calibrate the probabilities on simulated copies of the record (takes about a minute)",
-        rich_help_panel=MODEL,
+    model_option(
+        "--calibrate", help="calibrate the probabilities on simulated copies of the record (takes about a minute)"
     ),
 ]
 
 # Output: where results go.
 JsonOption = Annotated[
     str,
-    typer.Option(
+    output_option(
         "--json",
         metavar="FILE|-",
         help="write results as JSON, one object per line; -: to standard output, without tables",
-        rich_help_panel=OUTPUT,
     ),
 ]
 ReportOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--report",
-        metavar="FILE.html",
-        help="write one self-contained page with plots and tables",
-        rich_help_panel=OUTPUT,
-    ),
+    Path | None,
+    output_option("--report", metavar="FILE.html", help="write one self-contained page with plots and tables"),
 ]
 MarkdownOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option("--markdown", metavar="FILE.md", help="write a summary for the lab notebook", rich_help_panel=OUTPUT),
+    Path | None, output_option("--markdown", metavar="FILE.md", help="write a summary for the lab notebook")
 ]
 FiguresOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--figures",
-        metavar="FOLDER",
-        help="write the page's plots as PNG and SVG, one folder per result",
-        rich_help_panel=OUTPUT,
-    ),
+    Path | None,
+    output_option("--figures", metavar="FOLDER", help="write the page's plots as PNG and SVG, one folder per result"),
 ]
 ExportOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--export",
-        metavar="TARGET:FILE",
-        help="also export the model, as msd export does; repeatable",
-        rich_help_panel=OUTPUT,
-    ),
+    list[str] | None,
+    output_option("--export", metavar="TARGET:FILE", help="also export the model, as msd export does; repeatable"),
 ]
 OnOption = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Option(
-        "--on",
-        metavar="PATH",
-        help="also validate the model on this record, as msd validate does; repeatable",
-        rich_help_panel=OUTPUT,
+    list[Path] | None,
+    output_option(
+        "--on", metavar="PATH", help="also validate the model on this record, as msd validate does; repeatable"
     ),
 ]
-QuietOption = Annotated[bool, typer.Option("--quiet", help="print no tables and no progress", rich_help_panel=OUTPUT)]
-OverwriteOption = Annotated[
-    bool, typer.Option("--overwrite", help="replace files that already exist", rich_help_panel=OUTPUT)
-]
+QuietOption = Annotated[bool, output_option("--quiet", help="print no tables and no progress")]
+OverwriteOption = Annotated[bool, output_option("--overwrite", help="replace files that already exist")]
 
 # Rig: what a real or simulated rig is asked for.
 LimitsOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--limits",
-        metavar="FILE",
-        help="YAML file with the rig's limits: force, travel, duration (and speed)",
-        rich_help_panel=RIG,
-    ),
+    Path | None,
+    rig_option("--limits", metavar="FILE", help="YAML file with the rig's limits: force, travel, duration (and speed)"),
 ]
-NamespaceOption = Annotated[str, typer.Option(help="ROS namespace of the rig's topics", rich_help_panel=RIG)]
+NamespaceOption = Annotated[str, rig_option(help="ROS namespace of the rig's topics")]
 SilenceOption = Annotated[
-    float,
-    typer.Option(help="longest time without an encoder sample before a run stops, in seconds", rich_help_panel=RIG),
+    float, rig_option(help="longest time without an encoder sample before a run stops, in seconds")
 ]
 LeadOption = Annotated[
     float,
-    typer.Option(
-        min=0.0,
-        help="send each force this long before it is due, in seconds; 0: for a rig that acts at once",
-        rich_help_panel=RIG,
-    ),
+    rig_option(min=0.0, help="send each force this long before it is due, in seconds; 0: for a rig that acts at once"),
 ]
 
 # Many records: batch, and what compare and watch do with folders.
 SchedulerOption = Annotated[
     str,
-    typer.Option(
-        "--scheduler",
-        metavar="tcp://HOST:8786",
-        help="scheduler of a running Dask cluster; default: this machine",
-        rich_help_panel=BATCH,
+    batch_option(
+        "--scheduler", metavar="tcp://HOST:8786", help="scheduler of a running Dask cluster; default: this machine"
     ),
 ]
-WorkersOption = Annotated[
-    int, typer.Option("--workers", help="processes on this machine; 0: one per core", rich_help_panel=BATCH)
-]
+WorkersOption = Annotated[int, batch_option("--workers", help="processes on this machine; 0: one per core")]
 LabelOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--label",
-        metavar="robot|day=REGEX",
-        help="fill a column from the path, e.g. robot='arm_([0-9]+)'",
-        rich_help_panel=BATCH,
-    ),
+    list[str] | None,
+    batch_option("--label", metavar="robot|day=REGEX", help="fill a column from the path, e.g. robot='arm_([0-9]+)'"),
 ]
 CovariateOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--covariate",
-        metavar="NAME=TOPIC:FIELD|COLUMN",
-        help="signal of the temperature or the load",
-        rich_help_panel=BATCH,
-    ),
+    list[str] | None,
+    batch_option("--covariate", metavar="NAME=TOPIC:FIELD|COLUMN", help="signal of the temperature or the load"),
 ]
 
 

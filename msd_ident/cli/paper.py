@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from msd_ident.cli import options
+from msd_ident.cli import groups, progress, results
 
 
-def paper(
-    json: options.JsonOption = "", quiet: options.QuietOption = False, overwrite: options.OverwriteOption = False
-) -> int:
+@groups.grouped("json", "quiet", "overwrite")
+def paper(output: results.Output) -> int:
     """Compute Tables 2 and 3 of the paper from its Table 1, and show what no viscous + Coulomb model reproduces."""
     from rich.console import Console
 
-    from msd_ident.cli import run
     from msd_ident.paper.method import study
     from msd_ident.report.paper_tables import print_paper
 
-    output = run.Output(json, quiet, overwrite)
     output.check()
-    with run.progress(quiet) as progress:
-        found = study(progress=progress)
+    with progress.stages(output.quiet) as report:
+        found = study(progress=report)
     if output.tables:
         print_paper(found, Console(highlight=False))
-    run.write([found.to_json_dict()], output)
+    results.write([found.to_json_dict()], output)
     return 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,26 +20,15 @@ WAIT = 5.0
 
 
 TopicsArgument = Annotated[
-    Optional[list[str]],  # noqa: UP045 - typer reads it at run time, also on Python 3.10
+    list[str] | None,
     typer.Argument(metavar="[TOPICS…]", help="topics to record; default: force, encoder and encoder_batch"),
 ]
-OutOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(help="folder of the bag; default: named by date and time", rich_help_panel=options.OUTPUT),
-]
-DurationOption = Annotated[
-    float, typer.Option(min=0.0, help="duration, in seconds; 0: until Ctrl-C", rich_help_panel=options.SOURCE)
-]
-EveryOption = Annotated[
-    bool,
-    typer.Option("--all", help="all topics, including those that start later", rich_help_panel=options.SOURCE),
-]
-CompressionOption = Annotated[
-    str, typer.Option(help="compression of the bag: zstd or none", rich_help_panel=options.OUTPUT)
-]
+OutOption = Annotated[Path | None, options.output_option(help="folder of the bag; default: named by date and time")]
+DurationOption = Annotated[float, options.source_option(min=0.0, help="duration, in seconds; 0: until Ctrl-C")]
+EveryOption = Annotated[bool, options.source_option("--all", help="all topics, including those that start later")]
+CompressionOption = Annotated[str, options.output_option(help="compression of the bag: zstd or none")]
 NamespaceOption = Annotated[
-    str,
-    typer.Option(help="ROS namespace of the topics; default: the one with publishers", rich_help_panel=options.SOURCE),
+    str, options.source_option(help="ROS namespace of the topics; default: the one with publishers")
 ]
 
 
@@ -87,7 +76,7 @@ def record(
             return made[0]
 
         code = run(make, signals, args=[])
-    return _told(made[0].summary if made else None, code)
+    return _report(made[0].summary if made else None, code)
 
 
 def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> str:
@@ -106,14 +95,14 @@ def _found(topics: list[str], every: bool, signals: Signals, seconds: float) -> 
     return place
 
 
-def _told(summary: Summary | None, code: int) -> int:
+def _report(summary: Summary | None, code: int) -> int:
     """Say what was recorded; nothing is no success."""
     if summary is None:
         return code
     if not summary.messages and not code:
-        heard = ", ".join(summary.topics) or "no topic"
+        topics = ", ".join(summary.topics) or "no topic"
         raise DataError(
-            f"nothing was recorded in {summary.folder}: no message came, of {heard}; expected some: does the rig run, "
+            f"nothing was recorded in {summary.folder}: no message came, of {topics}; expected some: does the rig run, "
             "under the same namespace and ROS_DOMAIN_ID?"
         )
     print(summary.sentence)

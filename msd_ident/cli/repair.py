@@ -2,45 +2,32 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import options
-from msd_ident.errors import MsdError
+from msd_ident.cli import groups, results
 
 if TYPE_CHECKING:
     from msd_ident.io import Repair
 
 
+@groups.grouped("json", "overwrite")
 def repair(
     paths: Annotated[list[Path], typer.Argument(help="bag folders or .mcap files", show_default=False)],
-    json: options.JsonOption = "",
-    overwrite: options.OverwriteOption = False,
+    output: results.Output,
 ) -> int:
     """Rebuild index and metadata of bags whose recording was interrupted, and report what was lost."""
     from msd_ident import io
-    from msd_ident.cli import run
 
-    output = run.Output(json, quiet=False, overwrite=overwrite)
-    output.check()
-    lines: list[dict[str, Any]] = []
-    failed = False
-    for path in paths:
-        try:
-            done = io.repair(path)
-        except MsdError as error:
-            failed = True
-            print(f"msd: {error}", file=sys.stderr)
-            lines.append({"path": str(path), "error": str(error)})
-            continue
-        lines.append(_to_json(done))
+    def handle(path: Path) -> dict[str, Any]:
+        done = io.repair(path)
         if output.tables:
             print("\n".join((done.sentence, *(f"note: {note}" for note in done.notes))))
-    run.write(lines, output)
-    return 2 if failed else 0
+        return _to_json(done)
+
+    return results.each_path(paths, output, handle)
 
 
 def _to_json(done: Repair) -> dict[str, Any]:

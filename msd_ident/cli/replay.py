@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
@@ -13,7 +13,7 @@ def replay(
     rate: Annotated[float, typer.Option(help="playback speed, 0.01 to 100")] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="restart at the end")] = False,
     clock: Annotated[bool, typer.Option("--clock", help="publish /clock for nodes with use_sim_time")] = False,
-    topics: Annotated[Optional[list[str]], typer.Option("--topic", help="play only this topic; repeatable")] = None,  # noqa: UP045
+    topics: Annotated[list[str] | None, typer.Option("--topic", help="play only this topic; repeatable")] = None,
     wait: Annotated[float, typer.Option(help="longest wait until every topic has a subscriber, in seconds")] = 3.0,
 ) -> int:
     """Play a bag as it was recorded: same bytes, order and QoS, at a chosen speed."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Optional
-
-import typer
+from typing import TYPE_CHECKING, Annotated, Any
 
 from msd_ident.cli import options
 from msd_ident.errors import SetupError, UsageError
@@ -17,68 +15,38 @@ if TYPE_CHECKING:
 #: Entry points that simulate: a mapping in, an object with time, force_time, force, position, hold and truth out.
 RIGS = "msd.rigs"
 
-RigOption = Annotated[
-    str,
-    typer.Option("--rig", metavar="NAME|FILE", help="name of a rig, or its YAML file", rich_help_panel=options.RIG),
-]
+RigOption = Annotated[str, options.rig_option("--rig", metavar="NAME|FILE", help="name of a rig, or its YAML file")]
 ExperimentOption = Annotated[
     str,
-    typer.Option(
-        metavar="NAME[:OPTION=NUMBER,…]",
-        help="experiment, e.g. paper, steps, release, sweep:force=2",
-        rich_help_panel=options.RIG,
-    ),
+    options.rig_option(metavar="NAME[:OPTION=NUMBER,…]", help="experiment, e.g. paper, steps, release, sweep:force=2"),
 ]
 OutOption = Annotated[
-    Path,
-    typer.Option(
-        "--out", metavar="FILE.csv|FOLDER", help="CSV file, or folder of a bag", rich_help_panel=options.OUTPUT
-    ),
+    Path, options.output_option("--out", metavar="FILE.csv|FOLDER", help="CSV file, or folder of a bag")
 ]
 EffectOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--effect",
-        metavar="NAME[:PARAMETER=NUMBER,…]",
-        help="effect that the rig has, e.g. backlash; repeatable",
-        rich_help_panel=options.RIG,
+    list[str] | None,
+    options.rig_option(
+        "--effect", metavar="NAME[:PARAMETER=NUMBER,…]", help="effect that the rig has, e.g. backlash; repeatable"
     ),
 ]
 SetOption = Annotated[
-    Optional[list[str]],  # noqa: UP045
-    typer.Option(
-        "--set",
-        metavar="PARAMETER=NUMBER",
-        help="parameter of the rig, e.g. mass=2 or encoder.noise=1e-5; repeatable",
-        rich_help_panel=options.RIG,
+    list[str] | None,
+    options.rig_option(
+        "--set", metavar="PARAMETER=NUMBER", help="parameter of the rig, e.g. mass=2 or encoder.noise=1e-5; repeatable"
     ),
 ]
 ReplaceOption = Annotated[
-    bool,
-    typer.Option("--force", "--overwrite", help="replace files that already exist", rich_help_panel=options.OUTPUT),
+    bool, options.output_option("--force", "--overwrite", help="replace files that already exist")
 ]
 
 
-SeedOption = Annotated[
-    Optional[int],  # noqa: UP045
-    typer.Option(help="seed of the encoder noise", rich_help_panel=options.RIG),
-]
-RateOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="sampling rate, in Hz", rich_help_panel=options.RIG),
-]
+SeedOption = Annotated[int | None, options.rig_option(help="seed of the encoder noise")]
+RateOption = Annotated[float | None, options.rig_option(help="sampling rate, in Hz")]
 DurationOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(help="duration, in seconds; default: that of the experiment", rich_help_panel=options.RIG),
+    float | None, options.rig_option(help="duration, in seconds; default: that of the experiment")
 ]
 JsonOption = Annotated[
-    str,
-    typer.Option(
-        "--json",
-        metavar="FILE|-",
-        help="write the true parameters as a JSON object",
-        rich_help_panel=options.OUTPUT,
-    ),
+    str, options.output_option("--json", metavar="FILE|-", help="write the true parameters as a JSON object")
 ]
 
 
@@ -97,9 +65,9 @@ def simulate(
 ) -> int:
     """Simulate an experiment on a rig and write force and encoder signal to a CSV file or a bag."""
     from msd_ident import io
-    from msd_ident.cli import run
+    from msd_ident.cli import results
 
-    output = run.Output(json, quiet, overwrite)
+    output = results.Output(json, quiet, overwrite)
     output.check()
     if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
         raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")
@@ -120,7 +88,7 @@ def simulate(
         io.write_csv(_one_clock(record), out, overwrite)
     else:
         io.write_bag(record, out, overwrite)
-    run.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
+    results.write([{"schema": "msd.simulation/1", "path": str(out), **simulated.truth}], output)
     if output.tables:
         print(f"{out}: {record.samples} samples in {record.duration:.3f} s, experiment {name} on rig {rig}")
     return 0

@@ -1,4 +1,4 @@
-"""The simulated rig as an investigation sees it, reached by its entry point."""
+"""A simulated rig for ``msd investigate``, loaded through its entry point."""
 
 from __future__ import annotations
 

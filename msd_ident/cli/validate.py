@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Optional
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from msd_ident.cli import options, pages, run, sources
+from msd_ident.cli import groups, options, progress, results, solving
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,65 +20,50 @@ if TYPE_CHECKING:
 
 #: Panel of ``--help`` for simulations of the user's own.
 SIMULATION = "Your own simulation"
+simulation_option = partial(typer.Option, rich_help_panel=SIMULATION)
 
 
 PathsArgument = Annotated[
-    Optional[list[Path]],  # noqa: UP045
-    typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file"),
+    list[Path] | None, typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")
 ]
 RefitZeroOption = Annotated[
-    bool,
-    typer.Option(
-        "--refit-zero",
-        help="also fit the encoder's zero; default: the zero of the result",
-        rich_help_panel=options.MODEL,
-    ),
+    bool, options.model_option("--refit-zero", help="also fit the encoder's zero; default: the zero of the result")
 ]
 RequireOption = Annotated[
-    Optional[float],  # noqa: UP045
-    typer.Option(
-        "--require",
-        metavar="PERCENT",
-        help="exit with code 1 if the model explains less of the motion",
-        rich_help_panel=options.MODEL,
+    float | None,
+    options.model_option(
+        "--require", metavar="PERCENT", help="exit with code 1 if the model explains less of the motion"
     ),
 ]
 MujocoOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
+    Path | None,
+    simulation_option(
         "--mujoco",
         metavar="ROBOT.xml",
         help="compare this MuJoCo model with the record, instead of a result; needs --joint",
-        rich_help_panel=SIMULATION,
     ),
 ]
-JointOption = Annotated[
-    str, typer.Option("--joint", metavar="NAME", help="joint of --mujoco", rich_help_panel=SIMULATION)
-]
+JointOption = Annotated[str, simulation_option("--joint", metavar="NAME", help="joint of --mujoco")]
 FunctionOption = Annotated[
     str,
-    typer.Option(
+    simulation_option(
         "--callable",
         metavar="MODULE:FUNCTION",
         help="compare this Python function with the record, instead of a result",
-        rich_help_panel=SIMULATION,
     ),
 ]
 SimulatedOption = Annotated[
-    Optional[Path],  # noqa: UP045
-    typer.Option(
-        "--simulated",
-        metavar="FILE",
-        help="compare these simulated positions with the record, instead of a result",
-        rich_help_panel=SIMULATION,
+    Path | None,
+    simulation_option(
+        "--simulated", metavar="FILE", help="compare these simulated positions with the record, instead of a result"
     ),
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "figures", "quiet", "overwrite")
 def validate(
     result: options.ResultArgument,
-    source: sources.Source,
+    source: groups.Source,
     paths: PathsArgument = None,
     line: options.LineOption = None,
     refit_zero: RefitZeroOption = False,
@@ -87,50 +73,40 @@ def validate(
     function: FunctionOption = "",
     simulated: SimulatedOption = None,
     together: options.TogetherOption = False,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    figures: options.FiguresOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    output: results.Output,
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
-    targets = pages.Pages(report, None, figures, source, run.Output(json, quiet, overwrite))
+    output.check()
     if mujoco is not None or function or simulated is not None:
-        from msd_ident.cli import theirs
+        from msd_ident.cli import user_simulation
 
         if refit_zero or line is not None:
             raise UsageError(
                 "--refit-zero or --line with a simulation of your own; expected neither: they are about a saved result"
             )
-        chosen = theirs.Chosen(mujoco, joint, function, simulated)
-        return theirs.compare([result, *(paths or ())], chosen, together, require, targets)
+        chosen = user_simulation.Chosen(mujoco, joint, function, simulated)
+        data = solving.Data([result, *(paths or ())], source, together)
+        return user_simulation.compare(data, chosen, require, output)
     if not paths:
         raise UsageError("no record to try the model on; expected msd validate RESULT.json PATH…")
     from msd_ident.workflow import validation
 
     settings = validation.Options(refit_zero, require)
-    targets.check()
-    return _tried(saved_model(result, line), settings, paths, together, targets)
+    return _validate(saved_model(result, line), settings, solving.Data(paths, source, together), output)
 
 
-def _tried(saved: SavedModel, settings: Options, paths: Sequence[Path], together: bool, targets: pages.Pages) -> int:
-    """Try a saved model on every path, or on all together; the exit code."""
-    from msd_ident.report import validation as tables
+def _validate(saved: SavedModel, settings: Options, data: solving.Data, output: results.Output) -> int:
+    """Validate a saved model on every path, or on all together; the exit code."""
+    from msd_ident.report.validation import print_validation
     from msd_ident.workflow import validation
 
-    met = []
+    def solve(records: Sequence[Record], report: progress.Progress) -> Validation:
+        report("simulating the saved model", 0.5)
+        return validation.validate(saved, records, settings)
 
-    def solve(records: Sequence[Record], progress: run.Progress) -> Validation:
-        progress("simulating the saved model", 0.5)
-        found = validation.validate(saved, records, settings)
-        met.append(found.met)
-        return found
-
-    source, output = targets.source, targets.output
-    after = run.After(tables.print_validation, targets.keep)
-    code = run.work(run.Data(paths, source, together), output, solve, after)
-    targets.finish()
-    return code or (0 if all(met) else 1)
+    code, found = solving.work(data, output, solve, print_validation)
+    return code or (0 if all(one.met for one in found) else 1)
 
 
 def saved_model(path: Path, line: int | None) -> SavedModel:

@@ -1,4 +1,4 @@
-"""``msd warm``: what is compiled at the first use, compiled now."""
+"""``msd warm``: compiles beforehand what would be compiled at the first use."""
 
 from __future__ import annotations
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from msd_ident.cli import batch, many, options, run, sources
+from msd_ident.cli import groups, many_records, options, results
 from msd_ident.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -18,85 +15,54 @@ if TYPE_CHECKING:
 
 KeepOption = Annotated[
     str,
-    typer.Option(
-        "--table",
-        metavar="TABLE.parquet",
-        help="table that keeps the results of records in folders",
-        rich_help_panel=options.BATCH,
-    ),
+    options.batch_option("--table", metavar="TABLE.parquet", help="table that keeps the results of records in folders"),
 ]
 FalseAlarmsOption = Annotated[
-    float,
-    typer.Option(
-        "--false-alarms",
-        metavar="RATE",
-        help="accepted false alarms per robot and year",
-        rich_help_panel=options.MODEL,
-    ),
+    float, options.model_option("--false-alarms", metavar="RATE", help="accepted false alarms per robot and year")
 ]
 PerYearOption = Annotated[
     float,
-    typer.Option(
-        "--records-per-year",
-        help="records per robot and year; 0: from their time stamps, else daily",
-        rich_help_panel=options.MODEL,
+    options.model_option(
+        "--records-per-year", help="records per robot and year; 0: from their time stamps, else daily"
     ),
 ]
-CheckOption = Annotated[
-    bool, typer.Option("--check", help="exit with code 1 after an alarm", rich_help_panel=options.OUTPUT)
-]
+CheckOption = Annotated[bool, options.output_option("--check", help="exit with code 1 after an alarm")]
 FollowOption = Annotated[
-    float,
-    typer.Option(
-        "--follow",
-        metavar="SECONDS",
-        help="repeat with this period until Ctrl-C",
-        rich_help_panel=options.BATCH,
-    ),
+    float, options.batch_option("--follow", metavar="SECONDS", help="repeat with this period until Ctrl-C")
 ]
 
 
-@sources.reading
+@groups.grouped("json", "report", "quiet", "overwrite")
 def watch(
-    paths: many.TablesArgument,
-    source: sources.Source,
+    paths: many_records.TablesArgument,
+    source: groups.Source,
     keep: KeepOption = "msd_watch.parquet",
     false_alarms: FalseAlarmsOption = 1.0,
     per_year: PerYearOption = 0.0,
     check: CheckOption = False,
     follow: FollowOption = 0.0,
-    scheduler: options.SchedulerOption = "",
-    workers: options.WorkersOption = 0,
-    all_joints: options.AllJointsOption = False,
-    label: options.LabelOption = None,
-    covariate: options.CovariateOption = None,
-    json: options.JsonOption = "",
-    report: options.ReportOption = None,
-    quiet: options.QuietOption = False,
-    overwrite: options.OverwriteOption = False,
+    *,
+    batching: many_records.Batching,
+    output: results.Output,
 ) -> int:
     """Find changes of parameters over days, and raise an alarm with a known false-alarm rate."""
     from msd_ident.monitoring.watching import Options
 
     settings = Options(false_alarms, per_year)
-    if follow < 0.0 or (follow and json == "-"):
+    if follow < 0.0 or (follow and output.json == "-"):
         raise UsageError("--follow takes seconds above 0 and not --json -; expected a number and a file")
-    output = run.Output(json, quiet, overwrite)
     output.check()
-    if report is not None:
-        run.check_target(report, overwrite)
-    job = batch.job_of(source, all_joints=all_joints, labels=label, covariates=covariate)
 
     def look() -> list[Watch]:
-        table = many.table_of(paths, job, (scheduler, workers), quiet, keep)
-        return _told(table, settings, output, report, ", ".join(paths))
+        table = batching.table(paths, source, output.quiet, keep)
+        return _watch(table, settings, output, ", ".join(paths))
 
-    found = _again(look, follow) if follow else look()
+    found = _repeat(look, follow) if follow else look()
     return 1 if check and any(one.alarms for one in found) else 0
 
 
-def _told(table: Any, settings: Options, output: run.Output, report: Path | None, source: str) -> list[Watch]:
-    """Watch all robots of a table, and say what was found."""
+def _watch(table: Any, settings: Options, output: results.Output, source: str) -> list[Watch]:
+    """Watch all robots of a table, and print and write what was found."""
     from msd_ident.monitoring import rows, watching
 
     found, few = [], []
@@ -107,21 +73,21 @@ def _told(table: Any, settings: Options, output: run.Output, report: Path | None
             few.append(error)
     if not found:
         raise few[0]
-    run.write([one.to_json_dict() for one in found], output)
+    results.write([one.to_json_dict() for one in found], output)
     if output.tables:
         for one in found:
             print(f"{one.name}: {one.sentence}")
         for missing in few:
             print(f"  left out: {missing}")
-    if report is not None:
+    if output.report is not None:
         from msd_ident.report import watch_page
 
-        watch_page.save_watches(found, report, source)
+        watch_page.save_watches(found, output.report, source)
     return found
 
 
-def _again(look: Callable[[], list[Watch]], period: float) -> list[Watch]:
-    """Look until somebody interrupts."""
+def _repeat(look: Callable[[], list[Watch]], period: float) -> list[Watch]:
+    """Look until an interrupt; the last result."""
     found: list[Watch] = []
     try:
         while True:

@@ -77,28 +77,28 @@ class Comparison:
     @property
     def sentence(self) -> str:
         """What differs, in words."""
-        told = [text for one in self.differences if (text := self._told(one))]
+        parts = [text for one in self.differences if (text := self._part(one))]
         rest = [one for one in self.differences if one.kind == "shared"]
-        if not told:
+        if not parts:
             worst = max((one.resolution for one in rest), default=math.nan)
             loose = ", ".join(f"{one.parameter} ±{one.resolution:.2g} %" for one in rest)
             return f"Nothing differs beyond ±{worst:.2g} % ({loose})"
         agrees = f"; the rest agrees ({', '.join(one.parameter for one in rest)})" if rest else ""
-        return "; ".join(told) + agrees
+        return "; ".join(parts) + agrees
 
-    def _told(self, one: Difference) -> str:
+    def _part(self, one: Difference) -> str:
         if one.kind in ("shared", "open"):
             return "" if one.kind == "shared" else f"{one.parameter} is not determined by these records"
         if one.kind == "explained":
             return f"{one.parameter} varies with {' and '.join(one.tied_with)}, not with the {self.by}"
-        parts = [
+        sizes = [
             f"{abs(size):.2g} % ± {half:.1g} {'lower' if size < 0.0 else 'higher'} on {self.by} {group}"
             for group, (size, half) in one.percent.items()
         ]
-        said = f"{one.parameter} is {', '.join(parts)}"
+        text = f"{one.parameter} is {', '.join(sizes)}"
         if one.kind == "differs":
-            return f"{said} (p {min(one.probability, 0.999):.3f})"
-        return f"{said}, or it is {' or '.join(one.tied_with)}: these records cannot tell"
+            return f"{text} (p {min(one.probability, 0.999):.3f})"
+        return f"{text}, or it is {' or '.join(one.tied_with)}: these records cannot tell"
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.compare/1``."""
@@ -130,13 +130,13 @@ class Comparison:
         }
 
 
-def compare(measured: Sequence[Measured], by: str, said: Sequence[str] = ()) -> Comparison:
+def compare(measured: Sequence[Measured], by: str, remarks: Sequence[str] = ()) -> Comparison:
     """Compare groups of records.
 
     Args:
         measured: records, each with its group; in one pair of units.
         by: what the groups are, a word: robot, joint, day.
-        said: what a reader must know already.
+        remarks: what a reader must know already.
 
     Raises:
         UsageError: fewer than two groups.
@@ -163,7 +163,7 @@ def compare(measured: Sequence[Measured], by: str, said: Sequence[str] = ()) -> 
     tau = {name: 100.0 * float(value) for name, value in zip(made.names, made.repeatability, strict=True)}
     return Comparison(
         by, counts, model.effect_names, differences, tuple(estimates), tau,
-        _joint(estimates, groups, differing), (*said, *failed, *_warnings(made, counts, by)),
+        _joint(estimates, groups, differing), (*remarks, *failed, *_warnings(made, counts, by)),
     )  # fmt: skip
 
 
@@ -229,28 +229,28 @@ def _percent(name: str, made: Design, found: Posterior, kind: str) -> dict[str, 
     """Differences to the first group under the likeliest hypothesis in which there are any."""
     best: Hypothesis = next((one for one in found.hypotheses if (name, GROUP) in one), frozenset({(name, GROUP)}))
     mean, std = made.coefficients(best)[name, GROUP]
-    told = {
+    sizes = {
         group: (100.0 * float(size), _WIDE * 100.0 * float(half))
         for group, size, half in zip(made.groups[1:], mean, std, strict=True)
     }
     if kind in ("differs", "tied"):  # of several groups, those that do differ
-        return {group: (size, half) for group, (size, half) in told.items() if abs(size) > half} or told
-    return told
+        return {group: (size, half) for group, (size, half) in sizes.items() if abs(size) > half} or sizes
+    return sizes
 
 
 def _tied_parameters(differences: Sequence[Difference], found: Posterior) -> tuple[Difference, ...]:
     """Parameters of which one differs, and nobody can say which."""
     open_ones = [one for one in differences if one.kind == "shared" and one.probability >= RIVAL]
-    told = list(differences)
+    marked = list(differences)
     for one in open_ones:
         for other in open_ones:
             pairs = ((one.parameter, GROUP), (other.parameter, GROUP))
             if one.parameter < other.parameter and found.of(*pairs) >= CERTAIN:
                 for mine, its in ((one, other), (other, one)):
-                    place = next(i for i, found_ in enumerate(told) if found_.parameter == mine.parameter)
-                    tied = (*told[place].tied_with, its.parameter)
-                    told[place] = replace(told[place], kind="tied", tied_with=tied)
-    return tuple(told)
+                    place = next(i for i, found_ in enumerate(marked) if found_.parameter == mine.parameter)
+                    tied = (*marked[place].tied_with, its.parameter)
+                    marked[place] = replace(marked[place], kind="tied", tied_with=tied)
+    return tuple(marked)
 
 
 def _joint(estimates: Sequence[Estimate], groups: Sequence[str], differing: Sequence[str]) -> tuple[JointFit, ...]:
@@ -262,15 +262,15 @@ def _joint(estimates: Sequence[Estimate], groups: Sequence[str], differing: Sequ
 
 
 def _warnings(made: Design, counts: Mapping[str, int], by: str) -> tuple[str, ...]:
-    said = []
+    warnings = []
     if max(counts.values()) == 1:
-        said.append(
+        warnings.append(
             f"One record of each {by}: the repeatability is not known, so a difference between two records counts "
             f"as a difference between two {by}s; record each several times."
         )
     missing = [name for name in ("temperature", "load") if name not in made.columns]
     if missing:
-        said.append(
+        warnings.append(
             f"No {' and no '.join(missing)} that varies was recorded, so neither can be excluded as the reason."
         )
-    return tuple(said)
+    return tuple(warnings)

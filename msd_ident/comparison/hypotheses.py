@@ -121,8 +121,8 @@ class Posterior:
 
     def of(self, *pairs: tuple[str, str]) -> float:
         """Probability that at least one of the pairs holds."""
-        told = zip(self.hypotheses, self.probabilities, strict=True)
-        return min(sum(p for one, p in told if any(pair in one for pair in pairs)), 1.0)
+        weighted = zip(self.hypotheses, self.probabilities, strict=True)
+        return min(sum(p for one, p in weighted if any(pair in one for pair in pairs)), 1.0)
 
 
 def design(estimates: Sequence[Estimate], groups: Sequence[str]) -> Design:

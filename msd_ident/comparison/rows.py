@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from msd_ident.batching import reading
+from msd_ident.batching.row import Table
 from msd_ident.comparison.estimates import Measured
 from msd_ident.errors import DataError, MsdError, UsageError
 
@@ -18,13 +19,6 @@ BY = ("robot", "joint", "day")
 MOST = 100
 #: A cause is named from this probability on.
 _NAMED = 0.5
-
-
-class Table(Protocol):
-    """A table of rows."""
-
-    def to_pylist(self) -> list[dict[str, Any]]:
-        """The rows."""
 
 
 def check(by: str) -> None:
@@ -55,11 +49,11 @@ def measured(table: Table, by: str) -> tuple[tuple[Measured, ...], tuple[str, ..
     if len(units) > 1:
         listed = " and ".join(", ".join(pair) for pair in units)
         raise UsageError(f"records in {listed}; expected one pair of units: compare them apart")
-    said = [f"{len(rows) - len(named)} records have no {by} and are left out."] if len(named) < len(rows) else []
+    remarks = [f"{len(rows) - len(named)} records have no {by} and are left out."] if len(named) < len(rows) else []
     chosen = _chosen(named, by)
     if len(chosen) < len(named):
-        said.append(f"{len(chosen)} of {len(named)} records are compared: {MOST} of each {by} are enough.")
-    return _read(chosen, by, said)
+        remarks.append(f"{len(chosen)} of {len(named)} records are compared: {MOST} of each {by} are enough.")
+    return _read(chosen, by, remarks)
 
 
 def _chosen(rows: Sequence[Mapping[str, Any]], by: str) -> list[Mapping[str, Any]]:
@@ -73,7 +67,9 @@ def _chosen(rows: Sequence[Mapping[str, Any]], by: str) -> list[Mapping[str, Any
     return found
 
 
-def _read(rows: Sequence[Mapping[str, Any]], by: str, said: list[str]) -> tuple[tuple[Measured, ...], tuple[str, ...]]:
+def _read(
+    rows: Sequence[Mapping[str, Any]], by: str, remarks: list[str]
+) -> tuple[tuple[Measured, ...], tuple[str, ...]]:
     found, errors = [], []
     for row in rows:
         values, stds = reading.parameters(row)
@@ -96,5 +92,5 @@ def _read(rows: Sequence[Mapping[str, Any]], by: str, said: list[str]) -> tuple[
     if not found:
         raise DataError(f"no record of the table can be read any more ({errors[0]}); expected them where they were")
     if errors:
-        said.append(f"{len(errors)} records can no longer be read and are left out ({errors[0]}).")
-    return tuple(found), tuple(said)
+        remarks.append(f"{len(errors)} records can no longer be read and are left out ({errors[0]}).")
+    return tuple(found), tuple(remarks)

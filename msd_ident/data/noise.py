@@ -80,8 +80,8 @@ def noise_floor(record: Record) -> float:
     parts = [part for part in (residual[moving], residual[~moving]) if part.size]
     variance = sum(part.size * _variance(part, quantisation) for part in parts) / max(residual.size, 1)
     fast = _spectral_end(record)
-    told = fast if fast < _OVERRATED * math.sqrt(variance) else math.sqrt(variance)
-    return max(quantisation, told)
+    estimated = fast if fast < _OVERRATED * math.sqrt(variance) else math.sqrt(variance)
+    return max(quantisation, estimated)
 
 
 def _spectral_end(record: Record) -> float:

@@ -1,4 +1,4 @@
-"""Record: one measurement of force and position, checked at birth and frozen.
+"""Record: one measurement of force and position, validated when it is made, and immutable.
 
 Force and position may have stamps of their own: a robot graph sends a force when it
 changes and an encoder value every millisecond. ``time`` belongs to ``position``,

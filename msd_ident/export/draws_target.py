@@ -9,7 +9,7 @@ import numpy as np
 
 from msd_ident.export import header
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import Target
 from msd_ident.model.effects import Effect
 
@@ -23,9 +23,9 @@ class DrawsTarget(Target):
     library = None
     why_not = "draws are parameter sets, not a simulation"
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return Saying("exact", f"columns {', '.join(parameter.name for parameter in effect.parameters)}")
+        return Support("exact", f"columns {', '.join(parameter.name for parameter in effect.parameters)}")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
@@ -38,8 +38,8 @@ class DrawsTarget(Target):
             columns = {name: draws.values[:, i] for i, name in enumerate(draws.names)}
             np.savez(buffer, explanation=np.array(chosen), **columns)  # type: ignore[arg-type]
             return {out: buffer.getvalue()}
-        said = [f"# {line}".rstrip() for line in header.lines(plan, self.what)]
-        told = zip(labels, draws.explanations, strict=True)
-        said += [f"# explanation {label}: probability {probability:.4f}" for label, (_, probability) in told]
+        comments = [f"# {line}".rstrip() for line in header.lines(plan, self.what)]
+        labelled = zip(labels, draws.explanations, strict=True)
+        comments += [f"# explanation {label}: probability {probability:.4f}" for label, (_, probability) in labelled]
         rows = [",".join([*map(repr, row), label]) for row, label in zip(draws.values.tolist(), chosen, strict=True)]
-        return {out: "\n".join([*said, ",".join([*draws.names, "explanation"]), *rows, ""]).encode()}
+        return {out: "\n".join([*comments, ",".join([*draws.names, "explanation"]), *rows, ""]).encode()}

@@ -16,7 +16,7 @@ from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan, check_scale, check_units, scaled
 from msd_ident.export.proof import Proof, replayed
 from msd_ident.export.result import Export
-from msd_ident.export.saying import Row
+from msd_ident.export.support import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
 from msd_ident.workflow.saved_model import SavedModel
@@ -84,7 +84,7 @@ def _planned(
     zero = sum(saved.zeros) / len(saved.zeros) if saved.zeros else 0.0
     near = nearby.nearest(target, saved, zero, records)
     model, scale = saved.model if near is None else near.model, 1.0
-    told = saved
+    source = saved
     if options.mass is not None:
         if saved.force_unit in ("N", "N·m") and not saved.scale_assumed:
             raise UsageError(
@@ -92,14 +92,14 @@ def _planned(
                 "is known better"
             )
         model, scale = scaled(replace(saved, model=model), options.mass)
-        told = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
+        source = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
     elif target.needs_newtons:
         check_scale(saved, target.name, WHOLE)
     rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())
     period = records[0].period if records else 1.0 / saved.rate if saved.rate > 0.0 else 1e-3
     made = posterior.draw(saved, records, options.draws) if target.name == "draws" else None
     plan = Plan(
-        saved=told, model=model, joint=options.joint, zero=zero if near is None else near.zero,
+        saved=source, model=model, joint=options.joint, zero=zero if near is None else near.zero,
         period=period, steps=options.steps or _steps(model, period, target), force_scale=scale,
         rows=rows, draws=made,
     )  # fmt: skip
@@ -107,7 +107,7 @@ def _planned(
 
 
 def _rows(saved: SavedModel, target: Target) -> tuple[Row, ...]:
-    return tuple(Row(effect.name, target.saying(effect, saved.model)) for effect in saved.model.effects)
+    return tuple(Row(effect.name, target.support(effect, saved.model)) for effect in saved.model.effects)
 
 
 def _steps(model: Model, period: float, target: Target) -> int:

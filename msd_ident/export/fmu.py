@@ -14,62 +14,12 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import SetupError
 from msd_ident.export import header, python_source
-from msd_ident.export.mujoco_elements import BEFORE
 from msd_ident.export.mujoco_replay import at_samples, averages, lagged
 from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
-from msd_ident.export.saying import Saying
 from msd_ident.export.target import InitialState
-from msd_ident.model import Model
-from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import DELAY, LAG, SECOND_MASS
-
-_SLAVE = '''
-
-from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
-
-
-class @CLASS@(Fmi2Slave):
-    """Input force, held over a communication step; outputs the encoder's reading and the velocity."""
-
-    author = "msd export"
-    description = "mass-spring-damper with identified effects"
-
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.force, self.position, self.velocity = 0.0, ZERO, 0.0
-        self.initial_position, self.initial_velocity, self.initial_lagged_force = 0.0, 0.0, 0.0
-        self.register_variable(Real("force", causality=Fmi2Causality.input))
-        for name in ("position", "velocity"):
-            self.register_variable(Real(name, causality=Fmi2Causality.output))
-        for name in ("initial_position", "initial_velocity", "initial_lagged_force"):
-            self.register_variable(
-                Real(name, causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable)
-            )
-        self.y = None
-        self.waiting, self.pushed = [], 0.0
-
-    def do_step(self, current_time, step_size):
-        if self.y is None:
-            lag = self.initial_lagged_force
-            position, velocity = self.initial_position, self.initial_velocity
-            self.y = np.array([position, velocity@FMU_START@], dtype=float)
-            self.kept = reversal(position, 0.0, @KEPT@)
-        self.waiting.append((current_time + @DELAY@, FORCE_SIGN * self.force))
-        t, end = current_time, current_time + step_size
-        while t < end - 1e-12:
-            while self.waiting and self.waiting[0][0] <= t + 1e-12:
-                self.pushed = self.waiting.pop(0)[1]
-            until = min([end] + [stamp for stamp, _ in self.waiting[:1]])
-            force = command(self.pushed)
-            push = lambda t: force
-            speed = self.y[1]
-            mode = int(math.copysign(1, speed)) if speed else begin(t, self.y, force, self.kept)
-            self.y, _, self.kept = advance(t, until, self.y, push, mode, self.kept)
-            t = until
-        self.position, self.velocity = float(reading(end, self.y[0])), float(self.y[1])
-        return True
-'''
+from msd_ident.export.templates import filled
+from msd_ident.model.effects.base import LAG, SECOND_MASS
 
 
 class FmuTarget(PythonTarget):
@@ -80,18 +30,13 @@ class FmuTarget(PythonTarget):
     what = "FMU for co-simulation (FMI 2.0)"
     library = "fmpy"
     imported = False
-
-    def saying(self, effect: Effect, model: Model) -> Saying:
-        """How this target carries this effect of this model."""
-        if effect.structure == DELAY and effect.values[0] < 0.0:
-            return BEFORE
-        return super().saying(effect, model)
+    commanded = True
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = "\n".join(header.lines(plan, self.what))
+        comment = header.text(plan, self.what)
         name = f"Rig{hashlib.sha256(repr(plan.values).encode() + repr(plan.zero).encode()).hexdigest()[:8]}"
-        text = python_source.text(plan, said, name) + _filled(plan, name)
+        text = python_source.text(plan, comment, name) + _slave(plan, name)
         return {out: built(text, name)}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
@@ -114,14 +59,11 @@ class FmuTarget(PythonTarget):
         return at_samples(record, readings)
 
 
-def _filled(plan: Plan, name: str) -> str:
-    filled = _SLAVE
+def _slave(plan: Plan, name: str) -> str:
     parts = {**python_source.structure(plan), **python_source.memory(plan), "CLASS": name}
     lag = ", lag" if plan.model.structure(LAG) else ""
     parts["FMU_START"] = lag + (", position, velocity" if plan.model.structure(SECOND_MASS) else "")
-    for key, value in parts.items():
-        filled = filled.replace(f"@{key}@", value)
-    return filled
+    return filled("fmu_slave.py.txt", **parts)
 
 
 def library() -> Any:

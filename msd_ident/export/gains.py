@@ -9,20 +9,20 @@ import yaml
 
 from msd_ident.export import header
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import Target
 from msd_ident.model.effects import Effect
 
-_SAID = {
-    "coulomb_friction": Saying("exact", "kS"),
-    "force_offset": Saying("exact", "kG"),
-    "actuator_lag": Saying("exact", "lag_time: lead the command by it"),
-    "time_offset": Saying("exact", "delay: lead the command by it"),
-    "sensor_drift": Saying("cannot", "a feedforward reads no sensor"),
-    "periodic_disturbance": Saying("cannot", "gains know no time"),
-    "second_mode": Saying("cannot", "gains know one mass"),
-    "backlash": Saying("cannot", "gains know no play"),
-    "end_stop": Saying("cannot", "keep the reference away from the stop"),
+_SUPPORT = {
+    "coulomb_friction": Support("exact", "kS"),
+    "force_offset": Support("exact", "kG"),
+    "actuator_lag": Support("exact", "lag_time: lead the command by it"),
+    "time_offset": Support("exact", "delay: lead the command by it"),
+    "sensor_drift": Support("cannot", "a feedforward reads no sensor"),
+    "periodic_disturbance": Support("cannot", "gains know no time"),
+    "second_mode": Support("cannot", "gains know one mass"),
+    "backlash": Support("cannot", "gains know no play"),
+    "end_stop": Support("cannot", "keep the reference away from the stop"),
 }
 
 
@@ -36,10 +36,10 @@ class GainsTarget(Target):
     why_not = "gains are not a simulation"
     needs_newtons = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        nearest = Saying("approximated", "the nearest m, b, k and friction are fitted in its place")
-        return _SAID.get(effect.name, nearest)
+        nearest = Support("approximated", "the nearest m, b, k and friction are fitted in its place")
+        return _SUPPORT.get(effect.name, nearest)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

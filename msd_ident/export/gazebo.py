@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.sax.saxutils import escape
 
 from msd_ident.export import header
 from msd_ident.export.laws import number
 from msd_ident.export.plan import MOTIONS, Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import Target
+from msd_ident.export.templates import filled
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
@@ -17,83 +17,18 @@ from msd_ident.model.effects import Effect
 FREE = 1e6
 _SHAKEN = "the nearest m, b, k and friction are fitted in its place"
 
-_SDF = """<?xml version="1.0"?>
-<!--
-{header}
--->
-<sdf version="1.11">
-  <model name="{joint}">
-    <link name="base"/>
-    <joint name="{joint}_mount" type="fixed"><parent>world</parent><child>base</child></joint>
-    <link name="{joint}_body">
-      <inertial>{inertial}</inertial>
-      <gravity>false</gravity>
-    </link>
-    <joint name="{joint}" type="{kind}">
-      <parent>base</parent>
-      <child>{joint}_body</child>
-      <axis>
-        <xyz>1 0 0</xyz>
-        <limit><lower>{lower}</lower><upper>{upper}</upper><effort>{effort}</effort>{stop}</limit>
-        <dynamics>
-          <damping>{damping}</damping>
-          <friction>{friction}</friction>
-          <spring_stiffness>{stiffness}</spring_stiffness>
-          <spring_reference>{reference}</spring_reference>
-        </dynamics>
-      </axis>
-    </joint>
-    <plugin filename="gz-sim-apply-joint-force-system" name="gz::sim::systems::ApplyJointForce">
-      <joint_name>{joint}</joint_name>
-    </plugin>
-  </model>
-</sdf>
-"""
 
-_URDF = """<?xml version="1.0"?>
-<!--
-{header}
--->
-<robot name="{joint}">
-  <link name="base"/>
-  <link name="{joint}_body">
-    <inertial>{inertial}</inertial>
-  </link>
-  <joint name="{joint}" type="{kind}">
-    <parent link="base"/>
-    <child link="{joint}_body"/>
-    <axis xyz="1 0 0"/>
-    <limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{free}"/>
-    <dynamics damping="{damping}" friction="{friction}"/>
-  </joint>
-  <!-- URDF itself has no spring; Gazebo takes one from this element, other readers of URDF pass over it. -->
-  <gazebo reference="{joint}">
-    <springStiffness>{stiffness}</springStiffness>
-    <springReference>{reference}</springReference>
-  </gazebo>
-  <!-- ros2_control: a joint with command_interface effort moves like this model; joint_state_broadcaster reads it. -->
-  <ros2_control name="{joint}_system" type="system">
-    <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
-    <joint name="{joint}">
-      <command_interface name="effort"/>
-      <state_interface name="position"/>
-      <state_interface name="velocity"/>
-    </joint>
-  </ros2_control>
-</robot>
-"""
-
-_SAID = {
-    "coulomb_friction": Saying("exact", "friction of the joint"),
-    "force_offset": Saying("exact", "spring_reference"),
-    "end_stop": Saying("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
-    "sensor_drift": Saying("cannot", "the drift of a sensor is not part of a joint"),
-    "actuator_lag": Saying("cannot", "no actuator: put the lag into the controller"),
-    "time_offset": Saying("cannot", "no actuator: put the delay into the controller"),
-    "periodic_disturbance": Saying("cannot", "no force that depends on time"),
-    "stiffness_drift": Saying("approximated", "the mean stiffness over the record"),
-    "second_mode": Saying("approximated", "one moving mass: " + _SHAKEN),
-    "force_gain_nonlinearity": Saying("approximated", "effort limit; of a bent gain, " + _SHAKEN),
+_SUPPORT = {
+    "coulomb_friction": Support("exact", "friction of the joint"),
+    "force_offset": Support("exact", "spring_reference"),
+    "end_stop": Support("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
+    "sensor_drift": Support("cannot", "the drift of a sensor is not part of a joint"),
+    "actuator_lag": Support("cannot", "no actuator: put the lag into the controller"),
+    "time_offset": Support("cannot", "no actuator: put the delay into the controller"),
+    "periodic_disturbance": Support("cannot", "no force that depends on time"),
+    "stiffness_drift": Support("approximated", "the mean stiffness over the record"),
+    "second_mode": Support("approximated", "one moving mass: " + _SHAKEN),
+    "force_gain_nonlinearity": Support("approximated", "effort limit; of a bent gain, " + _SHAKEN),
 }
 
 
@@ -107,22 +42,23 @@ class SdfTarget(Target):
     why_not = "Gazebo has no Python package that steps a world; open it with gz sim"
     needs_newtons = True
     kept = ("coulomb_friction", "force_offset", "end_stop")
-    template = _SDF
+    template = "joint.sdf.txt"
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return _SAID.get(effect.name, Saying("approximated", _SHAKEN))
+        return _SUPPORT.get(effect.name, Support("approximated", _SHAKEN))
 
-    def saying(self, effect: Effect, model: Model) -> Saying:
+    def support(self, effect: Effect, model: Model) -> Support:
         """How this target carries this effect of this model."""
         if effect.name == "force_offset" and model.stiffness == 0.0:
-            return Saying("cannot", "there is no spring whose reference could carry it")
-        return super().saying(effect, model)
+            return Support("cannot", "there is no spring whose reference could carry it")
+        return super().support(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        text = self.template.format(
-            header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"),
+        text = filled(
+            self.template,
+            header=header.xml_text(plan, self.what),
             joint=plan.joint, kind=MOTIONS[plan.saved.position_unit], inertial=self.inertial(plan), free=number(FREE),
             **_limits(plan), **_dynamics(plan),
         )  # fmt: skip
@@ -145,7 +81,7 @@ class UrdfTarget(SdfTarget):
     suffixes = (".urdf",)
     what = "URDF with ros2_control"
     why_not = "URDF is a description; its spring needs Gazebo: open it with gz sim"
-    template = _URDF
+    template = "joint.urdf.txt"
 
     @staticmethod
     def inertial(plan: Plan) -> str:

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from xml.sax.saxutils import escape
+
 from msd_ident.data.provenance import versions
 from msd_ident.export.plan import FORCES, Plan
 from msd_ident.quantity import Z95
+
+
+def text(plan: Plan, target: str) -> str:
+    """The header without comment signs."""
+    return "\n".join(lines(plan, target))
+
+
+def xml_text(plan: Plan, target: str) -> str:
+    """The header for an XML comment, which may not hold two hyphens in a row."""
+    return escape(text(plan, target)).replace("--", "- -")
 
 
 def lines(plan: Plan, target: str) -> list[str]:
@@ -15,16 +27,16 @@ def lines(plan: Plan, target: str) -> list[str]:
         target: the format, in a few words.
     """
     saved = plan.saved
-    said = [
+    head = [
         f"{target}: exported by msd export (msd_ident {versions()['msd_ident']})",
         f"from a result of schema {saved.schema} on {saved.path or 'an unnamed record'}",
         "",
         f"{'parameter':<26} {'value':>12}   95 % of the fit",
     ]
     for name, value in plan.values.items():
-        said.append(f"{name:<26} {value:>12.6g}   {_interval(plan, name)}")
-    said += ["", *_units(plan), *(f"- {row}" for row in plan.rows)]
-    return said
+        head.append(f"{name:<26} {value:>12.6g}   {_interval(plan, name)}")
+    head += ["", *_units(plan), *(f"- {row}" for row in plan.rows)]
+    return head
 
 
 def _interval(plan: Plan, name: str) -> str:
@@ -39,11 +51,11 @@ def _interval(plan: Plan, name: str) -> str:
 
 def _units(plan: Plan) -> list[str]:
     saved = plan.saved
-    said = [f"positions in {saved.position_unit}, as the encoder reads them; the spring is relaxed at {plan.zero:.6g}"]
+    notes = [f"positions in {saved.position_unit}, as the encoder reads them; the spring is relaxed at {plan.zero:.6g}"]
     if saved.force_unit not in FORCES:
-        said.append(f"forces in {saved.force_unit}: the motion is right, masses are in {saved.force_unit} per m/s^2")
+        notes.append(f"forces in {saved.force_unit}: the motion is right, masses are in {saved.force_unit} per m/s^2")
     elif saved.scale_assumed:
-        said.append("no force scale was measured: the motion is right, forces are those of a mass of 1 kg")
+        notes.append("no force scale was measured: the motion is right, forces are those of a mass of 1 kg")
     if saved.force_sign < 0:
-        said.append("a positive force moves the encoder downwards: the force of the actuator is inverted")
-    return said
+        notes.append("a positive force moves the encoder downwards: the force of the actuator is inverted")
+    return notes

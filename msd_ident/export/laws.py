@@ -120,17 +120,6 @@ def functions(effects: Iterable[Effect], kinds: Callable[[str], bool] = lambda k
     return "\n\n\n".join(found)
 
 
-def summed(effects: Iterable[Effect], kinds: tuple[str, ...]) -> str:
-    """Expression for the sum of all laws of some kinds; ``0.0`` if there are none.
-
-    Args:
-        effects: of a model.
-        kinds: such as ``("constant", "force")``.
-    """
-    found = [call(type(effect), kind) for effect in effects for kind in kinds if kind in effect.laws()]
-    return " + ".join(found) or "0.0"
-
-
 def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
     """Expression for the first law of a kind.
 

@@ -8,89 +8,9 @@ from msd_ident.export import header, laws
 from msd_ident.export.mujoco_elements import SENSOR
 from msd_ident.export.mujoco_friction import text as friction_text
 from msd_ident.export.plan import Plan
+from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import DELAY, LAG, PLAY
-
-_HEAD = '''"""{header}
-
-What MuJoCo has no element for. Use:
-
-    import mujoco
-    import {module}
-
-    model = mujoco.MjModel.from_xml_path("{model}")
-    {module}.install(model)      # {module}.remove() takes it away again
-"""
-
-import math
-
-import mujoco
-import numpy
-
-JOINT = "{joint}"
-ZERO = {zero}  # joint position at which the spring is relaxed
-{constants}
-
-
-{functions}
-'''
-
-_MEMORY = '''
-
-class Memory:
-    """What the laws remember from the last reversal; a reversal counts once the step in which it lies is over."""
-
-    def __init__(self):
-        self.time = None
-
-    def restart(self, t, x, v):
-        self.time, self.x, self.v, self.direction = t, x, v, sign(v)
-        self.kept = reversal(x, 0.0, **{{{start}}})
-
-    def at(self, t, x, v, a, step):
-        """Direction of the motion and what is remembered, for this stage of this step."""
-        if self.time is None or t < self.time:
-            self.restart(t, x, v)
-        direction, kept = sign(v) or self.direction or sign(a), self.kept
-        if self.direction == 0.0:
-            self.direction = direction
-        if direction != self.direction:
-            # The velocity crossed zero on a straight line since the last step.
-            part = self.v / (self.v - v) if self.v != v else 0.0
-            kept = reversal(self.x + 0.5 * part * self.v * (t - self.time), self.direction, **kept)
-        if t > self.time + 0.75 * step:
-            self.time, self.x, self.v, self.direction, self.kept = t, x, v, direction, kept
-        return direction, kept
-
-
-def reversal(x, direction, {names}):
-    """The new values of what is remembered when the motion turns at x."""
-    return {{
-{new}
-    }}
-
-
-memory = Memory()
-'''
-
-_TAIL = '''
-
-def sign(value):
-    """-1.0, 0.0 or 1.0."""
-    return float(value > 0.0) - float(value < 0.0)
-
-
-def install(model):
-    """Set MuJoCo's callbacks for this model."""
-    joint = model.joint(JOINT)
-    place, dof = joint.qposadr[0], joint.dofadr[0]
-{take}{body}
-
-def remove():
-    """Take all callbacks away."""
-    for setter in ({setters}):
-        setter(None)
-{give}'''
 
 _TAKE = """    # The constraint of the XML is for use without this file.
     constraints.append((model, dof, float(model.dof_frictionloss[dof])))
@@ -118,18 +38,20 @@ def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> 
     plant = [f"{n} = {laws.number(plan.value(n))}" for n in laws.needs_plant(called) if n in plan.values]
     spring = [_spring(plan)] if _uses(called, "spring_force") else []
     parts = [
-        _HEAD.format(
-            header="\n".join(header.lines(plan, f"Callbacks for {model_file}")), module=module, model=model_file,
+        filled(
+            "callback.py.txt",
+            header=header.text(plan, f"Callbacks for {model_file}"), module=module, model=model_file,
             joint=plan.joint, zero=laws.number(plan.zero), constants="\n".join([*plant, *laws.constants(called)]),
             functions="\n\n\n".join([laws.functions(called), *spring]),
         )
     ]  # fmt: skip
     if remembered:
-        parts.append(_MEMORY.format(**_memory(called)))
+        parts.append(filled("callback_memory.py.txt", **_memory(called)))
     dry = "friction" in kinds
     if dry:
         parts.append(friction_text(plan, called))
-    parts.append(_TAIL.format(
+    parts.append(filled(
+        "callback_install.py.txt",
         body=body, setters=", ".join([*(f"mujoco.{one}" for one in setters), ""]).strip(),
         take=_TAKE if dry else "", give=_GIVE if dry else "",
     ))  # fmt: skip

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 from msd_ident.export.laws import number
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import AT_ZERO
 
@@ -169,22 +169,20 @@ NATIVE: dict[str, tuple[Callable[[Elements, Plan], None], str]] = {
     "second_mode": (_second, "a body that hangs on the first"),
     "force_gain_nonlinearity": (_gain, "ctrlrange where there is only a limit, else the callback file"),
 }
-#: A force that acts before its stamp says.
-BEFORE = Saying("cannot", "a force that acts before it is commanded: shift the commands instead")
 #: Kinds of law that the callback file adds.
 CALLED = ("constant", "disturbance", "force", "friction", "input_map", "reading")
 
 
-def says(effect: type[Effect]) -> Saying:
+def supports(effect: type[Effect]) -> Support:
     """How MuJoCo carries an effect: by its own elements, by the callback file, or not at all."""
     if effect.name in NATIVE:
-        return Saying("exact", NATIVE[effect.name][1])
+        return Support("exact", NATIVE[effect.name][1])
     driven = any("driven" in inspect.signature(law).parameters for law in effect.laws().values())
     if driven or effect.knee not in (None, AT_ZERO):
-        return Saying("cannot", "no element for its spring or damper, and the callback file has no events")
+        return Support("cannot", "no element for its spring or damper, and the callback file has no events")
     if any(kind in effect.laws() for kind in CALLED):
-        return Saying("exact", "the callback file beside it")
-    return Saying("cannot", "neither an element nor a law that a callback could call")
+        return Support("exact", "the callback file beside it")
+    return Support("cannot", "neither an element nor a law that a callback could call")
 
 
 def inertial(mass: float, revolute: bool) -> str:

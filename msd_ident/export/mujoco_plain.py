@@ -8,16 +8,15 @@ from msd_ident.data.record import FloatArray
 from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target
 from msd_ident.export.mujoco_elements import NATIVE
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import DELAY
 
-_SAID = {
-    "coulomb_friction": Saying("exact", "frictionloss, dry within a step by solreffriction"),
-    "sensor_drift": Saying("cannot", "no element drifts; readings are the joint's position"),
-    "periodic_disturbance": Saying("cannot", "no force that depends on time"),
+_SUPPORT = {
+    "coulomb_friction": Support("exact", "frictionloss, dry within a step by solreffriction"),
+    "sensor_drift": Support("cannot", "no element drifts; readings are the joint's position"),
+    "periodic_disturbance": Support("cannot", "no force that depends on time"),
 }
 
 
@@ -29,24 +28,23 @@ class MujocoXmlTarget(Target):
     what = "MuJoCo model (MJCF) without callbacks"
     library = "mujoco"
     stepped = True
+    commanded = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        if effect.name in _SAID:
-            return _SAID[effect.name]
+        if effect.name in _SUPPORT:
+            return _SUPPORT[effect.name]
         if effect.name in NATIVE and "input_map" not in effect.laws():
-            return mujoco_elements.says(effect)
+            return mujoco_elements.supports(effect)
         if "input_map" in effect.laws():
-            return Saying("approximated", "ctrlrange for a limit; of a bent gain, the nearest m, b, k and friction")
-        return Saying("approximated", "the nearest m, b, k, friction and other elements are fitted in its place")
+            return Support("approximated", "ctrlrange for a limit; of a bent gain, the nearest m, b, k and friction")
+        return Support("approximated", "the nearest m, b, k, friction and other elements are fitted in its place")
 
-    def saying(self, effect: Effect, model: Model) -> Saying:
+    def support(self, effect: Effect, model: Model) -> Support:
         """How this target carries this effect of this model."""
-        if effect.structure == DELAY and effect.values[0] < 0.0:
-            return mujoco_elements.BEFORE
         if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
-            return Saying("exact", "ctrlrange")
-        return super().saying(effect, model)
+            return Support("exact", "ctrlrange")
+        return super().support(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

@@ -35,7 +35,7 @@ def library() -> Any:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """No warnings of MuJoCo on the terminal, and no log of them in the present folder: what blows up is told anyway."""
+    """No warnings of MuJoCo on the terminal or in a log file: a model that diverges is reported anyway."""
     mujoco = library()
     mujoco.set_mju_user_warning(lambda text: None)
     try:

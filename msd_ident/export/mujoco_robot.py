@@ -6,28 +6,16 @@ import io
 import math
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.sax.saxutils import escape
 
 import numpy as np
 
 from msd_ident.errors import UsageError
-from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, mujoco_target, robot
+from msd_ident.export import header, mujoco_elements, mujoco_replay, mujoco_target, robot
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
-from msd_ident.export.mujoco_target import MujocoTarget, callback_path
+from msd_ident.export.mujoco_target import MujocoTarget, callbacks
 from msd_ident.export.plan import Plan
-
-_FRAGMENT = """<!--
-{header}
-
-Paste the attributes into joint "{joint}" of your model (angle="radian"), the sections beside those that it has.
-The armature is the inertia that the bodies of your model do not have already: take theirs off it.
-The friction is dry with the integrator RK4 at a timestep of {step} s and <flag refsafe="disable"/>.
--->
-<mujocoinclude>
-  <joint name="{joint}" armature="{mass}" {attributes}/>
-{rest}</mujocoinclude>
-"""
+from msd_ident.export.templates import filled
 
 
 class FragmentTarget(MujocoTarget):
@@ -42,19 +30,13 @@ class FragmentTarget(MujocoTarget):
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
         made = mujoco_elements.elements(plan)
-        text = _FRAGMENT.format(
-            header=escape("\n".join(header.lines(plan, self.what))).replace("--", "- -"), joint=plan.joint,
+        text = filled(
+            "mujoco_fragment.xml.txt",
+            header=header.xml_text(plan, self.what), joint=plan.joint,
             step=number(plan.step), mass=number(plan.model.mass), attributes=mujoco_target.attributes(made.joint),
             rest=mujoco_target.rest(plan, made),
         )  # fmt: skip
-        return {out: text.encode(), **_callbacks(plan, made, out)}
-
-
-def _callbacks(plan: Plan, made: Elements, out: Path) -> dict[Path, bytes]:
-    if not made.called:
-        return {}
-    beside = callback_path(out)
-    return {beside: mujoco_callback.text(plan, made.called, beside.stem, out.name).encode()}
+        return {out: text.encode(), **callbacks(plan, made, out)}
 
 
 class RobotTarget(MujocoTarget):
@@ -91,12 +73,12 @@ class RobotTarget(MujocoTarget):
             one.set(name, self._in_its_unit(tree, plan, name, value))
         self._options(tree, plan)
         self._sections(tree, plan, made)
-        said = "\n".join(header.lines(plan, self.what)).replace("--", "- -")
-        tree.getroot().insert(0, ElementTree.Comment(f"\n{said}\n"))
+        comment = header.text(plan, self.what).replace("--", "- -")
+        tree.getroot().insert(0, ElementTree.Comment(f"\n{comment}\n"))
         buffer = io.BytesIO()
         ElementTree.indent(tree)
         tree.write(buffer, encoding="utf-8")
-        return {out: buffer.getvalue() + b"\n", **_callbacks(plan, made, out)}
+        return {out: buffer.getvalue() + b"\n", **callbacks(plan, made, out)}
 
     def _own_inertia(self, plan: Plan) -> float:
         """Inertia that the model's bodies have about the joint already [kg or kg·m²], without its armature."""

@@ -4,36 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import ClassVar
-from xml.sax.saxutils import escape
 
 from msd_ident.data.record import FloatArray
 from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
-from msd_ident.model import Model
+from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import DELAY
-
-_MODEL = """<!--
-{header}
--->
-<mujoco model="{name}">
-  <compiler angle="radian"/>
-  <option timestep="{step}" integrator="RK4" gravity="0 0 0">
-    <flag contact="disable" refsafe="disable" island="disable"/>
-  </option>
-  <worldbody>
-    <body name="{body}">
-      <joint name="{joint}" type="{kind}" axis="1 0 0" {attributes}/>
-      {inertial}{bodies}
-      <geom type="box" size=".03 .02 .02" contype="0" conaffinity="0" mass="0"/>
-    </body>
-  </worldbody>
-{rest}</mujoco>
-"""
 
 
 def attributes(given: dict[str, str]) -> str:
@@ -50,25 +30,16 @@ class MujocoTarget(Target):
     library: ClassVar[str | None] = "mujoco"
     stepped = True
     located = True
+    commanded = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return mujoco_elements.says(effect)
-
-    def saying(self, effect: Effect, model: Model) -> Saying:
-        """How this target carries this effect of this model."""
-        if effect.structure == DELAY and effect.values[0] < 0.0:
-            return mujoco_elements.BEFORE
-        return super().saying(effect, model)
+        return mujoco_elements.supports(effect)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
         made = mujoco_elements.elements(plan)
-        files = {out: model(plan, made, self.what).encode()}
-        if made.called:
-            beside = callback_path(out)
-            files[beside] = mujoco_callback.text(plan, made.called, beside.stem, out.name).encode()
-        return files
+        return {out: model(plan, made, self.what).encode(), **callbacks(plan, made, out)}
 
     def beside(self, out: Path) -> tuple[Path, ...]:
         """Files that may be written next to the main one."""
@@ -78,6 +49,14 @@ class MujocoTarget(Target):
         """Readings (n,) of the written file, run in its target."""
         called = mujoco_elements.elements(plan).called
         return mujoco_replay.run(out, callback_path(out) if called else None, plan, start)
+
+
+def callbacks(plan: Plan, made: Elements, out: Path) -> dict[Path, bytes]:
+    """The callback file beside a model, where it needs one."""
+    if not made.called:
+        return {}
+    beside = callback_path(out)
+    return {beside: mujoco_callback.text(plan, made.called, beside.stem, out.name).encode()}
 
 
 def callback_path(out: Path) -> Path:
@@ -94,8 +73,9 @@ def model(plan: Plan, made: Elements, what: str) -> str:
         made: elements of the model.
         what: the format, in a few words for the header.
     """
-    return _MODEL.format(
-        header=escape("\n".join(header.lines(plan, what))).replace("--", "- -"),
+    return filled(
+        "mujoco.xml.txt",
+        header=header.xml_text(plan, what),
         name=plan.joint,
         step=number(plan.step),
         body=f"{plan.joint}_body",

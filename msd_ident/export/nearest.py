@@ -69,7 +69,7 @@ def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Re
     dropped = tuple(
         effect.name
         for effect in model.effects
-        if target.saying(effect, model).kind != "exact" and effect.name not in target.kept
+        if target.support(effect, model).kind != "exact" and effect.name not in target.kept
     )
     if not dropped:
         return None
@@ -96,7 +96,9 @@ def _structures(target: Target, kept: Model) -> list[Model]:
     """The kept effects, and with dry friction beside them where the format has it."""
     friction = by_name(_STAND_IN)
     found = [kept]
-    if target.says(friction).kind == "exact" and not any(effect.family == friction.family for effect in kept.effects):
+    if target.supports(friction).kind == "exact" and not any(
+        effect.family == friction.family for effect in kept.effects
+    ):
         found.append(kept + friction.from_values({FRICTION_FORCE: 0.0}))
     return found
 

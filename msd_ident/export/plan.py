@@ -56,11 +56,6 @@ class Plan:
         """Whether the joint turns."""
         return self.saved.position_unit == "rad"
 
-    @property
-    def in_newtons(self) -> bool:
-        """Whether forces are newtons or newton metres that were measured."""
-        return self.saved.force_unit in FORCES and not self.saved.scale_assumed
-
     @cached_property
     def values(self) -> dict[str, float]:
         """Parameter name → value of what is written."""

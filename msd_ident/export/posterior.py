@@ -106,8 +106,8 @@ def _neutral(names: Sequence[str]) -> list[float]:
     """Value of each column where its effect does not act: neutral, or NaN where nothing says."""
     from msd_ident.model.effects import LIBRARY
 
-    told = {name: value for effect in LIBRARY for name, value in effect.neutral}
-    return [told.get(name, math.nan) for name in names]
+    neutral = {name: value for effect in LIBRARY for name, value in effect.neutral}
+    return [neutral.get(name, math.nan) for name in names]
 
 
 def _drawn(found: FitResult, count: int, rng: np.random.Generator) -> FloatArray:

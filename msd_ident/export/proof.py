@@ -76,11 +76,11 @@ class Proof:
 
     def to_json_dict(self) -> dict[str, Any]:
         """Figures of the proof."""
-        told: dict[str, Any] = {"records": [part.record.name for part in self.parts], "distance_m": self.distance}
+        figures: dict[str, Any] = {"records": [part.record.name for part in self.parts], "distance_m": self.distance}
         for key, name in (("ours", "ours"), ("target", "target"), ("predicted", "expected"), ("uncorrected", "base")):
-            told[f"see_{key}_m"] = self.see(name)
-            told[f"explained_{key}_percent"] = self.explained(name)
-        return told
+            figures[f"see_{key}_m"] = self.see(name)
+            figures[f"explained_{key}_percent"] = self.explained(name)
+        return figures
 
 
 def percent_text(percent: float) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.export import header, laws, mujoco_replay, python_source
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
+from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import ABOVE, BOTH, OUTSIDE
 
@@ -25,18 +26,18 @@ class PythonTarget(Target):
     library = ""
     imported = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
         if effect.jumps and (effect.knee is None or effect.knee[2] in (BOTH, ABOVE, OUTSIDE)):
-            return Saying("cannot", "its force begins with a jump at a place that the file does not look for")
+            return Support("cannot", "its force begins with a jump at a place that the file does not look for")
         if effect.laws() or effect.knee or effect.structure in python_source.STRUCTURES:
-            return Saying("exact", "its law, in the file")
-        return Saying("cannot", "no law that the file could hold")
+            return Support("exact", "its law, in the file")
+        return Support("cannot", "no law that the file could hold")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = "\n".join(header.lines(plan, self.what))
-        return {out: python_source.text(plan, said, out.stem).encode()}
+        comment = header.text(plan, self.what)
+        return {out: python_source.text(plan, comment, out.stem).encode()}
 
     def replay(self, out: Path, plan: Plan, start: InitialState) -> FloatArray:
         """Readings (n,) of the written file, run in its target."""
@@ -49,25 +50,6 @@ class PythonTarget(Target):
         return np.asarray(readings, dtype=np.float64)
 
 
-_LINES = '''"""{header}
-
-{file} must lie beside this file; positions are measured from the relaxed spring, at the reading {zero}.
-"""
-
-from dataclasses import replace
-from pathlib import Path
-
-import msd_ident
-from msd_ident.model import simulate
-
-
-def motion(record, position=0.0, velocity=0.0):
-    """Trajectory of the saved model under the force of a msd_ident.Record, from this state on."""
-    saved = msd_ident.load(Path(__file__).with_name("{file}"))
-    return simulate(saved.model, replace(record, force=saved.force_sign * record.force), position, velocity)
-'''
-
-
 class PythonMsdTarget(Target):
     """Three lines that load the result itself."""
 
@@ -78,15 +60,15 @@ class PythonMsdTarget(Target):
     imported = True
     itself = True
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return Saying("exact", "msd_ident itself")
+        return Support("exact", "msd_ident itself")
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
-        said = "\n".join(header.lines(plan, self.what))
+        comment = header.text(plan, self.what)
         beside = out.with_suffix(".json")
-        text = _LINES.format(header=said, file=beside.name, zero=laws.number(plan.zero))
+        text = filled("load_result.py.txt", header=comment, file=beside.name, zero=laws.number(plan.zero))
         return {out: text.encode(), beside: plan.saved.text.encode()}
 
     def beside(self, out: Path) -> tuple[Path, ...]:

@@ -13,7 +13,7 @@ from msd_ident.errors import SetupError
 from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan
 from msd_ident.export.proof import Proof, percent_text
-from msd_ident.export.saying import Row
+from msd_ident.export.support import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
 from msd_ident.workflow.saved_model import SavedModel
@@ -95,32 +95,32 @@ class Export:
         proof = self.proof
         if not math.isfinite(proof.see("target")):
             return f"In {self.target.name} the model blows up at steps of {self.plan.step:.3g} s: give more --steps."
-        said = (
+        sentence = (
             f"In {self.target.name} the model leaves {proof.see('target'):.3g} {unit}, {proof.ratio:.3f} times what it "
             f"leaves here; mass, damping and stiffness alone leave {proof.see('base'):.3g} {unit} there"
         )
         if self.nearest is not None:
-            said += f"; {proof.see('expected'):.3g} {unit} were predicted"
+            sentence += f"; {proof.see('expected'):.3g} {unit} were predicted"
         return (
-            f"{said}. It explains {percent_text(proof.explained('target'))} % of the motion, uncorrected "
+            f"{sentence}. It explains {percent_text(proof.explained('target'))} % of the motion, uncorrected "
             f"{percent_text(proof.explained('base'))} %."
         )
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.export/1``."""
-        told: Mapping[str, Any] | None = None if self.proof is None else self.proof.to_json_dict()
+        replay: Mapping[str, Any] | None = None if self.proof is None else self.proof.to_json_dict()
         return {
             "schema": SCHEMA,
             "target": self.target.name,
             "files": [str(path) for path in self.files],
             "effects": [
-                {"name": row.effect, "kind": row.saying.kind, "how": row.saying.how} for row in self.rows
+                {"name": row.effect, "kind": row.support.kind, "how": row.support.how} for row in self.rows
             ],
             "parameters": dict(self.plan.values),
             "nearest": None if self.nearest is None else {
                 "dropped": list(self.nearest.dropped), "predicted_see_m": self.nearest.see,
             },
             "time_step_s": self.plan.step,
-            "replay": told,
+            "replay": replay,
             "not_replayed": self.not_replayed,
         }  # fmt: skip

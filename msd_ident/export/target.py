@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from msd_ident.errors import UsageError
-from msd_ident.export.saying import Saying
+from msd_ident.export.support import BEFORE, Support
+from msd_ident.model.effects.base import DELAY
 
 if TYPE_CHECKING:
     from msd_ident.data.record import FloatArray, Record
@@ -52,14 +53,16 @@ class Target:
     stepped: ClassVar[bool] = False
     #: Whether dry friction reverses and stops inside its steps, so that it asks for none of its own.
     located: ClassVar[bool] = False
+    #: Whether it takes forces that act when they come, so that none can act before its stamp.
+    commanded: ClassVar[bool] = False
     #: Effects that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 
-    def says(self, effect: type[Effect]) -> Saying:
+    def supports(self, effect: type[Effect]) -> Support:
         """How it carries an effect."""
         raise NotImplementedError
 
-    def saying(self, effect: Effect, model: Model) -> Saying:
+    def support(self, effect: Effect, model: Model) -> Support:
         """How the target carries an effect with the values that it has.
 
         Args:
@@ -67,7 +70,9 @@ class Target:
             model: the model that contains it.
         """
         del model
-        return self.says(type(effect))
+        if self.commanded and effect.structure == DELAY and effect.values[0] < 0.0:
+            return BEFORE
+        return self.supports(type(effect))
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write, the main file first.

@@ -109,10 +109,10 @@ class Comparison:
         """The outcome in words."""
         unit = self.records[0].position_unit
         explained = f"it explains {self.explained_percent:.5g} % of the motion"
-        said = f"The error of the simulation is {self.see:.3g} {unit}; {explained}"
+        outcome = f"The error of the simulation is {self.see:.3g} {unit}; {explained}"
         if not self.differences:
-            return f"{said}. This record shows no significant difference from the rig."
-        return f"{said}. With the following corrections the error would be {self.rig.see:.3g} {unit}."
+            return f"{outcome}. This record shows no significant difference from the rig."
+        return f"{outcome}. With the following corrections the error would be {self.rig.see:.3g} {unit}."
 
     def to_json_dict(self) -> dict[str, Any]:
         """The contract ``msd.external/1`` without ``path``."""
@@ -132,14 +132,14 @@ class Comparison:
                 }
                 for one in self.differences
             ],
-            "models": {"rig": _told(self.rig), "simulation": _told(self.theirs)},
+            "models": {"rig": _model_json(self.rig), "simulation": _model_json(self.theirs)},
             "missing_force_rms": self.missing_size,
             "missing_force_depends_on": self.depends_on,
             "warnings": list(self.warnings),
         }  # fmt: skip
 
 
-def _told(one: FitResult) -> dict[str, Any]:
+def _model_json(one: FitResult) -> dict[str, Any]:
     """A fitted model for the JSON."""
     return {
         "effects": list(one.model.effect_names), "parameters": quantities_dict(one.quantities), "see_m": one.see,
@@ -174,8 +174,8 @@ def compare(
         simulation.positions(record, initial) for record, initial in zip(given, found.extended.initial, strict=True)
     )
     progress("explaining the simulation", 0.6)
-    said = _noisy(found.records, simulated, found.noise_floor)
-    rig, theirs = _explained(found, said)
+    noisy = _noisy(found.records, simulated, found.noise_floor)
+    rig, theirs = _explained(found, noisy)
     sure = {cause.name: cause.probability for cause in found.causes}
     unlike = differences(rig, theirs, found.records, found.noise_floor, sure)
     progress("smoothing the missing force", 0.9)
@@ -209,17 +209,17 @@ def _noisy(records: Sequence[Record], simulated: Sequence[FloatArray], floor: fl
     )
 
 
-def _explained(found: Diagnosis, said: tuple[Record, ...]) -> tuple[FitResult, FitResult]:
+def _explained(found: Diagnosis, noisy: tuple[Record, ...]) -> tuple[FitResult, FitResult]:
     """The rig's model and the simulation's, of one structure."""
     rig = found.extended
-    theirs = _fitted(rig.model, rig, said)
+    theirs = _fitted(rig.model, rig, noisy)
     if theirs.see <= _ALIKE * found.noise_floor:
         return rig, theirs
-    other = pipeline.diagnose(said).extended.model
+    other = pipeline.diagnose(noisy).extended.model
     both = _united(rig.model, other)
     if both.effect_names == rig.model.effect_names:
-        return rig, _fitted(both, rig, said, other)
-    return _fitted(both, rig, found.records, rig.model), _fitted(both, rig, said, other)
+        return rig, _fitted(both, rig, noisy, other)
+    return _fitted(both, rig, found.records, rig.model), _fitted(both, rig, noisy, other)
 
 
 def _united(one: Model, other: Model) -> Model:

@@ -62,16 +62,17 @@ class Difference:
         words = self.name.replace("_", " ")
         sure = f" (probability {self.probability_text})" if math.isfinite(self.probability) else ""
         if self.kind == "lacks":
-            return f"It lacks {spoken(self.name)}{sure}: {_told(self.rig)} on the rig"
+            return f"It lacks {spoken(self.name)}{sure}: {_with_interval(self.rig)} on the rig"
         if self.kind == "has":
-            return f"It has {spoken(self.name)} that the rig does not show: {_told(self.simulation)}"
+            return f"It has {spoken(self.name)} that the rig does not show: {_with_interval(self.simulation)}"
         off = self.percent
         size = f"{abs(off.value):.3g} ± {1.96 * off.std:.2g} % " if math.isfinite(off.std) else ""
         side = "too large" if abs(self.simulation.value) > abs(self.rig.value) else "too small"
-        return f"Its {words} is {size}{side}: {_told(self.simulation)} against {_told(self.rig)} on the rig"
+        values = f"{_with_interval(self.simulation)} against {_with_interval(self.rig)} on the rig"
+        return f"Its {words} is {size}{side}: {values}"
 
 
-def _told(quantity: Quantity) -> str:
+def _with_interval(quantity: Quantity) -> str:
     interval = f" ± {1.96 * quantity.std:.2g}" if quantity.known and quantity.std else ""
     return f"{quantity.value:.4g}{interval} {quantity.unit}"
 
@@ -90,14 +91,14 @@ def differences(
     """
     found: list[Difference] = []
     names = {p.name: effect.name for effect in rig.model.effects for p in effect.parameters}
-    told: set[str] = set()
+    named: set[str] = set()
     for effect in rig.model.effects:
         one = _effect(effect.name, rig, simulation, records, floor, sure)
         if one is not None:
             found.append(one)
-            told |= {name for name, owner in names.items() if owner == effect.name}
+            named |= {name for name, owner in names.items() if owner == effect.name}
     for name in rig.free:
-        if name in told:
+        if name in named:
             continue
         one = _value(name, rig, simulation, records)
         if one is not None and one.does > VISIBLE * floor:

@@ -16,7 +16,7 @@ _SMALLEST_JUMP = 0.05
 _FLATNESS = 0.02
 #: A level must last for this many position samples.
 _SHORTEST_LEVEL = 10
-#: A measured force needs as many samples before its noise can be told from its steps.
+#: A measured force needs as many samples before its noise can be distinguished from its steps.
 _MEASURED = 50
 #: The force must rise within so many position samples, or within this part of the level that it rises to.
 _RISE_SAMPLES, _RISE_SHARE = 3.0, 0.01

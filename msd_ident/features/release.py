@@ -1,4 +1,4 @@
-"""When a hand let go of the cart: the instant from which no force but the rig's own acts.
+"""The release: the instant from which no hand acts on the cart.
 
 A hand that pulls adds energy, one that holds carries the spring's force, and a free decay does neither. The law of the
 decay (acceleration against position, velocity and its sign) is regressed from the later swings; what the acceleration

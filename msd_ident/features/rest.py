@@ -1,4 +1,4 @@
-"""Rest values: where the reading stands when nothing moves, and how well that is known."""
+"""Rest values: the reading at rest and its uncertainty."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ class _Problem:
 
     def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
         """Levenberg–Marquardt from a point (5,)."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a search that runs away is told by its result
+        with np.errstate(over="ignore", invalid="ignore"):  # a search that diverges shows in its result
             return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
 
 

@@ -16,43 +16,8 @@ from msd_ident.io.database import DatabaseFile
 from msd_ident.io.mcap_file import McapFile
 from msd_ident.io.mcap_records import MAGIC
 from msd_ident.io.metadata import LOST, UNFINISHED
-from msd_ident.io.qos import qos_from_yaml
 from msd_ident.io.topics import RawMessage, StorageFile, Topic
 from msd_ident.paths import check_plain
-
-
-class _McapStorage:
-    """An MCAP file as a bag sees it."""
-
-    def __init__(self, data: bytes | mmap.mmap, name: str) -> None:
-        self._file = McapFile(data, name)
-        self._lost_channels: set[int] = set()
-
-    @property
-    def losses(self) -> tuple[str, ...]:
-        return self._file.losses
-
-    def topics(self) -> tuple[Topic, ...]:
-        return tuple(self._topic(channel) for channel in self._file.channels)
-
-    def _topic(self, channel_id: int) -> Topic:
-        channel = self._file.channels[channel_id]
-        schema = self._file.schemas.get(channel.schema_id)
-        return Topic(
-            name=channel.topic,
-            type=schema.name if schema else "",
-            encoding=channel.message_encoding,
-            definition=schema.data.decode(errors="replace") if schema else "",
-            definition_format=schema.encoding if schema else "",
-            offered_qos=qos_from_yaml(channel.metadata.get("offered_qos_profiles")),
-        )
-
-    def raw_messages(self, by_log_time: bool) -> Iterator[RawMessage]:
-        names = {key: (topic.name, topic.type) for key in self._file.channels for topic in [self._topic(key)]}
-        for message in self._file.messages(by_log_time=by_log_time):
-            if message.channel in names:
-                name, type_name = names[message.channel]
-                yield RawMessage(name, type_name, message.data, message.log_time_ns, message.publish_time_ns)
 
 
 class Bag:
@@ -185,11 +150,11 @@ def _open_storage(path: Path) -> StorageFile:
         if plain_name(path).endswith(".db3"):
             return DatabaseFile(path, packed)
         if packed:
-            return _McapStorage(unpack_file(path), path.name)
+            return McapFile(unpack_file(path), path.name)
         with path.open("rb") as file:
             empty = os.fstat(file.fileno()).st_size == 0
             data = b"" if empty else mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-            return _McapStorage(data, path.name)
+            return McapFile(data, path.name)
     except OSError as error:
         raise unreadable(path, error) from None
 

@@ -1,4 +1,4 @@
-"""What else was measured beside force and position, as one number a record: a temperature, a load."""
+"""Covariates of a record, such as temperature or load: their means."""
 
 from __future__ import annotations
 

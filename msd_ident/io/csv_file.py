@@ -54,8 +54,8 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     chosen = choose_columns(table, str(path), options)
     places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
     read = dict(zip(places, table.columns(places), strict=True))
-    time, there, said = _times(table, chosen, read, options, str(path))
-    notes = list(said)
+    time, there, remarks = _times(table, chosen, read, options, str(path))
+    notes = list(remarks)
     position = read[chosen.position][there]
     x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
     t_x, x = _samples(time, position)
@@ -148,8 +148,8 @@ def _times(
     position = read[chosen.position]
     if chosen.time is None:
         assert options.rate is not None
-        said = f"the stamps are those of {options.rate:g} samples a second, as --rate says."
-        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool), [said]
+        remark = f"the stamps are those of {options.rate:g} samples a second, as --rate says."
+        return np.arange(position.size) / options.rate, np.ones(position.size, dtype=bool), [remark]
     heading, time = table.header[chosen.time], read[chosen.time]
     there = np.isfinite(time)
     if lost := int(np.count_nonzero(~there & np.isfinite(position))):

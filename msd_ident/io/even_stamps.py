@@ -1,4 +1,4 @@
-"""Stamps that were rounded when they were written: the true times are rebuilt where the file shows them.
+"""Time stamps that were rounded when they were written: the even times are reconstructed.
 
 A data logger samples at a fixed rate and writes the time with three decimals. At 887 Hz the intervals are then 1 ms and
 2 ms, and look like lost samples. What shows the truth is a counter column, or stamps that stay within one rounding of a

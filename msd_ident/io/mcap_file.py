@@ -31,6 +31,8 @@ from msd_ident.io.mcap_records import (
     stored_message,
     unpack,
 )
+from msd_ident.io.qos import qos_from_yaml
+from msd_ident.io.topics import RawMessage, Topic
 
 _FOOTER_BYTES = FRAME.size + 20 + len(MAGIC)
 
@@ -94,6 +96,28 @@ class McapFile:
         if self._stated is None or not self.channels:
             for _ in self.messages():
                 pass
+
+    def topics(self) -> tuple[Topic, ...]:
+        """Topics of the file, one for each channel."""
+        return tuple(self._topic(channel) for channel in self.channels.values())
+
+    def _topic(self, channel: Channel) -> Topic:
+        schema = self.schemas.get(channel.schema_id)
+        return Topic(
+            name=channel.topic,
+            type=schema.name if schema else "",
+            encoding=channel.message_encoding,
+            definition=schema.data.decode(errors="replace") if schema else "",
+            definition_format=schema.encoding if schema else "",
+            offered_qos=qos_from_yaml(channel.metadata.get("offered_qos_profiles")),
+        )
+
+    def raw_messages(self, by_log_time: bool) -> Iterator[RawMessage]:
+        """All messages that can be read and have a channel, by log time or in stored order."""
+        topics = {key: self._topic(channel) for key, channel in self.channels.items()}
+        for message in self.messages(by_log_time=by_log_time):
+            if topic := topics.get(message.channel):
+                yield RawMessage(topic.name, topic.type, message.data, message.log_time_ns, message.publish_time_ns)
 
     def messages(self, *, by_log_time: bool = False) -> Iterator[StoredMessage]:
         """All messages that can be read, in the order of the file or by log time."""

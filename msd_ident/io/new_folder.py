@@ -1,4 +1,4 @@
-"""The folder of a new bag; nothing is ever removed for it except a bag that the user gave up."""
+"""Makes the folder of a new bag; removes nothing but a bag that the user allows to overwrite."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one way from a path to a Record, or to one for each run."""
+"""Reads a path, bag or table, into a Record, or into one for each run."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _DEFAULTS = SourceOptions()
 
 
 def read(
-    path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS, told: Callable[[int], None] | None = None
+    path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS, on_progress: Callable[[int], None] | None = None
 ) -> Record:
     """Record from a rosbag2 folder, an ``.mcap`` or ``.db3`` file, a CSV or a MAT file.
 
     Args:
         path: what to read.
         options: which signals are force and position, scales, units, window.
-        told: called with the number of messages of a bag read so far; an exception from it ends the reading.
+        on_progress: called with the number of messages of a bag read so far; an exception from it ends the reading.
 
     Returns:
         The record; its notes say what was lost or repaired on the way.
@@ -37,7 +37,7 @@ def read(
         DataError: it cannot be read, lacks a signal, or holds one that cannot be used; one line that says why.
     """
     try:
-        record = _read_bag(path, options, told) if is_bag(path) else read_table(path, options)
+        record = _read_bag(path, options, on_progress) if is_bag(path) else read_table(path, options)
         if options.hold == "band_limited" and not options.no_force:
             record = band_limited(record)
         if options.start is not None or options.end is not None:
@@ -84,8 +84,10 @@ def read_all(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -
     return tuple(read(path, one) for one in each_run(path, options))
 
 
-def _read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Callable[[int], None] | None) -> Record:
+def _read_bag(
+    path: str | os.PathLike[str], options: SourceOptions, on_progress: Callable[[int], None] | None
+) -> Record:
     for word, given in (("--rate", options.rate is not None), ("--run", bool(options.run))):
         if given:
             raise UsageError(f"{word} with the bag {path}; expected it for a table: messages have their own stamps")
-    return read_bag(path, options, told)
+    return read_bag(path, options, on_progress)

@@ -32,8 +32,8 @@ _SAME_CLOCK_NS = 60 * 10**9
 #: Samples of one signal beyond which a bag would not fit into the memory of a small machine.
 MOST_SAMPLES = 10_000_000
 
-#: Told the messages read so far; what it raises ends the reading.
-Told = Callable[[int], None]
+#: Called with the number of messages read so far; what it raises ends the reading.
+OnProgress = Callable[[int], None]
 
 
 class _Signal:
@@ -153,27 +153,27 @@ class _Signal:
         )
 
 
-def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | None = None) -> Record:
+def read_bag(path: str | os.PathLike[str], options: SourceOptions, on_progress: OnProgress | None = None) -> Record:
     """Record from a bag; see ``msd_ident.io.read``.
 
     Args:
         path: bag folder or file.
         options: which signals are force and position, scales and units. Its window is not applied here.
-        told: called with the number of messages read so far.
+        on_progress: called with the number of messages read so far.
 
     Raises:
         DataError: it cannot be read, or lacks a signal.
     """
     bag = open_bag(path)
     try:
-        position, force = sources(bag, options, told=told)
+        position, force = sources(bag, options, on_progress=on_progress)
     except DataError as error:
         # What is missing may have been in the part that is lost.
         raise DataError(" ".join((f"{error};" if bag.notes else str(error), *bag.notes)).rstrip(".")) from None
     signals = [_Signal("position", position)]
     if force is not None:
         signals.append(_Signal("force", force))
-    _collect(bag, signals, told)
+    _collect(bag, signals, on_progress)
     ns_x, x = signals[0].samples()
     ns_f, f = signals[1].samples() if force is not None else (ns_x.min(keepdims=True), np.zeros(1))
     notes = [note for signal in signals for note in signal.notes]
@@ -192,7 +192,7 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, told: Told | 
 
 
 def sources(
-    bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None, told: Told | None = None
+    bag: Bag, options: SourceOptions, counts: Mapping[str, int] | None = None, on_progress: OnProgress | None = None
 ) -> tuple[Source, Source | None]:
     """Topics and fields of position and force.
 
@@ -200,7 +200,7 @@ def sources(
         bag: the bag.
         options: name the signals, where the default topics do not fit.
         counts: number of messages by topic; None to count them, if the options do not name both signals.
-        told: called with the number of messages read so far.
+        on_progress: called with the number of messages read so far.
 
     Returns:
         Position, and force or None for a free decay.
@@ -210,7 +210,7 @@ def sources(
     """
     named = options.position and (options.force or options.no_force)
     if counts is None:
-        messages = () if named else _told(bag.messages(by_log_time=False), told)
+        messages = () if named else _counted(bag.messages(by_log_time=False), on_progress)
         counts = Counter(message.topic for message in messages)
     name = str(bag.path)
     position = choose_position(bag.topics, options.position, counts, name)
@@ -219,28 +219,28 @@ def sources(
     return position, choose_force(bag.topics, options.force, counts, position.topic.name, name)
 
 
-def _told(messages: Iterable[RawMessage], told: Told | None) -> Iterable[RawMessage]:
-    """The messages, each told before it is given."""
-    if told is None:
+def _counted(messages: Iterable[RawMessage], on_progress: OnProgress | None) -> Iterable[RawMessage]:
+    """The messages; the number of each is reported before it is given."""
+    if on_progress is None:
         yield from messages
         return
     for number, message in enumerate(messages):
-        told(number)
+        on_progress(number)
         yield message
 
 
-def _collect(bag: Bag, signals: Iterable[_Signal], told: Told | None) -> None:
+def _collect(bag: Bag, signals: Iterable[_Signal], on_progress: OnProgress | None) -> None:
     """One pass in stored order, which shows a clock that jumps back; by log time a loop would look interleaved."""
     by_topic: dict[str, list[_Signal]] = {}
     for signal in signals:
         by_topic.setdefault(signal.source.topic.name, []).append(signal)
-    for message in _told(bag.messages(by_log_time=False), told):
+    for message in _counted(bag.messages(by_log_time=False), on_progress):
         for signal in by_topic.get(message.topic, ()):
             signal.add(message)
 
 
 def _missing_in_sequence(batches: Iterable[tuple[int, int]]) -> tuple[int, int]:
-    """Samples and gaps between batches; a number that falls is a publisher that started anew, or a late batch."""
+    """Samples and gaps between batches; a number that falls is a publisher that restarted, or a late batch."""
     lost = gaps = 0
     expected: int | None = None
     for sequence, size in batches:

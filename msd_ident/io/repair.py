@@ -107,9 +107,9 @@ def repair_folder(folder: Path) -> Repair:
     losses = [one.loss for one in mended]
     lost = sum(loss.messages for loss in losses)
     if changed:
-        said = [f"{lost} messages are lost"] if lost else []
-        said += [f"up to {open_seconds:g} s before its end may be missing"] if open_seconds else []
-        entry.custom |= {LOST: ", ".join(said)} if said else {}
+        lost_parts = [f"{lost} messages are lost"] if lost else []
+        lost_parts += [f"up to {open_seconds:g} s before its end may be missing"] if open_seconds else []
+        entry.custom |= {LOST: ", ".join(lost_parts)} if lost_parts else {}
         entry.write(folder)
         _tidy(found.paths)
     notes = [*found.notes, *(note for one in mended for note in one.notes)]

@@ -1,4 +1,4 @@
-"""The board: what is known about the rig and what is being done, for all pages at once; and what buttons ask for."""
+"""The state that all pages of the live view share, and the interface of the controls behind its buttons."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LINES = 6
 
 
 class Controls(Protocol):
-    """What the buttons do. Each returns at once; what came of it is told to the board."""
+    """What the buttons do. Each returns at once; the outcome goes to the board."""
 
     def step(self, force: float) -> None:
         """Command a force, in its unit, until the next one."""
@@ -163,7 +163,7 @@ class Known:
 
 @dataclass
 class Board:
-    """Holds what is known; told by one side, looked at by the other, from any thread.
+    """Holds what is known; written by one side, read by the other, from any thread.
 
     ``known`` is replaced as a whole, so a reader sees one state; another object means that something changed.
     """

@@ -1,4 +1,4 @@
-"""The three plots over one time axis, and what a frame makes of them."""
+"""The three plots over one time axis, and the data of a frame for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one line that is said when the page's library is not there. Imports nothing of it."""
+"""Check that Bokeh is installed. Imports nothing of it."""
 
 from __future__ import annotations
 

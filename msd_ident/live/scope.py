@@ -1,4 +1,4 @@
-"""The scope: the latest samples of force and position, the model beside them, and frames for the page."""
+"""The scope: the latest samples of force and position, the simulated model, and frames for the page."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Scope:
                 self._rows.column(MODEL)[:] = np.nan
 
     def restart(self) -> None:
-        """The rig was put back to its start: the model begins anew with the samples to come."""
+        """The rig was put back to its start: the model restarts with the samples to come."""
         with self._lock:
             self._renew()
 
@@ -105,7 +105,7 @@ class Scope:
 
     @property
     def knows_force(self) -> bool:
-        """Whether any force was heard."""
+        """Whether any force was received."""
         return len(self._forces) > 0
 
     @property

@@ -162,30 +162,14 @@ class TokenAuth(AuthProvider):
         return user
 
     @property
-    def get_user_async(self) -> None:
-        """Not needed."""
-
-    @property
     def login_url(self) -> str:
         """Where those go who have no token."""
         return "/token"
 
     @property
-    def get_login_url(self) -> None:
-        """Not needed."""
-
-    @property
     def login_handler(self) -> type[RequestHandler]:
         """Says what is missing."""
         return _NoToken
-
-    @property
-    def logout_url(self) -> None:
-        """There is nothing to leave."""
-
-    @property
-    def logout_handler(self) -> None:
-        """There is nothing to leave."""
 
     def _right(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self._token.encode())

@@ -1,4 +1,4 @@
-"""The model that runs beside the rig: the same force, no look at the encoder but at the start."""
+"""The model that is simulated in parallel with the rig under the same force; the encoder gives only its first state."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from msd_ident.model.simulator import Simulator
 
 #: How far back the simulation begins, at least and at most [s]; the state at its begin is the model's own.
 SHORT, LONG = 0.2, 5.0
-#: A pause of the encoder after which the model starts anew from a measured state [s].
+#: A pause of the encoder after which the model restarts from a measured state [s].
 PAUSE = 1.0
 #: Columns of the samples.
 TIME, POSITION, MODEL = range(3)
@@ -92,12 +92,12 @@ class Shadow:
         self._hold: Hold = hold
         self._at = _Checkpoint(first)
         remembers = any(effect.remembers() for effect in beside.model.effects)
-        # Without a spring nothing pulls an error back: the model starts anew from the measurement now and then.
+        # Without a spring nothing pulls an error back: the model restarts from the measurement now and then.
         self._free = beside.model.stiffness == 0.0
         self._span = LONG if remembers or self._free else SHORT
 
     def restart(self, row: int) -> None:
-        """Begin anew from the measurement, at a row."""
+        """Restart from the measurement, at a row."""
         self._at = _Checkpoint(row)
 
     def advance(self, rows: Track, forces: Track) -> None:

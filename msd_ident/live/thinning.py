@@ -1,4 +1,4 @@
-"""Fewer points for the eye: one pixel column shows the least and the greatest value in it, so no peak is lost."""
+"""Thins curves for the screen: the least and the greatest value of each pixel column are kept, so no peak is lost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns of numbers that never grow: the latest rows, oldest first, without copying."""
+"""A ring buffer of rows with contiguous columns: the latest rows, oldest first, as views."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class Regression:
         return score
 
     def _begin(self) -> None:
-        """Solve once the regressors are all seen and told well enough apart."""
+        """Solve once the regressors are all seen and differ enough."""
         matrix = np.array(self._rows)
         if len(self._rows) < self._size:
             return

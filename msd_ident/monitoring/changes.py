@@ -20,7 +20,7 @@ IntArray = npt.NDArray[np.intp]
 
 #: Changes that are expected in a series before any data, whatever its length.
 EXPECTED = 0.5
-#: A change is told where it is likelier than this.
+#: A change is reported where it is likelier than this.
 TOLD = 0.5
 #: Records that are looked at, the newest: the recursion takes time with their square.
 MOST = 4000

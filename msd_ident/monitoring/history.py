@@ -1,4 +1,4 @@
-"""The last estimates of one rig in a file, and the alarm that goes on from one start of a program to the next."""
+"""The last estimates of one rig in a file, with the state of the alarm, across restarts of a program."""
 
 from __future__ import annotations
 
@@ -109,15 +109,15 @@ class History:
 
     def _restore(self, found: Mapping[str, Any]) -> None:
         if found["moved_by"] != list(self._moved_by):
-            told, now = (", ".join(one) or "nothing" for one in (found["moved_by"], self._moved_by))
+            before, now = (", ".join(one) or "nothing" for one in (found["moved_by"], self._moved_by))
             raise SetupError(
-                f"{self._path} was kept with {told} beside, now it is {now}; expected the same: a new name"
+                f"{self._path} was kept with {before} beside, now it is {now}; expected the same: a new name"
             )
         self._kept, self._estimates, self._alarm = list(found["estimates"]), found["since"], found["alarm"]
         self._watchers.restore(found["state"])
 
     def _write(self) -> None:
-        told = {
+        content = {
             "schema": SCHEMA,
             "moved_by": list(self._moved_by),
             "since": self._estimates,
@@ -127,7 +127,7 @@ class History:
         }
         there = self._path.with_name(f"{self._path.name}.tmp")
         try:
-            there.write_text(json.dumps(told), encoding="utf-8")
+            there.write_text(json.dumps(content), encoding="utf-8")
             os.replace(there, self._path)
         except OSError as error:
             raise SetupError(f"cannot write {self._path}: {error.strerror}; expected a file that takes it") from None
@@ -136,5 +136,5 @@ class History:
 def _plain(sample: Sample) -> dict[str, Any]:
     covariates = {name: value for name, value in sample.covariates.items() if math.isfinite(value)}
     time = sample.time if math.isfinite(sample.time) else None
-    told = {"time": time, "name": sample.name, "values": dict(sample.values), "stds": dict(sample.stds)}
-    return {**told, "covariates": covariates}
+    plain = {"time": time, "name": sample.name, "values": dict(sample.values), "stds": dict(sample.stds)}
+    return {**plain, "covariates": covariates}

@@ -6,18 +6,12 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping
 from datetime import datetime, timezone
-from typing import Any, Protocol
+from typing import Any
 
 from msd_ident.batching import reading
+from msd_ident.batching.row import Table
 from msd_ident.errors import DataError
 from msd_ident.monitoring.watching import Sample
-
-
-class Table(Protocol):
-    """A table of rows."""
-
-    def to_pylist(self) -> list[dict[str, Any]]:
-        """The rows."""
 
 
 def by_robot(table: Table) -> dict[str, list[Sample]]:

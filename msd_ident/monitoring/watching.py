@@ -106,7 +106,7 @@ class Watch:
         series: its parameters.
         statistic: (n,) M of all that is watched together, after each record.
         threshold: A: the mean number of records to a false alarm is at least this.
-        alarms: where M passed it; the watch begins anew behind each.
+        alarms: where M passed it; monitoring restarts after each.
         moved_by: what was taken to move parameters without wear.
         rate: false alarms a year that the threshold stands for.
     """
@@ -126,18 +126,18 @@ class Watch:
         if self.alarms:
             last = self.alarms[-1]
             sized = f" by {last.percent:+.2g} %" if math.isfinite(last.percent) else ""
-            said = f"{last.what} changed{sized}: alarm at {self.samples[last.index].name}"
+            outcome = f"{last.what} changed{sized}: alarm at {self.samples[last.index].name}"
         else:
-            said = "no alarm"
+            outcome = "no alarm"
         found = [(change, one) for one in self.series for change in one.changes]
-        told = ", ".join(
+        listed = ", ".join(
             f"{one.name} {change.percent:+.2g} % at {self.samples[one.index[change.index]].name} "
             f"(p {min(change.probability, 0.999):.3f})"
             for change, one in found
         )
         return (
-            f"{said} in {len(self.samples)} records, at most {self.rate:g} false alarms a year on average"
-            f"{'; change points: ' + told if told else '; no change points'}"
+            f"{outcome} in {len(self.samples)} records, at most {self.rate:g} false alarms a year on average"
+            f"{'; change points: ' + listed if listed else '; no change points'}"
         )
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -276,7 +276,7 @@ class Watchers:
 def alarms_of(
     samples: Sequence[Sample], regressors: FloatArray, threshold: float
 ) -> tuple[FloatArray, tuple[Alarm, ...]]:
-    """M after each record, and where it passed the threshold; the watch begins anew behind each alarm.
+    """M after each record, and where it passed the threshold; monitoring restarts after each alarm.
 
     Args:
         samples: in the order of time.

@@ -8,9 +8,9 @@ import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from msd_ident.batching.row import CAUSES, PARAMETERS
+from msd_ident.batching.row import CAUSES, PARAMETERS, Table
 from msd_ident.data.provenance import versions
 from msd_ident.model.effects import spoken
 from msd_ident.report.page import environment, shipped
@@ -24,17 +24,6 @@ _NUMBERS = (
     *("left_percent", "see", "noise_floor", "temperature", "load", "amplitude", "peak_force", "samples", "duration_s"),
     *("rate_hz", "seconds"),
 )
-
-
-class Table(Protocol):
-    """A table of rows, as ``msd_ident.batching.table`` reads it."""
-
-    @property
-    def num_rows(self) -> int:
-        """Number of rows."""
-
-    def column(self, name: str) -> Any:
-        """A column, with ``to_pylist``."""
 
 
 def save(table: Table, path: Path, source: str) -> None:
@@ -75,17 +64,19 @@ def _columns(table: Table, folder: Path) -> list[dict[str, Any]]:
     """Columns that hold anything, the ones that people look at first."""
     read = {name: table.column(name).to_pylist() for name in (*_TEXTS, *_NUMBERS)}
     read["page"] = [os.path.relpath(page, folder) if page else None for page in read["page"]]
-    told = [_text(name, read[name]) for name in ("name", "robot", "joint", "day", "verdict", "error")]
-    told.append(_text("causes", [_causes(found) for found in table.column("causes").to_pylist()]))
+    columns = [_text(name, read[name]) for name in ("name", "robot", "joint", "day", "verdict", "error")]
+    columns.append(_text("causes", [_causes(found) for found in table.column("causes").to_pylist()]))
     for name in PARAMETERS:
-        told += _quantity(name, table)
-    told += [_number(name, read[name]) for name in _NUMBERS]
-    told += [_number(f"p_{name}", table.column(f"p_{name}").to_pylist()) for name in CAUSES]
-    told.append(_text("findings", [_sentences(found) for found in table.column("findings").to_pylist()]))
-    told.append(_text("warnings", ["\n".join(found or ()) or None for found in table.column("warnings").to_pylist()]))
-    told.append(_number("start", [_epoch(when) for when in table.column("start").to_pylist()]))
-    told += [_text(name, read[name]) for name in ("summary", "path", "sha256", "code", "page")]
-    return [one for one in told if one is not None]
+        columns += _quantity(name, table)
+    columns += [_number(name, read[name]) for name in _NUMBERS]
+    columns += [_number(f"p_{name}", table.column(f"p_{name}").to_pylist()) for name in CAUSES]
+    columns.append(_text("findings", [_sentences(found) for found in table.column("findings").to_pylist()]))
+    columns.append(
+        _text("warnings", ["\n".join(found or ()) or None for found in table.column("warnings").to_pylist()])
+    )
+    columns.append(_number("start", [_epoch(when) for when in table.column("start").to_pylist()]))
+    columns += [_text(name, read[name]) for name in ("summary", "path", "sha256", "code", "page")]
+    return [one for one in columns if one is not None]
 
 
 def _quantity(name: str, table: Table) -> list[dict[str, Any] | None]:
@@ -102,8 +93,8 @@ def _text(name: str, values: Sequence[str | None]) -> dict[str, Any] | None:
 
 
 def _number(name: str, values: Sequence[float | None]) -> dict[str, Any] | None:
-    told = [None if value is None or not math.isfinite(value) else _short(value) for value in values]
-    return None if all(value is None for value in told) else {"name": name, "numbers": told}
+    numbers = [None if value is None or not math.isfinite(value) else _short(value) for value in values]
+    return None if all(value is None for value in numbers) else {"name": name, "numbers": numbers}
 
 
 def _short(value: float) -> float | int:

@@ -69,11 +69,11 @@ def _sentence(row: Row) -> str:
     said = Counter({causes: count for causes, count in row.said.items() if causes != row.causes})
     strength = " of any strength" if row.any_strength else ""
     right = _share(row.right, row)
-    told = f"Of the copies with {spoken(row.causes)}{strength}, {right} were diagnosed correctly"
+    sentence = f"Of the copies with {spoken(row.causes)}{strength}, {right} were diagnosed correctly"
     if not said:
-        return f"{told}."
+        return f"{sentence}."
     most = min(said, key=lambda causes: (-said[causes], sorted(causes)))
-    return f"{told}, {_share(said[most], row)} as {spoken(most)}."
+    return f"{sentence}, {_share(said[most], row)} as {spoken(most)}."
 
 
 def _share(count: int, row: Row) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from msd_ident.comparison.comparing import Comparison, Difference
-from msd_ident.report.headline_page import Told, save
+from msd_ident.report.headline_page import HeadlineSection, save
 from msd_ident.report.numbers import number
 from msd_ident.report.plot import Panel, Plot, Role, Series
 
@@ -34,11 +34,11 @@ def save_comparison(found: Comparison, path: Path, source: str) -> None:
     save("msd compare", source, sections(found), path)
 
 
-def sections(found: Comparison) -> tuple[Told, ...]:
+def sections(found: Comparison) -> tuple[HeadlineSection, ...]:
     """What the page says, from top to bottom."""
     surely = any(one.kind == "differs" for one in found.differences)
     groups = ", ".join(f"{name} ({count} records)" for name, count in found.groups.items())
-    head = Told(
+    head = HeadlineSection(
         "verdict",
         found.sentence,
         lines=(f"Compared by {found.by}: {groups}.",),
@@ -46,8 +46,8 @@ def sections(found: Comparison) -> tuple[Told, ...]:
         pill=("unexplained", "something differs") if surely else ("explained", "nothing differs for certain"),
     )
     rows = tuple(_row(one, found) for one in found.differences)
-    table = Told("parameters", "Parameters", head=_head(found), rows=rows)
-    plots = Told("records", "Record by record", plots=tuple(_plot(one, found) for one in found.differences))
+    table = HeadlineSection("parameters", "Parameters", head=_head(found), rows=rows)
+    plots = HeadlineSection("records", "Record by record", plots=tuple(_plot(one, found) for one in found.differences))
     return head, plots, table, _joint(found)
 
 
@@ -79,7 +79,7 @@ def _plot(one: Difference, found: Comparison) -> Plot:
     return Plot(one.parameter, f"{one.parameter}: {_PILLS[one.kind]}", "record", (Panel(label, tuple(series)),), 260)
 
 
-def _joint(found: Comparison) -> Told:
+def _joint(found: Comparison) -> HeadlineSection:
     rows = tuple(
         (", ".join(one.differing) or "nothing: all shared", f"{one.chi2:.6g}", "yes" if one.converged else "no")
         for one in found.joint
@@ -89,4 +89,6 @@ def _joint(found: Comparison) -> Told:
         "group, the others have one for all. If sharing one more parameter increases chi² by much, that parameter "
         "differs.",
     )
-    return Told("joint", "Joint fits", lines=lines, head=("free in each group", "chi²", "converged"), rows=rows)
+    return HeadlineSection(
+        "joint", "Joint fits", lines=lines, head=("free in each group", "chi²", "converged"), rows=rows
+    )

@@ -38,5 +38,5 @@ def print_comparison(found: Comparison, console: Console) -> None:
 def _goes_with(found: Comparison) -> str:
     """The signals that explain most of the force that the simulation lacks."""
     shares = sorted(found.depends_on.items(), key=lambda item: -item[1])
-    told = [f"{signal} ({100.0 * share:.0f} %)" for signal, share in shares]
-    return f", which depends on {', '.join(told)}" if told else ""
+    parts = [f"{signal} ({100.0 * share:.0f} %)" for signal, share in shares]
+    return f", which depends on {', '.join(parts)}" if parts else ""

@@ -14,7 +14,7 @@ from msd_ident.export import Export
 from msd_ident.external import Comparison
 from msd_ident.report import matplotlib_figure, verdict_figure
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.page import of_comparison, of_diagnosis, of_export, of_identification, of_validation
+from msd_ident.report.page import article
 from msd_ident.report.plot import Panel, Plot
 from msd_ident.report.plots import force_panel, identification_curves, line, noise_band
 from msd_ident.workflow.validation import Validation
@@ -26,17 +26,11 @@ if TYPE_CHECKING:
 
 def plots(found: Result) -> tuple[Plot, ...]:
     """All plots of a result, each with a name of its own."""
-    if isinstance(found, Validation):
-        return _named([plot for section in of_validation(found).sections for plot in section.papers])
-    if isinstance(found, Comparison):
-        return _named([plot for section in of_comparison(found).sections for plot in section.papers])
-    if isinstance(found, Export):
-        return _named([plot for section in of_export(found).sections for plot in section.papers])
-    if isinstance(found, Diagnosis):
-        return _named([plot for section in of_diagnosis(found).sections for plot in section.papers])
-    sections = of_identification(found).sections
-    paper = [plot for index in range(len(found.records)) for plot in (_model(found, index), _residual(found, index))]
-    return _named([*paper, *(plot for section in sections for plot in section.papers if plot.slug != "fit")])
+    papers = [plot for section in article(found).sections for plot in section.papers]
+    if isinstance(found, Diagnosis | Validation | Comparison | Export):
+        return _named(papers)
+    of_paper = [plot for index in range(len(found.records)) for plot in (_model(found, index), _residual(found, index))]
+    return _named([*of_paper, *(plot for plot in papers if plot.slug != "fit")])
 
 
 def paths(found: Result, directory: Path) -> list[Path]:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from msd_ident.data.provenance import versions
-from msd_ident.report.page import environment, shipped
+from msd_ident.report.page import document, environment
 from msd_ident.report.plot import Plot
 from msd_ident.report.writing import write_text
 
 
 @dataclass(frozen=True)
-class Told:
+class HeadlineSection:
     """A section.
 
     Attributes:
@@ -37,7 +36,7 @@ class Told:
     pill: tuple[str, str] = ("", "")
 
 
-def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
+def save(command: str, name: str, sections: Sequence[HeadlineSection], path: Path) -> None:
     """Write the page.
 
     Args:
@@ -52,11 +51,11 @@ def save(command: str, name: str, sections: Sequence[Told], path: Path) -> None:
     write_text(render(command, name, sections), path)
 
 
-def render(command: str, name: str, sections: Sequence[Told]) -> str:
+def render(command: str, name: str, sections: Sequence[HeadlineSection]) -> str:
     """The page as text."""
     from markupsafe import Markup
 
-    template = environment().get_template("told.html.j2")
+    template = environment().get_template("headline.html.j2")
     bodies: list[dict[str, Any]] = [
         {
             "anchor": one.slug,
@@ -67,12 +66,4 @@ def render(command: str, name: str, sections: Sequence[Told]) -> str:
         for place, one in enumerate(sections)
     ]
     article = {"anchor": "r1", "command": command, "name": name, "verdict": "", "pill": "", "sections": bodies}
-    return environment().get_template("page.html.j2").render(
-        articles=[article],
-        title=f"{name} – {command}",
-        version=versions()["msd_ident"],
-        made="",
-        css=Markup(shipped("templates", "page.css")),
-        script=Markup(shipped("templates", "page.js")),
-        plotly=Markup(shipped("vendor", "plotly-basic.min.js")),
-    )  # fmt: skip
+    return document([article], f"{name} – {command}")

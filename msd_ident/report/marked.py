@@ -28,8 +28,8 @@ class Marked:
     text: str
 
     def __html__(self) -> str:
-        told = repr(float(self.value)) if math.isfinite(self.value) else ""
-        return f'<data value="{told}" data-key="{html.escape(self.key)}">{html.escape(self.text)}</data>'
+        exact = repr(float(self.value)) if math.isfinite(self.value) else ""
+        return f'<data value="{exact}" data-key="{html.escape(self.key)}">{html.escape(self.text)}</data>'
 
     def __str__(self) -> str:
         return self.text

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Colours of the roles: told apart by colour-blind readers, and dark enough for print.
+#: Colours of the roles: distinguishable for colour-blind readers, and dark enough for print.
 INK = {
     "measured": "#1f2933",
     "base": "#d1495b",

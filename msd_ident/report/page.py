@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -42,9 +42,8 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
     from msd_ident.data.provenance import Provenance
-    from msd_ident.data.record import FloatArray
     from msd_ident.quantity import Quantity
-    from msd_ident.report.plot import Plot, Role
+    from msd_ident.report.plot import Plot
     from msd_ident.workflow.identification import Identification
 
     #: What a page has an article about.
@@ -84,7 +83,7 @@ def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail:
     sections: list[Section] = [
         DiagnosisVerdict(found),
         Fit(found.records, diagnosis_curves(found), found.noise_floor, detail),
-        MissingForce(found, detail),
+        MissingForce(found, found.records, detail),
         Causes(found),
         Parameters(found.records, diagnosis_columns(found), found.extended.open_directions, found.spread),
         Data(found.records, found.findings, provenance, _delay(found)),
@@ -129,11 +128,11 @@ def of_export(found: Export, provenance: Provenance | None = None, detail: Detai
     sections: list[Section] = [Exported(found)]
     if found.proof is not None:
         detail = detail or Detail.shared_by(len(found.records))
-        target = found.target.name
-        runs: tuple[tuple[str, Role], ...] = (("base", "base"), ("target", "extended"))
+        target, parts = found.target.name, found.proof.parts
+        base, exported = tuple(part.base for part in parts), tuple(part.target for part in parts)
         curves = [
-            ModelCurve(f"{'m, b, k alone' if name == 'base' else 'exported'}, in {target}", role, *_runs(found, name))
-            for name, role in runs
+            ModelCurve.of_readings(f"m, b, k alone, in {target}", "base", found.records, base),
+            ModelCurve.of_readings(f"exported, in {target}", "extended", found.records, exported),
         ]
         sections.append(Fit(found.records, curves, found.plan.saved.noise_floor, detail))
     sections.append(Effects(found))
@@ -145,29 +144,20 @@ def of_export(found: Export, provenance: Provenance | None = None, detail: Detai
 def of_comparison(found: Comparison, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
     """The sections of a user's own simulation against a record."""
     detail = detail or Detail.shared_by(len(found.records))
-    rig = tuple(record.position + left for record, left in zip(found.records, found.rig.residuals, strict=True))
     curves = (
-        ModelCurve("your simulation", "base", found.simulated, found.residuals),
-        ModelCurve("model of the rig", "extended", rig, found.rig.residuals),
+        ModelCurve.of_readings("your simulation", "base", found.records, found.simulated),
+        ModelCurve.of_fit("model of the rig", "extended", found.records, found.rig),
     )
     sections: tuple[Section, ...] = (
         Outcome(found),
         Differences(found),
         Fit(found.records, curves, found.diagnosis.noise_floor, detail),
-        LackingForce(found, detail),
+        LackingForce(found, found.records, detail),
         Parameters(found.records, comparison_columns(found), found.rig.open_directions),
         Data(found.records, found.diagnosis.findings, provenance, _delay(found.diagnosis)),
     )
     name = " + ".join(record.name for record in found.records)
     return Article("msd validate", f"{found.simulation} on {name}", sections)
-
-
-def _runs(found: Export, name: str) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-    """Readings and residuals of a simulation in the target."""
-    assert found.proof is not None
-    readings = tuple(getattr(part, name) for part in found.proof.parts)
-    left = tuple(run - part.record.position for run, part in zip(readings, found.proof.parts, strict=True))
-    return readings, left
 
 
 def _saved_column(found: Validation) -> Column:
@@ -178,37 +168,59 @@ def _saved_column(found: Validation) -> Column:
 def articles(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> tuple[Article, ...]:
     """An article for each result, all together as detailed as one page can carry."""
     detail = Detail.shared_by(sum(len(found.records) for found in results))
-    made = []
-    for found, origin in zip_longest(results, provenance):
-        if isinstance(found, Diagnosis):
-            made.append(of_diagnosis(found, origin, detail))
-        elif isinstance(found, Validation):
-            made.append(of_validation(found, origin, detail))
-        elif isinstance(found, Export):
-            made.append(of_export(found, origin, detail))
-        elif isinstance(found, Comparison):
-            made.append(of_comparison(found, origin, detail))
-        else:
-            made.append(of_identification(found, origin, detail))
-    return tuple(made)
+    return tuple(article(found, origin, detail) for found, origin in zip_longest(results, provenance))
+
+
+#: What makes the article of a result, by its class; the others are identifications.
+_ARTICLES: dict[type, Callable[..., Article]] = {
+    Diagnosis: of_diagnosis,
+    Validation: of_validation,
+    Export: of_export,
+    Comparison: of_comparison,
+}
+
+
+def article(found: Result, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+    """The article about one result.
+
+    Args:
+        found: the result.
+        provenance: files, versions and command.
+        detail: points per curve; as many as a page of this result alone can carry if ``None``.
+    """
+    return _ARTICLES.get(type(found), of_identification)(found, provenance, detail)
 
 
 def render(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
-    from markupsafe import Markup
-
     made = articles(results, provenance)
     title = made[0].name if len(made) == 1 else f"{len(made)} results"
-    page = environment().get_template("page.html.j2")
-    return page.render(
-        articles=[_rendered(article, f"r{number}") for number, article in enumerate(made, start=1)],
-        title=f"{title} – {made[0].command}",
+    return document(
+        [_rendered(article, f"r{number}") for number, article in enumerate(made, start=1)],
+        f"{title} – {made[0].command}",
+        next((origin.made for origin in provenance if origin is not None), ""),
+    )
+
+
+def document(articles: Sequence[Mapping[str, Any]], title: str, made: str = "") -> str:
+    """A self-contained page as text.
+
+    Args:
+        articles: as the template takes them.
+        title: of the page.
+        made: when the results were made; may be empty.
+    """
+    from markupsafe import Markup
+
+    return environment().get_template("page.html.j2").render(
+        articles=articles,
+        title=title,
         version=versions()["msd_ident"],
-        made=next((origin.made for origin in provenance if origin is not None), ""),
+        made=made,
         css=Markup(shipped("templates", "page.css")),
         script=Markup(shipped("templates", "page.js")),
         plotly=Markup(shipped("vendor", "plotly-basic.min.js")),
-    )
+    )  # fmt: skip
 
 
 def _delay(found: Diagnosis) -> Quantity | None:

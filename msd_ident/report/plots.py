@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
     from msd_ident.data.record import FloatArray, Record
     from msd_ident.diagnosis import Diagnosis
     from msd_ident.diagnosis.nonlinear_laws import Beyond
+    from msd_ident.estimate import FitResult
     from msd_ident.model.frequency_response import FrequencyResponse
     from msd_ident.residuals.disturbance import DisturbanceEstimate
     from msd_ident.residuals.ringdown import RingDown
-    from msd_ident.workflow.identification import Identification
+    from msd_ident.workflow.identification import Identification, ModelFit
 
 
 #: Points of curves and clouds of each kind that a page can carry.
@@ -51,38 +52,36 @@ class ModelCurve:
     predicted: tuple[FloatArray, ...]
     residuals: tuple[FloatArray, ...]
 
+    @classmethod
+    def of_readings(
+        cls, label: str, role: Role, records: Sequence[Record], predicted: tuple[FloatArray, ...]
+    ) -> ModelCurve:
+        """From the model's readings of each record."""
+        left = tuple(run - record.position for run, record in zip(predicted, records, strict=True))
+        return cls(label, role, predicted, left)
+
+    @classmethod
+    def of_fit(cls, label: str, role: Role, records: Sequence[Record], fit: FitResult) -> ModelCurve:
+        """From a fit to the records."""
+        readings = tuple(record.position + left for record, left in zip(records, fit.residuals, strict=True))
+        return cls(label, role, readings, fit.residuals)
+
 
 def diagnosis_curves(diagnosis: Diagnosis) -> tuple[ModelCurve, ...]:
     """Base and extended model; the base alone where nothing was added."""
-    fits: list[tuple[str, Role, Any]] = [("base model", "base", diagnosis.base)]
-    if diagnosis.causes:
-        fits.append(("extended model", "extended", diagnosis.extended))
-    return tuple(
-        ModelCurve(
-            label,
-            role,
-            tuple(r.position + left for r, left in zip(diagnosis.records, found.residuals, strict=True)),
-            found.residuals,
-        )
-        for label, role, found in fits
-    )
+    base = ModelCurve.of_fit("base model", "base", diagnosis.records, diagnosis.base)
+    if not diagnosis.causes:
+        return (base,)
+    return base, ModelCurve.of_fit("extended model", "extended", diagnosis.records, diagnosis.extended)
 
 
 def identification_curves(found: Identification) -> tuple[ModelCurve, ...]:
     """Original model, friction raised, joint refit."""
-    fits: list[tuple[str, Role, Any]] = [("original (m, b, k)", "base", found.original)]
+    fits: list[tuple[str, Role, ModelFit]] = [("original (m, b, k)", "base", found.original)]
     if found.paper_refined is not None:
         fits.append(("friction raised", "paper", found.paper_refined))
     fits.append(("joint refit", "extended", found.refined))
-    return tuple(
-        ModelCurve(
-            label,
-            role,
-            model.predicted,
-            tuple(p - r.position for r, p in zip(found.records, model.predicted, strict=True)),
-        )
-        for label, role, model in fits
-    )
+    return tuple(ModelCurve.of_readings(label, role, found.records, model.predicted) for label, role, model in fits)
 
 
 def fit_plot(
@@ -158,63 +157,47 @@ def _force(record: Record, points: int) -> Series:
     return Series("force", "force", *thinned(stamps, record.force_at(stamps), points), kind, legend=False)  # type: ignore[arg-type]
 
 
-def missing_time_plot(
-    beyond: Beyond,
-    record: Record,
-    index: int,
-    detail: Detail = Detail(),  # noqa: B008
-    model: str = "extended model",
-) -> Plot:
-    """The missing force of the base model against time, with its band and the force of the extended model.
+@dataclass(frozen=True)
+class MissingForceView:
+    """The missing force of the base model on one record of a page.
 
-    Args:
+    Attributes:
         beyond: estimate of the missing force, and what the extended model gives for it.
         record: of the estimate.
         index: number of the record on the page.
         detail: points per curve.
         model: name of the model that explains it.
     """
-    part, unit = beyond.measured[index], record.force_unit
+
+    beyond: Beyond
+    record: Record
+    index: int
+    detail: Detail
+    model: str
+
+
+def missing_force_plots(view: MissingForceView) -> tuple[Plot, Plot, Plot]:
+    """The missing force against time with its band, and against velocity and position with the law of the causes."""
+    length = view.record.position_unit
+    scale = length_scale(float(np.ptp(view.beyond.measured[view.index].position)), length)
+    velocity = _Axis("velocity", f"velocity [{length}/s]", 1.0)
+    position = _Axis("position", f"position from rest [{scale.unit}]", scale.factor)
+    return _missing_over_time(view), _cloud(velocity, view), _cloud(position, view)
+
+
+def _missing_over_time(view: MissingForceView) -> Plot:
+    part, detail = view.beyond.measured[view.index], view.detail
     time, force = thinned(part.time, part.force, detail.curve)
     spread = 2.0 * np.interp(time, part.time, part.std)
     series = [
         Series("± 2σ", "noise", time, force + spread, "band", low=force - spread),
         Series("missing force, smoothed from the data", "measured", time, force),
     ]
-    if beyond.explained:
-        other = beyond.explained[index]
-        series.append(line(f"the same, of the {model}", "extended", other.time, other.force, detail.curve))
-    return Plot(
-        "missing_time",
-        "Missing force against time",
-        "time [s]",
-        (Panel(f"missing force [{unit}]", tuple(series)),),
-        300,
-    )
-
-
-def missing_clouds(
-    beyond: Beyond,
-    record: Record,
-    index: int,
-    detail: Detail = Detail(),  # noqa: B008
-    model: str = "extended model",
-) -> tuple[Plot, Plot]:
-    """The missing force against velocity and against position, with the law of the causes.
-
-    Args:
-        beyond: estimate of the missing force, and what the extended model gives for it.
-        record: of the estimate.
-        index: number of the record on the page.
-        detail: points per curve.
-        model: name of the model that explains it.
-    """
-    part, length, force = beyond.measured[index], record.position_unit, record.force_unit
-    scale = length_scale(float(np.ptp(part.position)), length)
-    velocity = _Axis("velocity", f"velocity [{length}/s]", 1.0)
-    position = _Axis("position", f"position from rest [{scale.unit}]", scale.factor)
-    shown = _Cloud(beyond, index, detail, model)
-    return _cloud(velocity, shown, force), _cloud(position, shown, force)
+    if view.beyond.explained:
+        other = view.beyond.explained[view.index]
+        series.append(line(f"the same, of the {view.model}", "extended", other.time, other.force, detail.curve))
+    panel = Panel(f"missing force [{view.record.force_unit}]", tuple(series))
+    return Plot("missing_time", "Missing force against time", "time [s]", (panel,), 300)
 
 
 @dataclass(frozen=True)
@@ -226,27 +209,17 @@ class _Axis:
     factor: float
 
 
-@dataclass(frozen=True)
-class _Cloud:
-    """The missing force of a record on the page, and the name of the model that explains it."""
-
-    beyond: Beyond
-    index: int
-    detail: Detail
-    model: str
-
-
-def _cloud(axis: _Axis, shown: _Cloud, unit: str) -> Plot:
-    beyond, detail = shown.beyond, shown.detail
-    part, signal = beyond.measured[shown.index], axis.signal
+def _cloud(axis: _Axis, view: MissingForceView) -> Plot:
+    beyond, detail = view.beyond, view.detail
+    part, signal = beyond.measured[view.index], axis.signal
     series = [_points("smoothed from the data", "measured", part, axis, detail)]
     law = next((law for law in beyond.laws if law.signal == signal), None)
     if beyond.explained and not (beyond.whole and law is not None):
-        series.append(_points(shown.model, "extended", beyond.explained[shown.index], axis, detail))
+        series.append(_points(view.model, "extended", beyond.explained[view.index], axis, detail))
     if law is not None:
         name = " + ".join(words.effect(cause) for cause in law.causes)
         series.append(Series(f"law: {name}", "law", axis.factor * law.over, law.force))
-    panel = Panel(f"missing force [{unit}]", tuple(series))
+    panel = Panel(f"missing force [{view.record.force_unit}]", tuple(series))
     return Plot(f"missing_{signal}", f"Missing force against {signal}", axis.label, (panel,), 340)
 
 

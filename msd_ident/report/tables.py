@@ -32,6 +32,14 @@ WORDS = {
     "damping_ratio": ("damping ratio", "ζ"),
     "static_gain": ("static gain", "K"),
 }
+#: What each verdict means, in two or three words.
+VERDICTS = {
+    "adequate": "the model is enough",
+    "explained": "cause named",
+    "mostly_explained": "cause named, more is missing",
+    "ambiguous": "several causes possible",
+    "unexplained": "no known cause",
+}
 
 
 def new_table(title: str, *columns: str) -> Table:

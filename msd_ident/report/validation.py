@@ -44,16 +44,16 @@ def sentences(found: Validation) -> tuple[str, ...]:
     """The tests of the residual, and what became of the missing force, in words."""
     tests = found.adequacy
     if tests.consistent:
-        said = ["The residual is consistent with noise."]
+        lines = ["The residual is consistent with noise."]
     else:
-        said = [
+        lines = [
             "The residual is not noise alone: the probability that noise is as large is "
             f"{tests.size:.2g}, as correlated {tests.whiteness:.2g}, as dependent on force and motion "
             f"{tests.independence:.2g}."
         ]
     if found.states:
         listed = "; ".join(f"{signal}: {state}" for signal, state in found.states.items())
-        said.append(
+        lines.append(
             f"Signals that the missing force of mass, damping and stiffness depended on, on their own record: {listed}."
         )
-    return tuple(said)
+    return tuple(lines)

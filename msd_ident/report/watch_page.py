@@ -11,7 +11,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.monitoring.watching import Series as WatchedSeries
 from msd_ident.monitoring.watching import Watch
-from msd_ident.report.headline_page import Told, save
+from msd_ident.report.headline_page import HeadlineSection, save
 from msd_ident.report.plot import Panel, Plot, Role, Series
 
 _DAY = 86400.0
@@ -31,24 +31,26 @@ def save_watches(found: Sequence[Watch], path: Path, source: str) -> None:
     save("msd watch", source, sections(found), path)
 
 
-def sections(found: Sequence[Watch]) -> tuple[Told, ...]:
+def sections(found: Sequence[Watch]) -> tuple[HeadlineSection, ...]:
     """What the page says: all robots in a table, then each."""
     alarmed = [one for one in found if one.alarms]
     title = f"{len(alarmed)} of {len(found)} robots changed" if alarmed else "No robot changed"
     rows = tuple((one.name or "–", "alarm" if one.alarms else "quiet", one.sentence) for one in found)
     pill = ("unexplained", "alarm") if alarmed else ("explained", "no alarm")
-    head = Told("verdict", title, pill=pill)
-    table = Told("robots", "Robots", head=("robot", "state", "what was found"), rows=rows)
+    head = HeadlineSection("verdict", title, pill=pill)
+    table = HeadlineSection("robots", "Robots", head=("robot", "state", "what was found"), rows=rows)
     return (head, table, *(_robot(one, place) for place, one in enumerate(found)))
 
 
-def _robot(one: Watch, place: int) -> Told:
+def _robot(one: Watch, place: int) -> HeadlineSection:
     moved = f"Removed beforehand: {', '.join(one.moved_by)}. " if one.moved_by else ""
     line = (
         f"{moved}The alarm is given where M passes {one.threshold:.4g}. Without any change the mean number of records "
         f"to an alarm is at least that: at most {one.rate:g} a year."
     )
-    return Told(f"robot{place}", one.name or "all records", lines=(one.sentence, line), plots=(_plot(one, place),))
+    return HeadlineSection(
+        f"robot{place}", one.name or "all records", lines=(one.sentence, line), plots=(_plot(one, place),)
+    )
 
 
 def _plot(one: Watch, place: int) -> Plot:

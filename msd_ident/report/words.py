@@ -1,4 +1,4 @@
-"""Short sentences for the page and the terminal; they add no facts."""
+"""Names and short sentences for the page and the terminal."""
 
 from __future__ import annotations
 
@@ -7,26 +7,16 @@ import sys
 from typing import TYPE_CHECKING
 
 from msd_ident.diagnosis import verdict as said
-from msd_ident.model.effects import by_name, spoken
+from msd_ident.diagnosis.verdict import percent
+from msd_ident.model.effects import by_name
+from msd_ident.model.effects import spoken as effect
 from msd_ident.model.parameters import PARAMETERS
-from msd_ident.report.tables import WORDS
+from msd_ident.report.tables import VERDICTS, WORDS
+
+__all__ = ["VERDICTS", "effect", "percent"]
 
 if TYPE_CHECKING:
     from msd_ident.diagnosis import Diagnosis
-
-#: What each verdict means, in two or three words.
-VERDICTS = {
-    "adequate": "the model is enough",
-    "explained": "cause named",
-    "mostly_explained": "cause named, more is missing",
-    "ambiguous": "several causes possible",
-    "unexplained": "no known cause",
-}
-
-
-def effect(name: str) -> str:
-    """``quadratic drag`` for ``quadratic_drag``."""
-    return spoken(name)
 
 
 def effects(names: str) -> str:
@@ -78,11 +68,6 @@ def headline(diagnosis: Diagnosis) -> str:
     if len(names) == 1:
         return f"The simulation lacks {effect(names[0])}: {meaning(names[0])}."
     return f"The simulation lacks {listed([effect(name) for name in names])}."
-
-
-def percent(value: float) -> str:
-    """Per cent in two digits, never in powers of ten."""
-    return said.percent(value)
 
 
 def remainder(diagnosis: Diagnosis) -> tuple[str, str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from msd_ident.data.effort import judge
+from msd_ident.data.joint_effort import judge
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import DataError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from servos import geared, torque
 
-from msd_ident.data.effort import judge
+from msd_ident.data.joint_effort import judge
 from msd_ident.io import read
 
 

@@ -15,7 +15,7 @@ from msd_ident.estimate import Initial
 from msd_ident.export import TARGETS, Target
 from msd_ident.export.mujoco_replay import imported, lagged
 from msd_ident.export.plan import Plan
-from msd_ident.export.saying import WORDS, rows
+from msd_ident.export.support import WORDS, rows
 from msd_ident.export.target import InitialState
 from msd_ident.model import Simulator
 from msd_ident.model.effects import LIBRARY, by_name
@@ -30,14 +30,14 @@ CLOSE = {"mujoco": 5e-3, "mujoco-xml": 5e-3, "python": 1e-4, "python-msd": 1e-9,
 def test_every_effect_has_a_class(target: Target) -> None:
     said = rows(target)
     assert [row.effect for row in said] == [effect.name for effect in LIBRARY]
-    assert all(row.saying.kind in WORDS and len(row.saying.how) > 1 for row in said)
+    assert all(row.support.kind in WORDS and len(row.support.how) > 1 for row in said)
 
 
 def test_no_table_names_an_effect_that_there_is_not() -> None:
     """A renamed effect must not keep its class by chance."""
     from msd_ident.export import gains, gazebo, mujoco_elements, mujoco_plain, python_source
 
-    tables = (gains._SAID, gazebo._SAID, mujoco_elements.NATIVE, mujoco_plain._SAID)
+    tables = (gains._SUPPORT, gazebo._SUPPORT, mujoco_elements.NATIVE, mujoco_plain._SUPPORT)
     assert {name for table in tables for name in table} <= set(ALL)
     assert {by_name(name).structure for name in ALL} == {"", *python_source.STRUCTURES}
 
@@ -47,7 +47,7 @@ def test_an_effect_without_element_and_law_is_no_secret() -> None:
         name = "unknown"
         structure = "a part that no file has"
 
-    assert all(BY_NAME[name].says(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))
+    assert all(BY_NAME[name].supports(Unknown).kind == "cannot" for name in ("mujoco", "python", "fmu"))
 
 
 def _replayed(
@@ -70,7 +70,7 @@ def _replayed(
 @pytest.mark.parametrize("target", ["mujoco", "mujoco-xml", "python", "python-msd"])
 def test_exact_is_exact(target: str, effect: str, hold: str, tmp_path: Path) -> None:
     one = BY_NAME[target]
-    if one.saying(effect_examples.example(effect), effect_examples.plant()).kind != "exact":
+    if one.support(effect_examples.example(effect), effect_examples.plant()).kind != "exact":
         pytest.skip("not called exact")
     got, ours, without = _replayed(one, effect, hold, tmp_path)
     does = np.sqrt(np.mean((ours - without) ** 2))

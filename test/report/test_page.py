@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import pytest
 from reportrigs import diagnosed, identified, provenance, with_everything
 
-from msd_ident.cli.run import jsonable
+from msd_ident.cli.results import jsonable
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.model.effects import LIBRARY
 from msd_ident.report import markdown, page, plotly_figure

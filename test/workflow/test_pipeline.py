@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from msd_ident.cli.run import jsonable
+from msd_ident.cli.results import jsonable
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import SourceOptions, read

@@ -1,4 +1,4 @@
-"""Readings that no motion makes: outliers, which are left out, and jumps of the encoder's zero, which are taken back.
+"""Readings that no motion explains: outliers are left out, jumps of the encoder's zero are corrected.
 
 The speed limits how far a cart moves between two samples. So a reading that leaves its neighbours and comes back is not
 a position of the cart, and a jump after which the motion goes on with the same speed is a change of the zero.
@@ -23,7 +23,7 @@ _PASSES = 5
 _MOST_WILD = 0.05
 #: A jump of the zero is so many times the noise and the change of speed beside it; there are few of them.
 _JUMP_NOISE, _JUMP_STEPS, _JUMP_BENDS, _MOST_JUMPS = 14.0, 8.0, 2.5, 3
-#: Samples to each side from which speed and size of a jump are told.
+#: Samples to each side from which speed and size of a jump are estimated.
 _SIDE = 10
 
 

@@ -7,22 +7,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
 
 def clocks(record: Record, motion: Motion) -> Iterator[Finding]:
     """Findings on motion before its cause or long after it, and on a force known for a part of the record only."""
     if motion.early > max(2 * record.period, 0.002):
-        yield Finding(
-            "warning",
+        yield warning(
             "clocks_apart",
             f"the cart moves {motion.early:.3f} s before the force first changes: the clocks of force and encoder "
             "are apart, or something else pushed",
         )
     elif motion.half_period and motion.late > max(0.5 * motion.half_period, 5 * record.period):
-        yield Finding(
-            "warning",
+        yield warning(
             "clocks_apart",
             f"the cart moves only {motion.late:.3f} s after a force step, a quarter of an oscillation or more: the "
             "clocks of force and encoder are apart, or the force acts late",
@@ -33,8 +31,7 @@ def clocks(record: Record, motion: Motion) -> Iterator[Finding]:
     spacing = 10 * float(np.median(np.diff(record.force_time))) + 10 * record.period
     for lack, where in ((late, "begins after"), (early, "ends before")):
         if lack > max(0.05 * record.duration, spacing):
-            yield Finding(
-                "warning",
+            yield warning(
                 "partial_overlap",
                 f"the force {where} the position by {lack:.3f} s of {record.duration:.3f} s: use the part where both "
                 "are recorded",

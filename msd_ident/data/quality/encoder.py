@@ -8,7 +8,7 @@ import numpy as np
 
 from msd_ident.data.motion import Motion
 from msd_ident.data.quality.cleaning import Cleaned
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
 #: Fewest samples an oscillation that is not a warning.
@@ -19,8 +19,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
     """Findings on readings that stand still although the cart arrives at speed; friction would stop it gently."""
     unit = record.position_unit
     if motion.held > 0.05 * record.samples:
-        yield Finding(
-            "warning",
+        yield warning(
             "held_samples",
             f"the position changes only every {motion.held_size} samples "
             f"({1e3 * record.period * motion.held_size:.3g} ms) while the cart moves: the encoder is read more slowly "
@@ -35,8 +34,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
     if clipped:
         longest = max(clipped, key=lambda still: still.size)
         times = "once" if len(clipped) == 1 else f"{len(clipped)} times"
-        yield Finding(
-            "warning",
+        yield warning(
             "clipped_position",
             f"the position stops dead at {longest.value:.4g} {unit}, the end of its range, {times}, the longest for "
             f"{longest.size * record.period:.3g} s from {record.time[longest.first]:.3f} s on: the encoder is clipped "
@@ -44,8 +42,7 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         )
     if stuck:
         longest = max(stuck, key=lambda still: still.size)
-        yield Finding(
-            "warning",
+        yield warning(
             "stuck_position",
             f"the position stands still at {longest.value:.4g} {unit} for {longest.size * record.period:.3g} s from "
             f"{record.time[longest.first]:.3f} s on, in the middle of a motion: the encoder is stuck or not read",
@@ -58,15 +55,13 @@ def resolution(record: Record, motion: Motion) -> Iterator[Finding]:
         return
     steps = motion.span / motion.step if motion.step else np.inf
     if steps < 20:
-        yield Finding(
-            "warning",
+        yield warning(
             "coarse_encoder",
             f"the whole motion is only {steps:.0f} encoder steps of {motion.step:.3g} {record.position_unit}: "
             "push harder or use a finer encoder",
         )
     elif motion.span < 30 * motion.floor:
-        yield Finding(
-            "warning",
+        yield warning(
             "noisy_position",
             f"the whole motion is only {motion.span / motion.floor:.0f} times the measurement noise of "
             f"{motion.floor:.3g} {record.position_unit}: push harder or measure better",
@@ -78,8 +73,7 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
     samples = _samples_an_oscillation(record, motion)
     if samples < _FEW_SAMPLES:
         period = 2 * motion.half_period
-        yield Finding(
-            "warning",
+        yield warning(
             "low_rate",
             f"one oscillation of {period:.3g} s has only {samples:.1f} samples; expected {_FEW_SAMPLES} or more: "
             f"sample at {_FEW_SAMPLES / period:.3g} Hz or faster",
@@ -97,16 +91,14 @@ def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
         many = wild.size > 1
         what, whose = ("single readings jump", "their") if many else ("single reading jumps", "its")
         first = f"the first at {record.time[wild[0]]:.3f} s" if many else f"at {record.time[wild[0]]:.3f} s"
-        yield Finding(
-            "warning",
+        yield warning(
             "outliers",
             f"{wild.size} {what} away from {whose} neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left "
             "out; check the encoder's cable",
         )
     for jump in cleaned.jumps:
         at = cleaned.record.time[jump.index]
-        yield Finding(
-            "warning",
+        yield warning(
             "zero_shift",
             f"the position jumps by {jump.size:.4g} {unit} within one sample at {at:.3f} s and goes on with the same "
             "speed: the encoder's zero moved; what follows was shifted back, check cable and coupling",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, error, info
 from msd_ident.data.record import Record
 
 
@@ -16,38 +16,33 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
     unit = record.position_unit
     factor = _same_signal(record)
     if factor:
-        yield Finding(
-            "error",
+        yield error(
             "same_signal",
             f"the force is the position times {factor:.4g} in every sample: name a force of its own",
         )
         return
     if motion.span == 0:
-        yield Finding(
-            "error",
+        yield error(
             "constant_position",
             f"the position never changes ({record.position[0]:g} {unit} in all {record.samples} samples): "
             "check the encoder and the choice of the signal",
         )
         return
     if motion.still and motion.force_span == 0:
-        yield Finding(
-            "error",
+        yield error(
             "no_excitation",
             f"the force never changes and the position only by {motion.span:.3g} {unit}, which is noise: "
             "apply a force step or release the cart from a displacement",
         )
     elif motion.still:
-        yield Finding(
-            "error",
+        yield error(
             "no_motion",
             f"the force changes by {motion.force_span:.3g} {record.force_unit} and the position only by "
             f"{motion.span:.3g} {unit}, which is noise: push harder, or check the encoder",
         )
     elif motion.force_span == 0:
         held = f"constant at {record.force[-1]:g} {record.force_unit}" if record.force[-1] else "zero"
-        yield Finding(
-            "info",
+        yield info(
             "free_decay",
             f"the force is {held} all the time: a free decay, which gives the parameters relative to each other only",
         )

@@ -13,7 +13,7 @@ import numpy as np
 
 from msd_ident.data.motion import Motion
 from msd_ident.data.noise import encoder_step, noise_floor
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import FloatArray, Record
 
 #: Fewest changes of force and reading, and what a regression on the readings must explain of the force's changes. Of a
@@ -46,8 +46,7 @@ def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
     left, noise = float(np.std(rest[kept])), max(noise_floor(record), encoder_step(record) / np.sqrt(12.0))
     follows = float(weights.sum()) < 0.0 and left**2 < (1.0 - _EXPLAINED) * float(np.var(now[kept]))
     if follows and (_rests_with(force, steps) or left < _BELOW_NOISE * float(np.linalg.norm(weights)) * noise):
-        yield Finding(
-            "warning",
+        yield warning(
             "closed_loop",
             f"the force follows the readings ({float(weights.sum()):.4g} {record.force_unit}/{record.position_unit}): "
             "a controller computes it from them. A spring and a controller then have the same effect, and noise acts "

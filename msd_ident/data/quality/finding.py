@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 from msd_ident.data.motion import Motion
@@ -26,6 +27,9 @@ class Finding:
     code: str
     sentence: str
 
+
+#: Findings of each severity.
+info, warning, error = partial(Finding, "info"), partial(Finding, "warning"), partial(Finding, "error")
 
 #: A check of a record whose motion was looked at.
 Check = Callable[[Record, Motion], Iterator[Finding]]

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, error
 from msd_ident.data.record import FloatArray, Record
 
 #: Part of the force's variation below which nothing is left to fit. Rigs with any effect of the library reach 0.5 (a
@@ -40,8 +40,7 @@ def relation(record: Record, motion: Motion) -> Iterator[Finding]:
         return
     share = accounted(record, motion.floor)
     if share < _UNRELATED:
-        yield Finding(
-            "error",
+        yield error(
             "unrelated_force",
             f"the motion accounts for {100.0 * max(share, 0.0):.0f} % of the force's variation, so no mass, damping "
             "and stiffness explain this record: a hand may move the cart, or the force is another quantity; "

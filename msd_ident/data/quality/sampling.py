@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import FloatArray, Record
 
 #: Intervals within this part of the median count as the sampling period.
 _REGULAR = 0.25
-#: Jitter of the stamps, relative to the period, from which it is told, and from which it is a warning.
+#: Jitter of the stamps, relative to the period, from which it is reported, and from which it is a warning.
 _JITTER_TOLD, _JITTER_BAD = 0.05, 0.2
 
 
@@ -21,8 +21,7 @@ def sampling(record: Record) -> Iterator[Finding]:
     intervals = np.diff(record.time)
     fast, slow = _rates(intervals)
     if fast and slow:
-        yield Finding(
-            "warning",
+        yield warning(
             "two_rates",
             f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one publisher alone "
             "sends the position",

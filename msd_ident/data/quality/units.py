@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.finding import Finding
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
 #: Spans of the position [m] and mass [kg] beyond which a rig on a table is measured in another unit.
@@ -29,8 +29,7 @@ def units(record: Record, motion: Motion) -> Iterator[Finding]:
         advice = "if it was scaled twice, use a --position-scale 1000 times larger"
     else:
         return
-    yield Finding(
-        "warning",
+    yield warning(
         "wrong_unit",
         f"the position spans {motion.span:.4g} m{implied}: wrong by a factor of 1000? {advice}",
     )
@@ -47,4 +46,4 @@ def time_unit(record: Record, motion: Motion) -> Iterator[Finding]:
         if long
         else "if the time was scaled twice, use a --time-scale 1000 times larger"
     )
-    yield Finding("warning", "wrong_time_unit", f"{rate}: wrong by a factor of 1000? {advice}")
+    yield warning("wrong_time_unit", f"{rate}: wrong by a factor of 1000? {advice}")

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from msd_ident.report.calibration import matrix
-from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.selection.calibration import Calibration as Found
+from msd_ident.report.sections.section import ResultSection
+from msd_ident.selection.calibration import Calibration as Found
 
 
-class Calibration(Section):
+class Calibration(ResultSection[Found]):
     """A table, and a sentence for each of its rows."""
 
     slug = "calibration"
     title = "Copies of this record"
-
-    def __init__(self, found: Found) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """The matrix in words, and the number of copies."""

@@ -6,16 +6,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import number
 from msd_ident.report.plot import Plot
 from msd_ident.report.plots import probability_plot
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection
 
 if TYPE_CHECKING:
-    from msd_ident.diagnosis import Cause, Diagnosis
+    from msd_ident.diagnosis import Cause
     from msd_ident.selection.candidate_models import CandidateModel
 
 #: Causes in a picture: the likeliest, so many at most.
@@ -43,14 +44,11 @@ class Change:
     cells: tuple[tuple[str, str], ...]
 
 
-class Causes(Section):
+class Causes(ResultSection[Diagnosis]):
     """Bars in groups, changes, rejected causes."""
 
     slug = "causes"
     title = "Causes"
-
-    def __init__(self, diagnosis: Diagnosis) -> None:
-        self._found = diagnosis
 
     @property
     def papers(self) -> tuple[Plot, ...]:

@@ -8,29 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 from msd_ident.diagnosis.nonlinear_laws import Beyond
 from msd_ident.export.proof import percent_text
+from msd_ident.external import Comparison
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.plot import Plot
-from msd_ident.report.plots import Detail, missing_clouds, missing_time_plot
+from msd_ident.report.sections.missing_force import ForceSection
 from msd_ident.report.sections.parameters import Column
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
 
 if TYPE_CHECKING:
-    from msd_ident.external import Comparison, Difference
+    from msd_ident.external import Difference
 
 _METHOD = "The same laws were fitted to the record and to the simulated positions, and compared."
 
 
-class Outcome(Section):
+class Outcome(ResultSection[Comparison]):
     """How well the simulation does, and how well it would do."""
 
     slug = "verdict"
     title = "Outcome"
-
-    def __init__(self, found: Comparison) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards and warnings."""
@@ -57,14 +54,11 @@ class Outcome(Section):
         }
 
 
-class Differences(Section):
+class Differences(ResultSection[Comparison]):
     """A row for each thing that the simulation has other than the rig, the largest part of the motion first."""
 
     slug = "differences"
     title = "What to correct"
-
-    def __init__(self, found: Comparison) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """The rows."""
@@ -86,40 +80,26 @@ class Differences(Section):
         }
 
 
-class LackingForce(Section):
+class LackingForce(ForceSection[Comparison]):
     """The force that would correct the simulation at each instant, as measured and as the differences make it."""
 
     slug = "lacking_force"
     title = "The force that the simulation lacks"
 
-    def __init__(self, found: Comparison, detail: Detail) -> None:
-        self._found, self._detail = found, detail
+    model = "model of the rig"
 
     @cached_property
-    def by_record(self) -> tuple[tuple[Plot, ...], ...]:
-        """For each record: time, velocity, position."""
+    def force(self) -> Beyond:
+        """The force, and what the differences make of it."""
         found = self._found
-        named = found.named if found.differences else ()
-        seen = Beyond(found.missing, named, (), len(found.differences))
-        return tuple(
-            (
-                missing_time_plot(seen, record, index, self._detail, "model of the rig"),
-                *missing_clouds(seen, record, index, self._detail, "model of the rig"),
-            )
-            for index, record in enumerate(found.records)
-        )
-
-    @property
-    def plots(self) -> tuple[Plot, ...]:
-        """All of them."""
-        return tuple(plot for plots in self.by_record for plot in plots)
+        return Beyond(found.missing, found.named if found.differences else (), (), len(found.differences))
 
     def context(self) -> Mapping[str, Any]:
         """Records with their plots, the size of the force and what it goes with."""
         found = self._found
         size = Marked("missing_force_rms", found.missing_size, number(found.missing_size, 3))
         return {
-            "records": list(zip((record.name for record in found.records), self.by_record, strict=True)),
+            "records": self.by_record,
             "size": size,
             "unit": found.records[0].force_unit,
             "goes_with": [

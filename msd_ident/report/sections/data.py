@@ -37,8 +37,8 @@ class Data(Section):
     def context(self) -> Mapping[str, Any]:
         """Rows over records, findings, provenance."""
         sheets = [data_sheet(record) for record in self._records]
-        told = [_column(sheet, index) for index, sheet in enumerate(sheets)]
-        rows = [(label, [column[label] for column in told]) for label in told[0]]
+        columns = [_column(sheet, index) for index, sheet in enumerate(sheets)]
+        rows = [(label, [column[label] for column in columns]) for label in columns[0]]
         offset = (
             f"{with_band(self._offset)} {self._offset.unit}"
             if self._offset is not None
@@ -57,24 +57,24 @@ class Data(Section):
 def _column(sheet: DataSheet, index: int) -> dict[str, Marked | str]:
     """Label → cell."""
 
-    def told(name: str, text: str) -> Marked:
+    def mark(name: str, text: str) -> Marked:
         return Marked(f"data.{index}.{name}", getattr(sheet, name), text)
 
     step, floor = (length_scale(size, sheet.position_unit) for size in (sheet.encoder_step, sheet.noise_floor))
     return {
-        "duration": told("duration_s", f"{number(sheet.duration_s)} s"),
-        "rate": told("rate_hz", f"{number(sheet.rate_hz)} Hz"),
-        "samples of position": told("samples", str(sheet.samples)),
-        "samples of force": told("force_samples", str(sheet.force_samples)),
-        "missing samples": told("missing_samples", str(sheet.missing_samples)),
-        "gaps": told("gaps", str(sheet.gaps)),
-        "longest interval": told("longest_gap_s", _time(sheet.longest_gap_s)),
-        "jitter of the stamps": told("jitter_s", _time(sheet.jitter_s)),
+        "duration": mark("duration_s", f"{number(sheet.duration_s)} s"),
+        "rate": mark("rate_hz", f"{number(sheet.rate_hz)} Hz"),
+        "samples of position": mark("samples", str(sheet.samples)),
+        "samples of force": mark("force_samples", str(sheet.force_samples)),
+        "missing samples": mark("missing_samples", str(sheet.missing_samples)),
+        "gaps": mark("gaps", str(sheet.gaps)),
+        "longest interval": mark("longest_gap_s", _time(sheet.longest_gap_s)),
+        "jitter of the stamps": mark("jitter_s", _time(sheet.jitter_s)),
         "encoder step": length(f"data.{index}.encoder_step", sheet.encoder_step, step)
         if sheet.encoder_step
         else "not seen",
         "noise": length(f"data.{index}.noise_floor", sheet.noise_floor, floor),
-        "force step to first motion": told("step_delay_s", _time(sheet.step_delay_s))
+        "force step to first motion": mark("step_delay_s", _time(sheet.step_delay_s))
         if math.isfinite(sheet.step_delay_s)
         else "not seen",
     }

@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from msd_ident.export import Export
 from msd_ident.model.effects import spoken
 from msd_ident.report import marked
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
 
-if TYPE_CHECKING:
-    from msd_ident.export import Export
 
-
-class Exported(Section):
+class Exported(ResultSection[Export]):
     """The outcome of an export: sentence, figures, and the class of each effect."""
 
     slug = "verdict"
     title = "Export"
 
-    def __init__(self, found: Export) -> None:
-        self._found = found
-
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards, and what is lost."""
         found = self._found
-        lost = [row.sentence for row in found.rows if row.saying.kind != "exact"]
+        lost = [row.sentence for row in found.rows if row.support.kind != "exact"]
         proven = found.proof is not None and found.nearest is None
         return {
             "verdict": "explained" if proven else "ambiguous",
@@ -63,16 +58,13 @@ class Exported(Section):
         return cards
 
 
-class Effects(Section):
+class Effects(ResultSection[Export]):
     """What each effect became."""
 
     slug = "export"
     title = "Effects in the target"
 
-    def __init__(self, found: Export) -> None:
-        self._found = found
-
     def context(self) -> Mapping[str, Any]:
         """A row an effect."""
-        rows = [(spoken(row.effect), row.saying.kind, row.saying.how) for row in self._found.rows]
+        rows = [(spoken(row.effect), row.support.kind, row.support.how) for row in self._found.rows]
         return {"rows": rows, "step": f"{1e3 * self._found.plan.step:.4g} ms"}

@@ -14,14 +14,14 @@ from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number, shown
 from msd_ident.report.plot import Plot, Role
 from msd_ident.report.plots import bode_plot
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection, Section
+from msd_ident.workflow.identification import Identification
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.diagnosis import Diagnosis
     from msd_ident.model import Model
     from msd_ident.quantity import Quantity
-    from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)
@@ -97,14 +97,11 @@ class Parameters(Section):
         return "" if unit == "1" else unit
 
 
-class StandardForm(Section):
+class StandardForm(ResultSection[Identification]):
     """ωn, ζ and K as read off the response (the paper's Table 2)."""
 
     slug = "standard_form"
     title = "Standard form"
-
-    def __init__(self, found: Identification) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """Rows: words, symbol, value ± 95 %, unit."""
@@ -112,10 +109,10 @@ class StandardForm(Section):
         quantities = form.quantities if form is not None else {}
         rows = []
         for name, quantity in quantities.items():
-            told = shown(quantity)
-            text = marked.quantity("", told).text
+            displayed = shown(quantity)
+            text = marked.quantity("", displayed).text
             value = Marked(f"standard_form.{name}.value", quantity.value, text)
-            rows.append((*words.parameter(name), value, "" if told.unit == "1" else told.unit))
+            rows.append((*words.parameter(name), value, "" if displayed.unit == "1" else displayed.unit))
         return {"rows": rows}
 
 

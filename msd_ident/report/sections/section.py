@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from msd_ident.report.plot import Plot
+
+Found = TypeVar("Found")
 
 
 class Section(ABC):
@@ -33,3 +35,14 @@ class Section(ABC):
     @abstractmethod
     def context(self) -> Mapping[str, Any]:
         """What the template is given, beside ``section`` and ``plots``."""
+
+
+class ResultSection(Section, Generic[Found]):
+    """A section about one result.
+
+    Args:
+        found: the result.
+    """
+
+    def __init__(self, found: Found) -> None:
+        self._found = found

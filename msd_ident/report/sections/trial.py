@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from msd_ident.report import marked
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.sections.section import Section
+from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
 from msd_ident.report.validation import sentences
-
-if TYPE_CHECKING:
-    from msd_ident.workflow.validation import Validation
+from msd_ident.workflow.validation import Validation
 
 
-class Trial(Section):
+class Trial(ResultSection[Validation]):
     """The outcome of a validation."""
 
     slug = "verdict"
     title = "Outcome"
-
-    def __init__(self, found: Validation) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards and warnings."""

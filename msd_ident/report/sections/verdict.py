@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.diagnosis import Diagnosis
-    from msd_ident.workflow.identification import Identification
+from msd_ident.report.sections.section import ResultSection
+from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)
@@ -27,14 +25,11 @@ class Card:
     role: str = "measured"
 
 
-class DiagnosisVerdict(Section):
+class DiagnosisVerdict(ResultSection[Diagnosis]):
     """The verdict of a diagnosis."""
 
     slug = "verdict"
     title = "Verdict"
-
-    def __init__(self, diagnosis: Diagnosis) -> None:
-        self._found = diagnosis
 
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards and warnings."""
@@ -79,14 +74,11 @@ class DiagnosisVerdict(Section):
         return Card("of the motion unexplained", value, f"{seen} {force}", "extended")
 
 
-class IdentificationVerdict(Section):
+class IdentificationVerdict(ResultSection[Identification]):
     """What an identification found."""
 
     slug = "verdict"
     title = "Result"
-
-    def __init__(self, found: Identification) -> None:
-        self._found = found
 
     def context(self) -> Mapping[str, Any]:
         """Sentence, cards, warnings and what is open."""

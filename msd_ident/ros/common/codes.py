@@ -1,6 +1,10 @@
-"""How a request ended, as a number: the codes of ``msd_interfaces/msg/ResultCode``."""
+"""Result codes of requests, those of ``msd_interfaces/msg/ResultCode``."""
 
 from __future__ import annotations
+
+import traceback
+
+from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from msd_ident.cancellation import Cancelled
 from msd_ident.errors import DataError, SetupError, UsageError
@@ -19,6 +23,12 @@ _CODES = (
 def code_of(error: BaseException) -> int:
     """The code of what went wrong; what nobody expected is a fault of the node."""
     return next((code for kind, code in _CODES if isinstance(error, kind)), ResultCode.INTERNAL)
+
+
+def internal(error: Exception, logger: RcutilsLogger) -> tuple[str, int]:
+    """Message and code of an error that nobody expected; its traceback goes to the log."""
+    logger.error(traceback.format_exc())
+    return f"internal error, please report it: {type(error).__name__}: {error}", ResultCode.INTERNAL
 
 
 def with_nan(message: object) -> None:

@@ -1,4 +1,4 @@
-"""Messages into samples: the only place that knows both sides. Results go the other way in ``results``."""
+"""Converts messages into samples; ``result_messages`` and ``diagnosis_messages`` convert results into messages."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Signal:
 
     Raises:
         UsageError: the field cannot be read.
-        DataError: the type needs to be told a field.
+        DataError: no field is given, and the type has no usual one.
     """
 
     def __init__(self, what: str, type_name: str, field: str = "", scale: float = 1.0) -> None:

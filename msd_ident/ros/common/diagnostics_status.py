@@ -1,14 +1,15 @@
-"""What the nodes say on ``/diagnostics``: one status a concern, a sentence and the numbers behind it."""
+"""Statuses that the nodes publish on ``/diagnostics``: each a sentence with its numbers."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.node import Node
 
+from msd_ident.ros.common import names
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, crowds, listed
 from msd_ident.ros.common.live_buffer import LiveBuffer
@@ -17,14 +18,33 @@ from msd_ident.ros.common.missing_samples import SILENCE, TopicCount
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 #: Faults that one sentence tells.
-MOST_TOLD = 3
+MOST_SENTENCES = 3
 
 
-def array(stamp: Time, *statuses: DiagnosticStatus) -> DiagnosticArray:
-    """Statuses with the instant at which they hold."""
-    message = DiagnosticArray(status=list(statuses))
-    message.header.stamp = stamp
-    return message
+class DiagnosticsPublisher:
+    """Publishes the statuses of a node.
+
+    Args:
+        node: the node.
+        hardware_id: name of the rig; empty: the namespace.
+    """
+
+    def __init__(self, node: Node, hardware_id: str) -> None:
+        self._node = node
+        self._hardware_id = hardware_id or node.get_namespace().strip("/") or "rig"
+        self._publisher = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+
+    def name(self, concern: str) -> str:
+        """Name of a status: the node with its namespace, then what it is about."""
+        return names.status_name(self._node.get_namespace(), self._node.get_name(), concern)
+
+    def publish(self, *statuses: DiagnosticStatus) -> None:
+        """Publish statuses with the instant at which they hold."""
+        for one in statuses:
+            one.hardware_id = self._hardware_id
+        message = DiagnosticArray(status=list(statuses))
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
 
 
 def status(name: str, level: bytes, sentence: str, values: Mapping[str, object]) -> DiagnosticStatus:
@@ -63,10 +83,22 @@ def data_status(
     }
     for entry in (*position, *force):
         if entry.count.received:
-            values[f"{entry.topic}: rate [Hz]"] = f"{entry.count.rate:.6g}"
-            values[f"{entry.topic}: missing by numbers"] = entry.missing
-            values[f"{entry.topic}: missing by stamps"] = entry.count.holes
-    return status(name, level, sentence, {**values, **{f"seen: {kind}": n for kind, n in watch.counts.items()}})
+            values |= topic_values(entry.topic, entry.count, entry.missing)
+    return status(name, level, sentence, {**values, **fault_values(watch)})
+
+
+def topic_values(topic: str, count: TopicCount, missing: int) -> dict[str, object]:
+    """Rate of a topic and what is missing, for a status."""
+    return {
+        f"{topic}: rate [Hz]": f"{count.rate:.6g}",
+        f"{topic}: missing by numbers": missing,
+        f"{topic}: missing by stamps": count.holes,
+    }
+
+
+def fault_values(watch: FaultLog) -> dict[str, object]:
+    """How often each fault was seen, for a status."""
+    return {f"seen: {kind}": times for kind, times in watch.counts.items()}
 
 
 def _judge_data(
@@ -79,15 +111,15 @@ def _judge_data(
     odd = [entry.signal.problem for entry in (*position, *force) if entry.signal and entry.signal.problem]
     if not counts.positions:
         return ERROR, odd[0] if odd else f"no position samples; expected some on {listed(position)}"
-    silent = time.monotonic() - max(entry.count.heard for entry in position)
+    silent = time.monotonic() - max(entry.count.last_received for entry in position)
     if silent > SILENCE:
         nobody = "" if any(entry.publishers for entry in position) else ", and nobody publishes them"
         return ERROR, f"no position sample for {silent:.0f} s{nobody}; expected them on {listed(position)}"
-    told = [*watch.recent, *crowds(position), *_silences(force)]
+    warnings = [*watch.recent, *crowds(position), *_silences(force)]
     if force and not counts.forces:
-        told.append(f"no force samples yet; expected some on {listed(force)}")
-    if told:
-        return WARN, "; ".join(told[:MOST_TOLD])
+        warnings.append(f"no force samples yet; expected some on {listed(force)}")
+    if warnings:
+        return WARN, "; ".join(warnings[:MOST_SENTENCES])
     return OK, f"{counts.positions} position samples, {counts.forces} force samples"
 
 

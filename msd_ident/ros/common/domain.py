@@ -1,4 +1,4 @@
-"""A ROS domain for oneself: nobody else on this machine hears what happens in it. Imports no ROS."""
+"""A private ROS domain: no other process on this machine takes part in it. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -45,6 +45,20 @@ def private_environment(number: int) -> dict[str, str]:
     """This process's environment, with the domain and with discovery kept on this machine."""
     kept = {name: value for name, value in os.environ.items() if name not in PUT_ASIDE}
     return {**kept, **PRIVATE, "ROS_DOMAIN_ID": str(number)}
+
+
+@contextmanager
+def in_domain(number: int) -> Iterator[dict[str, str]]:
+    """This process's environment is that of the domain within the block."""
+    kept = dict(os.environ)
+    environment = private_environment(number)
+    os.environ.clear()
+    os.environ.update(environment)
+    try:
+        yield environment
+    finally:
+        os.environ.clear()
+        os.environ.update(kept)
 
 
 def _silent(number: int) -> bool:

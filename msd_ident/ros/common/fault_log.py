@@ -1,4 +1,4 @@
-"""What went wrong with the data: counted for good, told for a while. Without ROS."""
+"""Faults of the data: counted since the start, reported for a while. Without ROS."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class FaultLog:
     """Faults by kind, from any thread.
 
     Args:
-        remember: how long a fault that is over is still told [s].
+        remember: how long a fault that is over is still reported [s].
     """
 
     def __init__(self, remember: float = 10.0) -> None:
@@ -21,7 +21,7 @@ class FaultLog:
         self._latest: dict[str, tuple[float, str]] = {}
 
     def note(self, kind: str, sentence: str, count: int = 1) -> None:
-        """Count a fault; the sentence is what people are told."""
+        """Count a fault; the sentence is what is reported."""
         with self._lock:
             self._counts[kind] += count
             self._latest[kind] = (time.monotonic(), sentence)
@@ -37,5 +37,5 @@ class FaultLog:
         """Sentences of the last while, the latest first; of each kind the last one."""
         since = time.monotonic() - self._remember
         with self._lock:
-            told = sorted(self._latest.values(), reverse=True)
-        return tuple(sentence for at, sentence in told if at >= since)
+            latest = sorted(self._latest.values(), reverse=True)
+        return tuple(sentence for at, sentence in latest if at >= since)

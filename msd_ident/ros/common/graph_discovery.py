@@ -1,4 +1,4 @@
-"""Where a graph is: the namespace of topics that a user names without one."""
+"""Finds the namespace of topics that a user names without one."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from msd_ident.ros.common.message_batching import Poller, subscribe
 from msd_ident.ros.common.missing_samples import Holes, TopicCount
 from msd_ident.ros.identifier.step_detection import StepWatcher
 
-#: Pause after which a publisher that began anew may have another zero [ns].
+#: Pause after which a publisher that restarted may have another zero [ns].
 _RESTART_NS = 100_000_000
 #: Least time between two log lines of one kind [s].
 QUIET = 5.0
@@ -186,7 +186,7 @@ class Input:
         self._sink.positions(ns[good], values[good])
 
     def _counted(self, number: int | None, ns: int | None) -> None:
-        """Count a message; a publisher that began anew after a pause begins a new recording, zeroed who knows where."""
+        """Count a message; a publisher that restarts after a pause begins a new recording: its zero may be another."""
         assert self.signal is not None
         alone = self.publishers <= 1
         restarts, last = self.count.restarts, self._last_ns

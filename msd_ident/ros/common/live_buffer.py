@@ -1,8 +1,8 @@
 """The live buffer: the latest samples of force and position, bounded, of one recording. Without ROS.
 
-Stamps are not trusted. A clock that is set, a replay in a loop, a publisher that begins anew: each begins a new
+Stamps are not trusted. A clock that is set, a replay in a loop, a publisher that restarts: each begins a new
 recording, since no model runs across it. A single stamp from elsewhere, a sample that comes twice and a stamp that
-stands still are left out. All of it is counted and told.
+stands still are left out. All of it is counted and reported.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class LiveBuffer:
         hold: how the force goes on between its samples.
         units: of force and position values.
         free: no force acts (free decay), so that none is waited for.
-        watch: is told what goes wrong.
+        watch: counts what goes wrong.
     """
 
     def __init__(

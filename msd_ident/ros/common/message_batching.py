@@ -1,4 +1,4 @@
-"""What waits in a subscription's queue, taken in a handful.
+"""Takes the messages that wait in a subscription's queue together.
 
 An executor's way from one message to the next costs several times what it costs to take one: a node that is behind
 would fall further behind.
@@ -61,11 +61,14 @@ def subscribe(
     return made
 
 
-class _Unseen(CallbackGroup):
-    """A group whose members the executor does not wait for."""
+class Unserved(CallbackGroup):
+    """A group of subscriptions that no executor waits for: their owner takes the messages.
+
+    At 1 kHz an executor's way from sample to sample costs several times what it costs to take the sample.
+    """
 
     def can_execute(self, entity: Any) -> bool:
-        """Never: the poller takes what has come."""
+        """Never."""
         return False
 
     def beginning_execution(self, entity: Any) -> bool:
@@ -87,7 +90,7 @@ class Poller:
     """
 
     def __init__(self, node: Node) -> None:
-        self._node, self._unseen = node, _Unseen()
+        self._node, self._unseen = node, Unserved()
         self._takers: dict[Subscription, Callable[[Any, dict[str, Any]], None]] = {}
         self._timer = node.create_timer(PERIOD, self.look, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._timer.cancel()

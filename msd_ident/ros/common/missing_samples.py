@@ -1,4 +1,4 @@
-"""Missing samples, counted as they do not come: by the publisher's numbers and by the stamps. Without ROS."""
+"""Counts missing samples by the publisher's sequence numbers and by the stamps. Without ROS."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ class TopicCount:
     Attributes:
         received: messages handed over.
         lost: messages that their publisher numbered and that never came; known while a topic has one publisher.
-        restarts: numbers that fell: a publisher began anew, or there are two.
+        restarts: numbers that fell: a publisher restarted, or there are two.
         holes: samples that a regular train of stamps lacks.
-        heard: when the last one came, on the monotonic clock [s]; 0.0: never.
+        last_received: when the last one came, on the monotonic clock [s]; 0.0: never.
     """
 
     received: int = 0
     lost: int = 0
     restarts: int = 0
     holes: int = 0
-    heard: float = 0.0
+    last_received: float = 0.0
     _times: deque[float] = field(default_factory=lambda: deque(maxlen=_STREAM), repr=False)
     _last: int | None = field(default=None, repr=False)
     _stamp: int | None = field(default=None, repr=False)
@@ -47,8 +47,8 @@ class TopicCount:
         ``alone``: the topic has one publisher, whose numbers tell what is lost.
         """
         self.received += 1
-        self.heard = time.monotonic()
-        self._times.append(self.heard)
+        self.last_received = time.monotonic()
+        self._times.append(self.last_received)
         if stamp_ns is not None:
             self._follow(stamp_ns)
         if sequence is None:
@@ -72,7 +72,7 @@ class TopicCount:
     @property
     def silence(self) -> float:
         """Time since the last message [s], where they came in a stream and do no more; else 0.0."""
-        silent = time.monotonic() - self.heard
+        silent = time.monotonic() - self.last_received
         return silent if self.rate > _STREAM_RATE and silent > max(SILENCE, 20.0 / self.rate) else 0.0
 
     def _follow(self, stamp_ns: int) -> None:
@@ -94,7 +94,7 @@ def _missing(intervals: list[int]) -> int:
 
 
 class Holes:
-    """Where samples are missing, so that a window can be told its own."""
+    """Where samples are missing, so that those of a window can be counted."""
 
     def __init__(self) -> None:
         self._at: deque[tuple[int, int]] = deque(maxlen=_REMEMBERED)

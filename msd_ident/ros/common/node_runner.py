@@ -6,8 +6,9 @@ import os
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Sequence
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
@@ -18,20 +19,24 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.ros.common.signals import Signals, fail
 
 
-class Owned(Protocol):
-    """What ``run`` asks of a node's owner."""
+class NodeOwner(ABC):
+    """Owns a node that ``run`` spins.
 
-    @property
-    def node(self) -> Node:
-        """The node that is spun."""
+    Attributes:
+        node: the node.
+    """
+
+    node: Node
 
     @property
     def failure(self) -> str:
-        """Why the work could not be done; empty when it was."""
+        """Why the work could not be done; empty when it was, and where nothing that happens to it ends the node."""
+        return ""
 
-    def on_signal(self, number: int) -> None:
+    def on_signal(self, number: int) -> None:  # noqa: B027 - most nodes take no signal but the ending ones
         """Called in the executor for a signal that does not end the node."""
 
+    @abstractmethod
     def close(self) -> bool:
         """Finish all work, called once, when nothing spins any more; whether no thread is left."""
 
@@ -78,7 +83,24 @@ class Spinner:
             self._on_failure()
 
 
-def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None = None) -> int:
+@contextmanager
+def spun(name: str, namespace: str, domain: int | None = None) -> Iterator[Node]:
+    """A node of this process in a context of its own, which an executor spins for the block."""
+    context = rclpy.Context()
+    try:
+        rclpy.init(context=context, domain_id=domain, args=[], signal_handler_options=SignalHandlerOptions.NO)
+        node = Node(name, namespace=namespace, context=context)
+        spinner = Spinner(node)
+        try:
+            yield node
+        finally:
+            spinner.stop()
+            node.destroy_node()
+    finally:
+        context.try_shutdown()
+
+
+def run(make: Callable[[], NodeOwner], signals: Signals, args: Sequence[str] | None = None) -> int:
     """Make the node, spin it until a signal, close it; the exit code.
 
     Raises:
@@ -111,7 +133,7 @@ def run(make: Callable[[], Owned], signals: Signals, args: Sequence[str] | None 
     return code
 
 
-def _made(make: Callable[[], Owned]) -> Owned:
+def _made(make: Callable[[], NodeOwner]) -> NodeOwner:
     from rclpy.exceptions import InvalidTopicNameException, ParameterException
 
     try:

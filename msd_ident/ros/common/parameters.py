@@ -1,12 +1,14 @@
-"""Parameters of the nodes: declared with a description, a range, and words that refuse nonsense."""
+"""Parameters of the nodes, declared with description and range, and checked when they are set."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
+import yaml
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
@@ -44,6 +46,19 @@ class Setting:
     upper: float | None = None
     choices: tuple[str, ...] = ()
     fixed: bool = True
+
+
+def declared(node: str) -> tuple[Setting, ...]:
+    """The parameters in ``parameters.yaml`` of a node's folder, which has the keys of generate_parameter_library."""
+    file = resources.files(f"msd_ident.ros.{node}").joinpath("parameters.yaml")
+    found = []
+    for name, entry in yaml.safe_load(file.read_text(encoding="utf-8")).items():
+        checks = entry.get("validation", {})
+        lower, upper = checks.get("bounds<>", (None, None))
+        (choices,) = checks.get("one_of<>", ((),))
+        fixed = entry.get("read_only", False)
+        found.append(Setting(name, entry["default_value"], entry["description"], lower, upper, tuple(choices), fixed))
+    return tuple(found)
 
 
 def overrides(values: Mapping[str, Any]) -> list[Parameter]:

@@ -1,4 +1,4 @@
-"""The folder that service requests may name files in: nothing outside it, by dots and links neither. Without ROS."""
+"""Paths of service requests: only files in one folder, also through dots and links. Without ROS."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from pathlib import Path
 
 from msd_ident.errors import SetupError, UsageError
 
-#: Where bags lie when nothing else is said.
-DEFAULT_FOLDER = "~/bags"
 #: Longest path that a request may hold, and longest name in it, as Linux has them [bytes].
 LONGEST_PATH, LONGEST_NAME = 4096, 255
 #: Characters of a long text that a refusal quotes.

@@ -1,4 +1,4 @@
-"""Programs that are started together and ended together, whatever happens in between. Imports no ROS."""
+"""A group of processes that are started and ended together, whatever happens in between. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from msd_ident.errors import SetupError
+from msd_ident.ros.common.signals import ENDING, handled
 
 #: Time that a program has to end by itself [s].
 PATIENCE = 5.0
@@ -96,15 +97,10 @@ class Processes:
 def _signals_later() -> Iterator[None]:
     """Let signals that come within the block act after it."""
     came: list[int] = []
-    kept = {
-        number: signal.signal(number, lambda number, frame: came.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    }
     try:
-        yield
+        with handled(lambda number, frame: came.append(number), *ENDING):
+            yield
     finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)
         if came:
             signal.raise_signal(came[0])
 

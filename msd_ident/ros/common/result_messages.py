@@ -121,5 +121,5 @@ def _parameters(found: ModelFit | None, symbols: Mapping[str, str]) -> list[Para
 
 
 def model_symbols(model: Model) -> dict[str, str]:
-    """Symbols of all that is told about a model, by name."""
+    """Symbols of all quantities of a model, by name."""
     return {**{parameter.name: parameter.symbol for parameter in model.parameters}, **_SYMBOLS}

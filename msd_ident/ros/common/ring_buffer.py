@@ -57,12 +57,6 @@ class Ring:
         """Forget all samples."""
         self._next = self.size = self.newest_ns = 0
 
-    def keep_last(self, count: int) -> None:
-        """Forget all but the latest samples."""
-        ns, values = self.samples(count)
-        self.clear()
-        self.extend(ns, values)
-
     def keep_before(self, ns: int) -> None:
         """Forget the samples at or after a stamp."""
         stamps, values = self.samples()

@@ -1,4 +1,4 @@
-"""Ctrl-C and friends, heard from the first moment and as often as they come. Imports nothing heavy on purpose.
+"""Ctrl-C and other signals, noted from the first moment and as often as they come. Imports nothing heavy on purpose.
 
 A handler that only takes a note cannot interrupt anything half-way: a second Ctrl-C inside a shutdown has no effect.
 """
@@ -9,7 +9,7 @@ import queue
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -48,6 +48,17 @@ class Signals:
             if number in ENDING:
                 return
             yield number
+
+
+@contextmanager
+def handled(handler: Callable[[int, FrameType | None], object], *numbers: signal.Signals) -> Iterator[None]:
+    """Handle signals within the block; only in the main thread."""
+    kept = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, before in kept.items():
+            signal.signal(number, before)
 
 
 @contextmanager

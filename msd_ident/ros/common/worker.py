@@ -1,4 +1,4 @@
-"""One thread for the work that takes long, so that the executor never waits for it."""
+"""A thread for long computations, so that the executor does not wait for them."""
 
 from __future__ import annotations
 

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
-
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError
 from msd_ident.io import read
-from msd_ident.ros.common.domain import private_domain, private_environment
-from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.common.domain import in_domain, private_domain, private_environment
+from msd_ident.ros.common.node_runner import spun
 from msd_ident.ros.common.processes import Processes
 from msd_ident.ros.experimenter.paper_experiment import Plan, Player
 from msd_ident.workflow.identification import Identification
@@ -36,7 +31,7 @@ STEP = 0.15 * 69.5
 #: Speed of the rig's time with ``fast``.
 FAST = 5.0
 #: Position samples that the identifier keeps: with ``fast``, those of 400 s of the wall's time. A window of the live
-#: buffer is told from its first sample, so that one must still be there when a slow machine comes to ask.
+#: buffer is given relative to its first sample, so that one must still be there when a slow machine comes to ask.
 BUFFER = 2_000_000
 NAMESPACE = "msd"
 
@@ -67,7 +62,7 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
     Args:
         folder: for the bag and the logs; exists.
         fast: whether the rig makes its own time, faster than the wall.
-        say: told what is being done and how much of all is done (0 to 1).
+        say: called with what is being done and the part of all that is done (0 to 1).
 
     Raises:
         SetupError: a process does not come up.
@@ -75,13 +70,11 @@ def run(folder: Path, fast: bool, say: Say) -> Shown:
     """
     logs = folder / "logs"
     logs.mkdir()
-    with private_domain() as domain:
-        environment = private_environment(domain)
-        with Processes(logs, environment) as processes:
-            say("starting rig, recorder and identifier", 0.0)
-            _start(processes, folder, fast)
-            with _player(environment, domain, processes) as player:
-                return _play(player, fast, say)
+    with private_domain() as domain, Processes(logs, private_environment(domain)) as processes:
+        say("starting rig, recorder and identifier", 0.0)
+        _start(processes, folder, fast)
+        with _player(domain, processes) as player:
+            return _play(player, fast, say)
 
 
 def _start(processes: Processes, folder: Path, fast: bool) -> None:
@@ -103,25 +96,10 @@ def arguments(parameters: dict[str, object]) -> list[str]:
 
 
 @contextmanager
-def _player(environment: dict[str, str], domain: int, processes: Processes) -> Iterator[Player]:
+def _player(domain: int, processes: Processes) -> Iterator[Player]:
     """A player in this process, in the private domain."""
-    kept = dict(os.environ)
-    os.environ.clear()
-    os.environ.update(environment)
-    context = rclpy.Context()
-    try:
-        rclpy.init(context=context, domain_id=domain, args=[], signal_handler_options=SignalHandlerOptions.NO)
-        node = Node("demo", namespace=NAMESPACE, context=context)
-        spinner = Spinner(node)
-        try:
-            yield Player(node, processes.check)
-        finally:
-            spinner.stop()
-            node.destroy_node()
-    finally:
-        context.try_shutdown()
-        os.environ.clear()
-        os.environ.update(kept)
+    with in_domain(domain), spun("demo", NAMESPACE, domain) as node:
+        yield Player(node, processes.check)
 
 
 def _play(player: Player, fast: bool, say: Say) -> Shown:
@@ -138,10 +116,10 @@ def _play(player: Player, fast: bool, say: Say) -> Shown:
     say("asking the identifier", 0.82)
     record = read(bag)
     live = _live(player, record)  # first, as the buffer grows meanwhile
-    told = player.identify(bag)
+    answer = player.identify(bag)
     say("identifying the bag", 0.9)
     found = pipeline.identify([record])
-    different = differences(told, to_estimate(found, bag, 0))
+    different = differences(answer, to_estimate(found, bag, 0))
     if different:
         raise DataError(f"service and bag differ in {', '.join(different)}; expected the same numbers: report this")
     say("comparing with the live buffer", 0.98)

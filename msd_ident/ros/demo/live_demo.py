@@ -1,13 +1,12 @@
-"""A rig with a sail, a recorder and an identifier in a domain of their own: something for the live view to look at."""
+"""The graph of ``msd live --demo``: a rig with quadratic drag, a recorder and an identifier in a private domain."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from msd_ident.ros.common.domain import private_domain, private_environment
+from msd_ident.ros.common.domain import in_domain, private_domain
 from msd_ident.ros.common.processes import Processes
 from msd_ident.ros.demo.demo import NAMESPACE, RIG, arguments
 
@@ -28,18 +27,11 @@ def demo_graph(folder: Path, rate: float = 1000.0) -> Iterator[Processes]:
         folder: for logs and bags; exists.
         rate: of the rig's encoder [Hz].
     """
-    kept = dict(os.environ)
-    with private_domain() as domain:
-        os.environ.update(private_environment(domain))
-        try:
-            with Processes(folder, os.environ) as processes:
-                processes.start("rig", "msd_sim.node", arguments({**SAIL, "rate": rate}))
-                processes.start("recorder", "msd_ident.ros.recorder", arguments({"bag_folder": str(folder)}))
-                processes.start("identifier", "msd_ident.ros.identifier", arguments({"bag_folder": str(folder)}))
-                yield processes
-        finally:
-            os.environ.clear()
-            os.environ.update(kept)
+    with private_domain() as domain, in_domain(domain) as environment, Processes(folder, environment) as processes:
+        processes.start("rig", "msd_sim.node", arguments({**SAIL, "rate": rate}))
+        processes.start("recorder", "msd_ident.ros.recorder", arguments({"bag_folder": str(folder)}))
+        processes.start("identifier", "msd_ident.ros.identifier", arguments({"bag_folder": str(folder)}))
+        yield processes
 
 
 __all__ = ["NAMESPACE", "demo_graph"]

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import threading
-import traceback
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import yaml
-from action_msgs.msg import GoalStatus
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -20,31 +17,26 @@ from msd_ident.design.limits import Limits, from_tree
 from msd_ident.design.profile import Profile
 from msd_ident.design.profile_file import from_yaml, load
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros.common import codes, names
+from msd_ident.ros.common import action_server, codes, names
 from msd_ident.ros.common.codes import code_of
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
+from msd_ident.ros.common.node_runner import NodeOwner
+from msd_ident.ros.common.parameters import Settings, declared
+from msd_ident.ros.common.path_sandbox import Place
 from msd_ident.ros.common.worker import Worker
-from msd_ident.ros.experimenter.profile_player import CANCELLED, LEAD, Experiment, Played, ProfilePlayer
+from msd_ident.ros.experimenter.profile_player import CANCELLED, Experiment, Played, ProfilePlayer
 from msd_interfaces.action import RunExperiment
 from msd_interfaces.msg import ResultCode
 
-SETTINGS = (
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
-    Setting("silence", 0.5, "longest time without an encoder sample before an experiment is stopped [s]", 0.02, 60.0),
-    Setting("lead", LEAD, "time by which a force is sent in advance; 0 for a rig that acts at once [s]", 0.0, 10.0),
-)
+SETTINGS = declared("experimenter")
 
 
-class Experimenter:
+class Experimenter(NodeOwner):
     """Owns the node and the action; one experiment at a time.
 
     Args:
         overrides: parameters that go before those of the command line.
         node_options: further arguments of ``rclpy.node.Node``.
     """
-
-    failure = ""
 
     def __init__(self, overrides: list[Parameter] | None = None, **node_options: Any) -> None:
         self.node = Node("experimenter", parameter_overrides=overrides, **node_options)
@@ -53,21 +45,8 @@ class Experimenter:
         self._worker = Worker("experimenter")
         self._busy = threading.Event()
         self._stop = threading.Event()
-        self._server = ActionServer(
-            self.node,
-            RunExperiment,
-            names.private(names.RUN),
-            self._execute,
-            callback_group=ReentrantCallbackGroup(),
-            goal_callback=self._on_goal,
-            cancel_callback=self._on_cancel,
-            goal_service_qos_profile=names.service_qos(),
-            result_service_qos_profile=names.service_qos(),
-            cancel_service_qos_profile=names.service_qos(),
-        )
-
-    def on_signal(self, number: int) -> None:
-        """No signal has a meaning of its own."""
+        callbacks = {"goal_callback": self._on_goal, "cancel_callback": self._on_cancel}
+        self._server = action_server.serve(self.node, RunExperiment, names.RUN, self._execute, **callbacks)
 
     def close(self) -> bool:
         """Stop what is played, force 0."""
@@ -95,16 +74,11 @@ class Experimenter:
             result: RunExperiment.Result = await self._worker.submit(lambda: self._work(handle), self.node.executor)
         finally:
             self._busy.clear()
-        if handle.status == GoalStatus.STATUS_CANCELING:
-            handle.canceled()
-        elif result.success:
-            handle.succeed()
-        else:
-            handle.abort()
+        action_server.finish(handle, result.success)
         return result
 
     def _work(self, handle: ServerGoalHandle) -> RunExperiment.Result:
-        """In the worker's thread; what goes wrong is told in words."""
+        """In the worker's thread; an error becomes a sentence of the result."""
         goal: RunExperiment.Goal = handle.request
 
         def tell(fraction: float, force: float, position: float) -> None:
@@ -119,9 +93,8 @@ class Experimenter:
         except MsdError as error:
             return RunExperiment.Result(success=False, message=str(error), code=code_of(error))
         except Exception as error:
-            self.node.get_logger().error(traceback.format_exc())
-            what = f"internal error, please report it: {type(error).__name__}: {error}"
-            return RunExperiment.Result(success=False, message=what, code=code_of(error))
+            message, code = codes.internal(error, self.node.get_logger())
+            return RunExperiment.Result(success=False, message=message, code=code)
         finally:
             if bag is not None and not goal.folder:
                 with suppress(OSError):

@@ -1,4 +1,4 @@
-"""The paper's experiment on a running graph: who plays it, and what he waits for."""
+"""Plays the paper's experiment on a running graph, with recorder and identifier."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Player:
         self._until(lambda: self._count("identifier", "data", "force samples"), "the identifier to receive the force")
 
     def record(self, folder: str) -> str:
-        """Start a recording that hears force and encoder; its path."""
+        """Start a recording of force and encoder; its path."""
         topics = [names.FORCE, names.ENCODER, names.ENCODER_BATCH, names.ESTIMATE]
         answer = self._call(StartRecording, names.RECORDER_START, StartRecording.Request(folder=folder, topics=topics))
         self._until(lambda: self._recorded(names.FORCE), "the recorder to receive the force")
@@ -89,7 +89,7 @@ class Player:
         return str(answer.path)
 
     def play(self, plan: Plan, advance: Advance) -> None:
-        """Send the forces, stamped ahead, and wait for the end; ``advance`` is told how much is done (0 to 1)."""
+        """Send the forces, stamped ahead, and wait for the end; ``advance`` gets the part that is done (0 to 1)."""
         start = self._now_ns
         begin = start + _ns(plan.rest + plan.lead)
         end = begin + _ns(plan.up + plan.down)

@@ -1,4 +1,4 @@
-"""Playing a profile on the graph: forces at their instants, a guard on every reading, everything recorded."""
+"""Plays a profile on the graph: forces at their instants, limits checked on every reading, everything recorded."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Experiment:
         profile: of the force.
         limits: of the rig.
         bag: folder for what is recorded; it must not exist.
-        reset: whether the rig is asked to begin anew before.
+        reset: whether the rig is reset before.
     """
 
     profile: Profile
@@ -132,7 +132,7 @@ class ProfilePlayer:
     def _conduct(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
         bag = experiment.bag
         recording = self._record(bag)
-        guard = SafetyMonitor(experiment.limits, self._silence)  # hears from now on: a bag may take its time to begin
+        guard = SafetyMonitor(experiment.limits, self._silence)  # before the bag, which may take a while to begin
         with self._lock:
             self._halted, self._guard, self._recording = False, guard, recording
         delays: list[float] = []
@@ -161,7 +161,7 @@ class ProfilePlayer:
         clock = self._node.get_clock()
         lead = round(self._lead * 1e9)
         start = clock.now().nanoseconds + lead + 20_000_000
-        told, due, usual = 0.0, start, self._lag()
+        reported, due, usual = 0.0, start, self._lag()
         for at, force in zip(*profile.commands, strict=True):
             due = start + round(float(at) * 1e9)
             while (left := due - lead - clock.now().nanoseconds) > 0:
@@ -171,8 +171,8 @@ class ProfilePlayer:
                     guard.stop(f"the encoder's readings come {self._lag() - usual:.2f} s later than before")
                 if guard.reason or guard.silent():
                     return
-                if time.monotonic() - told > 0.1:
-                    told = time.monotonic()
+                if time.monotonic() - reported > 0.1:
+                    reported = time.monotonic()
                     self._force.assert_liveliness()  # the rig lets go of a force that nobody stands behind
                     played = 1.0 - left / 1e9 / profile.duration
                     advance(min(max(min(float(at) / profile.duration, played), 0.0), 1.0), float(force), guard.position)

@@ -1,4 +1,4 @@
-"""The guard of an experiment in progress: limits watched on every reading. Without ROS."""
+"""Checks the limits of an experiment in progress on every reading. Without ROS."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ class SafetyMonitor:
         self._lock = threading.Lock()
         self._start: float | None = None
         self._before: tuple[int, float] | None = None
-        self._heard = time.monotonic()
+        self._last_reading = time.monotonic()
         self.position, self.reason = 0.0, ""
 
     def reading(self, stamp_ns: int, position: float) -> bool:
         """Take one reading; False from the first on that is beyond a limit."""
         with self._lock:
-            self._heard = time.monotonic()
+            self._last_reading = time.monotonic()
             if self._start is None:
                 self._start, self._before = position, (stamp_ns, position)
             self.position = position - self._start
@@ -57,7 +57,7 @@ class SafetyMonitor:
     def silent(self) -> bool:
         """Whether no reading came for too long; that stops the experiment, too."""
         with self._lock:
-            if time.monotonic() - self._heard <= self._silence:
+            if time.monotonic() - self._last_reading <= self._silence:
                 return False
             self._stop(f"the encoder fell silent: no reading for {self._silence:g} s")
             return True

@@ -1,4 +1,4 @@
-"""A conductor in this process, and a rig of the graph as an investigation sees it."""
+"""A profile player in this process, and the rig of the graph for ``msd investigate``."""
 
 from __future__ import annotations
 
@@ -8,14 +8,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
-
 from msd_ident.design import Limits, Profile
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import SourceOptions, read
-from msd_ident.ros.common.node_runner import Spinner
+from msd_ident.ros.common.node_runner import spun
 from msd_ident.ros.experimenter.profile_player import LEAD, Advance, Experiment, ProfilePlayer
 from msd_ident.workflow.investigation import Ran
 
@@ -23,20 +19,12 @@ from msd_ident.workflow.investigation import Ran
 @contextmanager
 def conductor(namespace: str, silence: float, lead: float = LEAD) -> Iterator[ProfilePlayer]:
     """A node in this process that plays profiles; the rig is left without force, whatever happens."""
-    context = rclpy.Context()
-    rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        node = Node("conductor", namespace=namespace, context=context)
+    with spun("conductor", namespace) as node:
         made = ProfilePlayer(node, silence, lead)
-        spinner = Spinner(node)
         try:
             yield made
         finally:
             made.close()
-            spinner.stop()
-            node.destroy_node()
-    finally:
-        context.try_shutdown()
 
 
 @dataclass
@@ -47,7 +35,7 @@ class GraphRig:
         conductor: plays on it.
         folder: for the bags.
         stop: ends an experiment in progress.
-        advance: told what goes on.
+        advance: called with the progress.
         runs: experiments so far.
     """
 

@@ -1,34 +1,16 @@
-"""``ros2 run msd_ident identifier``: the way into the identifier node."""
+"""``ros2 run msd_ident identifier``: entry point of the node."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from msd_ident import parallel
-from msd_ident.errors import MsdError
-from msd_ident.ros.common.signals import fail, noted_signals
-
-if TYPE_CHECKING:
-    from msd_ident.ros.common.node_runner import Owned
+from msd_ident.ros.common.entry_point import run_node
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the identifier until a signal; the exit code."""
-    parallel.one_blas_thread()
-    with noted_signals() as signals:
-        try:
-            from msd_ident.ros.common.node_runner import run
-
-            def make() -> Owned:
-                from msd_ident.ros.identifier.node import Identifier
-
-                return Identifier()
-
-            return run(make, signals, args)
-        except MsdError as error:
-            return fail(error)
+    return run_node("identifier", "Identifier", args)
 
 
 if __name__ == "__main__":

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import threading
 import time
-import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from action_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.action import ActionServer, CancelResponse
+from rclpy.action import CancelResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 
 from msd_ident.cancellation import Cancelled, raise_if_cancelled
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.ros.common import codes, diagnostics_status, names
+from msd_ident.ros.common import action_server, codes, diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.parameters import Settings
 from msd_ident.ros.common.worker import Worker, deliver
@@ -43,13 +40,13 @@ _CANCELLED = "cancelled"
 
 @dataclass
 class _Goal:
-    """A goal in progress: ``answer`` comes from the worker, or from a cancellation that it does not hear in time."""
+    """A goal in progress: ``answer`` comes from the worker, or from a cancellation that it does not notice in time."""
 
     handle: ServerGoalHandle
     answer: Future
     stop: threading.Event = field(default_factory=threading.Event)
     _lock: threading.Lock = field(default_factory=threading.Lock)
-    _told: tuple[float, str, str] = (0.0, "", "")
+    _reported: tuple[float, str, str] = (0.0, "", "")
 
     def settle(self, result: Diagnose.Result) -> None:
         """Answer, once; from any thread."""
@@ -64,18 +61,18 @@ class _Goal:
             Cancelled: the goal was cancelled.
         """
         raise_if_cancelled()
-        last, *words = self._told
+        last, *words = self._reported
         now = time.monotonic()
         if words == [stage, cause] or (words[0] == stage and now - last < FEEDBACK_PERIOD):
             return
-        self._told = (now, stage, cause)
+        self._reported = (now, stage, cause)
         with self._lock:
             if not self.answer.done():
                 self.handle.publish_feedback(Diagnose.Feedback(stage=stage, fraction=fraction, cause=cause))
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Finding:
     """What the last diagnosis says about the model."""
 
     good: bool
@@ -88,7 +85,7 @@ class _Part:
 
     paths: Sequence[str]
     joint: Joint | None
-    begun: float
+    offset: float
     share: float
 
 
@@ -105,18 +102,10 @@ class Diagnosing:
     def __init__(self, node: Node, worker: Worker, sources: Sources, settings: Settings) -> None:
         self._node, self._worker, self._sources, self._settings = node, worker, sources, settings
         self._goals: dict[bytes, _Goal] = {}
-        self._last: _Told | None = None
+        self._last: _Finding | None = None
         self._publisher = node.create_publisher(DiagnosisMessage, names.private(names.DIAGNOSIS), names.latest_qos())
-        self._server = ActionServer(
-            node,
-            Diagnose,
-            names.private(names.DIAGNOSE),
-            self._execute,
-            callback_group=ReentrantCallbackGroup(),
-            cancel_callback=self._on_cancel,
-            goal_service_qos_profile=names.service_qos(),
-            result_service_qos_profile=names.service_qos(),
-            cancel_service_qos_profile=names.service_qos(),
+        self._server = action_server.serve(
+            node, Diagnose, names.DIAGNOSE, self._execute, cancel_callback=self._on_cancel
         )
 
     def close(self) -> None:
@@ -158,12 +147,7 @@ class Diagnosing:
             goal.settle(_refused(str(error), codes.BUSY))
         result: Diagnose.Result = await goal.answer
         del self._goals[bytes(handle.goal_id.uuid)]
-        if handle.status == GoalStatus.STATUS_CANCELING and goal.stop.is_set():
-            handle.canceled()
-        elif result.success:
-            handle.succeed()
-        else:
-            handle.abort()
+        action_server.finish(handle, result.success, goal.stop.is_set())
         return result
 
     def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
@@ -181,7 +165,7 @@ class Diagnosing:
             executor.wake()
 
     def _work(self, goal: _Goal) -> Diagnose.Result:
-        """In the worker's thread: everything that a goal asks for; what goes wrong is told in words."""
+        """In the worker's thread: everything that a goal asks for; an error becomes a sentence of the result."""
         log = self._node.get_logger()
         try:
             result = self._diagnosed(goal)
@@ -191,8 +175,7 @@ class Diagnosing:
         except MsdError as error:
             result = _refused(str(error), code_of(error))
         except Exception as error:
-            log.error(traceback.format_exc())
-            result = _refused(f"internal error, please report it: {type(error).__name__}: {error}", code_of(error))
+            result = _refused(*codes.internal(error, log))
         diagnostics_status.log(log, result.success, result.message)
         return result
 
@@ -216,18 +199,20 @@ class Diagnosing:
             from msd_ident.report import page
 
             page.save(found, target)
-        said = [one.summary for one in result.diagnoses]
-        result.message = said[0] if len(said) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
+        summaries = [one.summary for one in result.diagnoses]
+        result.message = (
+            summaries[0] if len(summaries) == 1 else "; ".join(f"{d.path}: {d.summary}" for d in result.diagnoses)
+        )
         return result
 
     def _one(self, goal: _Goal, group: _Part, result: Diagnose.Result, found: list[Diagnosis]) -> None:
         """Diagnose one experiment; ``result`` and ``found`` grow. One that cannot be read leaves the others alone."""
-        from msd_ident.data.effort import judge
+        from msd_ident.data.joint_effort import judge
         from msd_ident.ros.common.diagnosis_messages import failed, healthy, to_diagnosis
         from msd_ident.workflow import pipeline
 
         def tell(stage: str, fraction: float, cause: str) -> None:
-            goal.tell(stage, group.begun + group.share * fraction, cause)
+            goal.tell(stage, group.offset + group.share * fraction, cause)
 
         def read(messages: int) -> None:
             tell("reading", 0.0, f"{messages} messages" if messages else "")
@@ -253,7 +238,7 @@ class Diagnosing:
         message = to_diagnosis(one, name, self._node.get_clock().now().nanoseconds, self._sources.frame)
         found.append(one)
         result.diagnoses = [*result.diagnoses, message]
-        self._last = _Told(healthy(one), message)
+        self._last = _Finding(healthy(one), message)
         self._publisher.publish(message)
 
 

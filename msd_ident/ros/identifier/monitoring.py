@@ -1,4 +1,4 @@
-"""The identifier's watch over its own estimates: kept in a file, told on ``/diagnostics``."""
+"""Monitoring of the identifier's estimates for changes: kept in a file, reported on ``/diagnostics``."""
 
 from __future__ import annotations
 
@@ -13,19 +13,10 @@ from sensor_msgs.msg import Temperature
 
 from msd_ident.errors import MsdError
 from msd_ident.ros.common import diagnostics_status
-from msd_ident.ros.common.parameters import Setting, Settings
+from msd_ident.ros.common.parameters import Settings
 
 if TYPE_CHECKING:
     from msd_ident.workflow.identification import Identification
-
-SETTINGS = (
-    Setting(
-        "history_file", "", "file in bag_folder for the last estimates, which are monitored for changes; empty: none"
-    ),
-    Setting("history_size", 1000, "number of estimates in it; the oldest are dropped", 10, 1_000_000),
-    Setting("false_alarm_estimates", 1000.0, "smallest mean number of estimates until a false alarm", 10.0, 1e12),
-    Setting("temperature", "", "topic of a sensor_msgs/Temperature, whose influence is removed; empty: none"),
-)
 
 
 class Monitoring:
@@ -33,7 +24,7 @@ class Monitoring:
 
     Args:
         node: that the estimates are of.
-        settings: with those above, and ``bag_folder``.
+        settings: the node's parameters.
 
     Raises:
         SetupError: the file is of something else.
@@ -59,7 +50,7 @@ class Monitoring:
         )
 
     def add(self, found: Identification, made_ns: int) -> None:
-        """Take a further estimate; what the disk says against it is told on ``/diagnostics``."""
+        """Take a further estimate; an error of the disk is reported on ``/diagnostics``."""
         from msd_ident.monitoring.watching import Sample
 
         if self._history is None:
@@ -85,7 +76,7 @@ class Monitoring:
             self._history.note()
 
     def status(self, name: str) -> DiagnosticStatus | None:
-        """What is told on ``/diagnostics``; nothing where no file is kept."""
+        """Status for ``/diagnostics``; ``None`` where no file is kept."""
         if self._history is None:
             return None
         stands = self._history.standing

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -22,8 +21,8 @@ from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.inputs import Input, Sink, wanted
 from msd_ident.ros.common.live_buffer import LiveBuffer, Units
 from msd_ident.ros.common.message_batching import Poller
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER
+from msd_ident.ros.common.node_runner import NodeOwner
+from msd_ident.ros.common.parameters import Settings, declared
 from msd_ident.ros.common.worker import Worker
 from msd_ident.ros.identifier import monitoring
 from msd_ident.ros.identifier.diagnose_action import Diagnosing
@@ -32,42 +31,7 @@ from msd_ident.ros.identifier.step_detection import Settling, StepWatcher
 from msd_interfaces.msg import Estimate
 from msd_interfaces.srv import Identify
 
-SETTINGS = (
-    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force; none: free decay"),
-    Setting(
-        "position",
-        "",
-        "TOPIC:FIELD of the position, e.g. /joint_states:position[elbow]; empty: encoder or encoder_batch",
-    ),
-    Setting("force_scale", 1.0, "force unit per unit of the message", -1e9, 1e9),
-    Setting("position_scale", 1.0, "position unit per unit of the message; negative inverts the sign", -1e9, 1e9),
-    Setting("force_unit", "N", "N or N·m; any other (e.g. V) means that the gain is unknown"),
-    Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
-    Setting("hold", "zero", "force between its samples: zero (held) or linear", choices=("zero", "linear")),
-    Setting("buffer_samples", 200_000, "position samples in the buffer; the oldest are dropped", 100, 10_000_000),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which requests may name bags and reports"),
-    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
-    Setting("auto_fit", True, "fit when the response to a force step has settled", fixed=False),
-    Setting("step_threshold", 0.0, "smallest change of the force that is a step, in its unit; 0: any", 0.0, 1e9),
-    Setting("settle_time", 0.5, "rest after which a response counts as settled [s]", 0.05, 60.0, fixed=False),
-    Setting(
-        "settle_band", 0.02, "allowed variation of a settled position, as a part of its range", 0.001, 0.5, fixed=False
-    ),
-    Setting(
-        "model",
-        "auto",
-        "plant of automatic fits",
-        choices=("auto", "spring", "no_spring"),
-        fixed=False,
-    ),
-    Setting("all_joints", False, "a diagnosis of bags covers every joint of their JointState topics", fixed=False),
-    Setting("tolerance", 1.0, "unexplained part of the motion that is acceptable [%]", 0.0, 99.0, fixed=False),
-    Setting("calibrate", False, "calibrate every diagnosis on simulated copies of the record", fixed=False),
-    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
-    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
-    *monitoring.SETTINGS,
-)
+SETTINGS = declared("identifier")
 
 #: How often the graph and the steps are looked at [s].
 LOOK_PERIOD = 0.1
@@ -97,7 +61,7 @@ class Reply:
 _ENDS = Reply(False, "stopped: the identifier ends", code=codes.CANCELLED)
 
 
-class Identifier:
+class Identifier(NodeOwner):
     """Owns the node, its buffer and its worker thread.
 
     Args:
@@ -136,14 +100,6 @@ class Identifier:
         self._diagnosing.close()
         return ended
 
-    @property
-    def failure(self) -> str:
-        """Nothing that happens to a fit ends the node."""
-        return ""
-
-    def on_signal(self, number: int) -> None:
-        """No signal but the ending ones has a meaning here."""
-
     def identify(self, request: Request) -> Reply:
         """Fit what is asked for, in the calling thread; nothing that the data does can raise from here."""
         try:
@@ -153,9 +109,8 @@ class Identifier:
         except Cancelled:
             return _ENDS
         except Exception as error:
-            self._log.error(traceback.format_exc())
-            words = f"internal error, please report it: {type(error).__name__}: {error}"
-            return Reply(False, words, code=code_of(error))
+            message, code = codes.internal(error, self._log)
+            return Reply(False, message, code=code)
 
     def _make_inputs(self) -> dict[str, list[Input]]:
         poller = Poller(self.node)
@@ -173,7 +128,7 @@ class Identifier:
         group = ReentrantCallbackGroup()
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
         self._estimate = node.create_publisher(Estimate, names.private(names.ESTIMATE), names.latest_qos())
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        self._diagnostics = diagnostics_status.DiagnosticsPublisher(node, self.settings["hardware_id"])
         many = {"qos_profile": names.service_qos(), "callback_group": group}
         node.create_service(Identify, names.private(names.IDENTIFY), self._on_identify, **many)
         node.create_service(Trigger, names.private(names.TRIGGER), self._on_trigger, **many)
@@ -271,21 +226,17 @@ class Identifier:
             self._monitoring.add(found, made_ns)
         notes = {note for used in found.records for note in used.notes}
         doubt = "; ".join(
-            [warning for warning in found.warnings if warning not in notes][: diagnostics_status.MOST_TOLD]
+            [warning for warning in found.warnings if warning not in notes][: diagnostics_status.MOST_SENTENCES]
         )
         return Reply(True, sentence(estimate), estimate, doubt)
 
     def _tell_health(self) -> None:
-        inputs = self.inputs
-        place, node = self.node.get_namespace(), self.node.get_name()
-        name = partial(names.status_name, place, node)
+        inputs, name = self.inputs, self._diagnostics.name
         data = diagnostics_status.data_status(
             name("data"), self.buffer, inputs["force"], inputs["position"], self.watch
         )
         level = diagnostics_status.OK if self._last.success and not self._last.doubt else diagnostics_status.WARN
         estimate = diagnostics_status.status(name("estimate"), level, self._last.doubt or self._last.message, {})
         model = self._diagnosing.status(name("model"))
-        told = [one for one in (data, estimate, model, self._monitoring.status(name("watch"))) if one is not None]
-        for status in told:
-            status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
-        self._diagnostics.publish(diagnostics_status.array(self.node.get_clock().now().to_msg(), *told))
+        monitored = self._monitoring.status(name("watch"))
+        self._diagnostics.publish(data, estimate, model, *([] if monitored is None else [monitored]))

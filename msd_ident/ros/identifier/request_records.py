@@ -53,12 +53,13 @@ class Sources:
         self,
         path: str,
         part: Part,
-        told: Callable[[int], None] = lambda messages: None,
+        on_progress: Callable[[int], None] = lambda messages: None,
         joint: Joint | None = None,
     ) -> Record:
         """A bag or file that a request names, or the live buffer when it names none.
 
-        ``told`` hears how many messages of a bag were read; with a ``joint``, force and position are that joint's.
+        ``on_progress`` gets the number of messages of a bag read so far; with a ``joint``, force and position are
+        that joint's.
 
         Raises:
             DataError: it cannot be a record.
@@ -72,7 +73,7 @@ class Sources:
 
         def tell(messages: int) -> None:
             raise_if_cancelled()
-            told(messages)
+            on_progress(messages)
 
         chosen = options(self._settings, part)
         if joint is not None:
@@ -104,8 +105,8 @@ class Sources:
             record = self._buffer.record()
         except DataError as error:
             raise DataError(f"{crowd}: stop the others" if crowd else str(error)) from None
-        heard = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
-        origins = tuple(entry.origin(record.start_ns) for entry in heard)
+        received = [entry for what in ("position", "force") for entry in self._inputs[what] if entry.count.received]
+        origins = tuple(entry.origin(record.start_ns) for entry in received)
         lost = tuple(
             f"{origin.topic}: {origin.lost} samples are missing according to the sequence numbers of their publisher."
             for origin in origins

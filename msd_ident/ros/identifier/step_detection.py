@@ -1,4 +1,4 @@
-"""Force steps and when the response to one has settled: the moment for a fit. Without ROS."""
+"""Detects force steps, and when the response to one has settled. Without ROS."""
 
 from __future__ import annotations
 

@@ -32,8 +32,8 @@ class LiveControls:
 
     Args:
         node: to do it with.
-        scope: whose model begins anew with the rig.
-        board: is told.
+        scope: whose model restarts with the rig.
+        board: shows it.
         step_limit: greatest force that is commanded, in its unit; 0: none may be.
         take: takes the samples that have arrived.
     """
@@ -120,7 +120,7 @@ class LiveControls:
     def _push(self, force: float) -> None:
         """The force, a little ahead, so that it is there when it begins to act; a rest before the very first one."""
         if not self._scope.knows_force:
-            self._publish(0.0)  # who waits for steps sees none in the first force that it hears
+            self._publish(0.0)  # a subscriber that waits for steps sees none in the first force
         self._publish(force, LEAD)
 
     def _publish(self, force: float, lead: Duration | None = None) -> None:
@@ -168,10 +168,10 @@ class LiveControls:
         sent.add_done_callback(self._on_accepted)
 
     def _on_feedback(self, message: Any) -> None:
-        told = message.feedback
-        cause = f" {told.cause.replace('_', ' ')}" if told.cause else ""
+        feedback = message.feedback
+        cause = f" {feedback.cause.replace('_', ' ')}" if feedback.cause else ""
         if self._goal is not None:
-            self._board.begin("diagnose", Job(f"{told.stage}{cause}", told.fraction))
+            self._board.begin("diagnose", Job(f"{feedback.stage}{cause}", feedback.fraction))
 
     def _on_accepted(self, future: Any) -> None:
         handle = future.result()

@@ -1,4 +1,4 @@
-"""Force and position from the graph into the scope, taken in handfuls: one wake-up a frame and not one a sample."""
+"""Force and position from the graph into the scope, polled once a frame."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
@@ -19,7 +18,7 @@ from msd_ident.live import Scope
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import Signal, message_class
 from msd_ident.ros.common.inputs import Wanted, wanted
-from msd_ident.ros.common.message_batching import waiting
+from msd_ident.ros.common.message_batching import Unserved, waiting
 from msd_ident.ros.common.parameters import Settings
 
 #: Silence of the encoder after which the page says so [s].
@@ -27,24 +26,6 @@ SILENCE = 2.0
 
 Stamps = npt.NDArray[np.int64]
 Samples = tuple[Stamps, FloatArray]
-
-
-class Polled(CallbackGroup):
-    """Subscriptions that no executor serves: their owner drains them.
-
-    At 1 kHz an executor's way from sample to sample costs several times what it costs to take the sample.
-    """
-
-    def can_execute(self, entity: object) -> bool:
-        """Never."""
-        return False
-
-    def beginning_execution(self, entity: object) -> bool:
-        """Never."""
-        return False
-
-    def ending_execution(self, entity: object) -> None:
-        """There is none."""
 
 
 class Tap:
@@ -58,7 +39,7 @@ class Tap:
         self._subscription: Subscription | None = None
 
     def look(self) -> None:
-        """Subscribe once somebody publishes, as the publishers allow; anew when one comes that offers less."""
+        """Subscribe once somebody publishes, as the publishers allow; again when one comes that offers less."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if not publishers:
             return
@@ -73,7 +54,7 @@ class Tap:
         try:
             self.signal = Signal(self._wanted.what, type_name, self._wanted.field, self._wanted.scale)
             kind, topic = message_class(type_name), self._wanted.topic
-            self._subscription = self._node.create_subscription(kind, topic, _nobody, qos, callback_group=Polled())
+            self._subscription = self._node.create_subscription(kind, topic, _nobody, qos, callback_group=Unserved())
             self.problem = ""
         except MsdError as error:
             self.problem = f"{self.topic}: {error}"
@@ -114,8 +95,8 @@ class LiveData:
 
         self._scope = scope
         self._force, self._position = made("force"), made("position")
-        self._count, self._newest_ns, self._heard = 0, 0, 0.0
-        self._told = (time.monotonic(), 0)
+        self._count, self._newest_ns, self._last_received = 0, 0, 0.0
+        self._last_look = (time.monotonic(), 0)
 
     @property
     def subscriptions(self) -> int:
@@ -134,24 +115,24 @@ class LiveData:
         for tap in self._position:
             _each(tap, self._add_positions)
 
-    def told(self) -> tuple[bool, str]:
+    def status(self) -> tuple[bool, str]:
         """How the measurements are doing: whether well, and a sentence."""
-        (then, before), now = self._told, time.monotonic()
-        self._told = (now, self._count)
+        (then, before), now = self._last_look, time.monotonic()
+        self._last_look = (now, self._count)
         topics = " or ".join(tap.topic for tap in self._position)
         problems = [tap.problem for tap in (*self._position, *self._force) if tap.problem]
         if problems:
             return False, problems[0]
         if not self._count:
             return False, f"waiting for samples on {topics}"
-        if now - self._heard > SILENCE:
-            return False, f"no sample for {now - self._heard:.0f} s on {topics}"
+        if now - self._last_received > SILENCE:
+            return False, f"no sample for {now - self._last_received:.0f} s on {topics}"
         return True, f"{(self._count - before) / max(now - then, 1e-3):.0f} samples per second"
 
     def _add_positions(self, ns: Stamps, values: FloatArray) -> None:
         if ns.size:
             self._count += ns.size
-            self._heard = time.monotonic()
+            self._last_received = time.monotonic()
             if ns[-1] < self._newest_ns - LATEST_SECONDS * 1e9:
                 self._scope.clear()  # the clock was set back, as by a replay in a loop
                 self._newest_ns = int(ns[-1])

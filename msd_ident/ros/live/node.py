@@ -14,39 +14,25 @@ from msd_ident.live.board import Known
 from msd_ident.live.page import Shown
 from msd_ident.live.server import HERE, LiveServer, new_token
 from msd_ident.ros.common import names
-from msd_ident.ros.common.parameters import Setting, Settings
+from msd_ident.ros.common.node_runner import NodeOwner
+from msd_ident.ros.common.parameters import Settings, declared
 from msd_ident.ros.live import results
 from msd_ident.ros.live.controls import LiveControls
 from msd_ident.ros.live.data import LiveData
 from msd_interfaces.msg import Diagnosis, Estimate
 
-SETTINGS = (
-    Setting("force", "", "TOPIC:FIELD of the force, e.g. /joint_states:effort[elbow]; empty: force"),
-    Setting("position", "", "TOPIC:FIELD of the position; empty: encoder or encoder_batch"),
-    Setting("force_scale", 1.0, "force unit per unit of the message", -1e9, 1e9),
-    Setting("position_scale", 1.0, "position unit per unit of the message; negative inverts the sign", -1e9, 1e9),
-    Setting("force_unit", "N", "N or N·m, or any other"),
-    Setting("position_unit", "m", "m or rad", choices=("m", "rad", "count")),
-    Setting("hold", "zero", "force between its samples: zero (held) or linear", choices=("zero", "linear")),
-    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
-    Setting("step_force", 10.0, "force of the step that the page proposes", -1e6, 1e6),
-    Setting("step_limit", 20.0, "greatest force that the page may command; 0: none", 0.0, 1e6),
-    Setting("frame_rate", 25.0, "most frames a second", 1.0, 30.0),
-    Setting("host", HERE, "address to serve the page on; other than this machine's own it needs a token"),
-    Setting("port", 8210, "port to serve the page on; 0: any free port", 0, 65_535),
-    Setting("token", "", "token that a browser must send; empty: none on this machine, generated on another address"),
-)
+SETTINGS = declared("live")
 
 #: How often the graph is looked at for what has come and gone [s].
 LOOK_PERIOD = 0.5
 
 
-class LiveView:
+class LiveView(NodeOwner):
     """Owns the node and the page's server.
 
     Args:
         overrides: parameters that go before those of the command line.
-        say: told, once, where the page is.
+        say: called once with the address of the page.
         node_options: further arguments of ``rclpy.node.Node`` (a context, arguments of a test).
 
     Raises:
@@ -61,7 +47,7 @@ class LiveView:
     ) -> None:
         self.node = Node("live", parameter_overrides=overrides, **node_options)
         s = self.settings = Settings(self.node, SETTINGS)
-        # The button commands the topic `force`; a rig whose force comes from elsewhere does not hear it.
+        # The button commands the topic `force`; a rig whose force comes from another topic does not receive it.
         limit = 0.0 if s["force"] else s["step_limit"]
         self.scope = Scope(hold=s["hold"])
         self.board = Board(
@@ -88,14 +74,6 @@ class LiveView:
         self._controls.close()
         return ended
 
-    @property
-    def failure(self) -> str:
-        """Nothing that happens to the page ends the node."""
-        return ""
-
-    def on_signal(self, number: int) -> None:
-        """No signal but the ending ones has a meaning here."""
-
     def _serve(self) -> LiveServer:
         s = self.settings
         token = s["token"] or ("" if s["host"] == HERE else new_token())
@@ -118,7 +96,7 @@ class LiveView:
 
     def _look(self) -> None:
         self._data.look()
-        self.board.tell(data=self._data.told(), present=self._controls.present(self._data.subscriptions))
+        self.board.tell(data=self._data.status(), present=self._controls.present(self._data.subscriptions))
 
     def _on_estimate(self, message: Estimate) -> None:
         self._estimate = message

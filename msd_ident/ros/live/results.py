@@ -65,8 +65,8 @@ def beside_of_estimate(message: Estimate) -> Beside:
         UsageError: it cannot run beside the rig.
     """
     model = model_of({p.name: p.value for p in message.refined})
-    said = ", ".join(p.symbol or p.name for p in message.refined if p.name in model.names)
-    label = f"The model ({said} of the estimate) {ALONE}."
+    symbols = ", ".join(p.symbol or p.name for p in message.refined if p.name in model.names)
+    label = f"The model ({symbols} of the estimate) {ALONE}."
     return Beside(model, label, message.noise_floor, turned(message))
 
 

@@ -1,35 +1,17 @@
-"""``ros2 run msd_ident recorder``: the way into the recorder node."""
+"""``ros2 run msd_ident recorder``: entry point of the node."""
 
 from __future__ import annotations
 
 import signal
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from msd_ident import parallel
-from msd_ident.errors import MsdError
-from msd_ident.ros.common.signals import fail, noted_signals
-
-if TYPE_CHECKING:
-    from msd_ident.ros.common.node_runner import Owned
+from msd_ident.ros.common.entry_point import run_node
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the recorder until a signal; the exit code."""
-    parallel.one_blas_thread()
-    with noted_signals(signal.SIGUSR1, signal.SIGUSR2) as signals:
-        try:
-            from msd_ident.ros.common.node_runner import run
-
-            def make() -> Owned:
-                from msd_ident.ros.recorder.node import Recorder
-
-                return Recorder()
-
-            return run(make, signals, args)
-        except MsdError as error:
-            return fail(error)
+    return run_node("recorder", "Recorder", args, others=(signal.SIGUSR1, signal.SIGUSR2))
 
 
 if __name__ == "__main__":

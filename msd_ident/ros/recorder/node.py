@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
@@ -16,13 +16,14 @@ from rclpy.validate_topic_name import validate_topic_name
 from std_srvs.srv import Trigger
 
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.io.writer import SPLIT_BYTES, Compression
+from msd_ident.io.writer import Compression
 from msd_ident.ros.common import diagnostics_status, names
 from msd_ident.ros.common.codes import code_of
 from msd_ident.ros.common.fault_log import FaultLog
 from msd_ident.ros.common.message_batching import Poller
-from msd_ident.ros.common.parameters import Setting, Settings
-from msd_ident.ros.common.path_sandbox import DEFAULT_FOLDER, Place
+from msd_ident.ros.common.node_runner import NodeOwner
+from msd_ident.ros.common.parameters import Settings, declared
+from msd_ident.ros.common.path_sandbox import Place
 from msd_ident.ros.recorder.recording import QueueLimits, Recording, Summary
 from msd_ident.ros.recorder.resuming import Interrupted, Notebook
 from msd_ident.ros.recorder.subscriptions import Following, Wanted
@@ -30,29 +31,13 @@ from msd_interfaces.srv import StartRecording
 
 COMPRESSIONS: tuple[Compression, ...] = ("zstd", "none")
 
-SETTINGS = (
-    Setting("topics", [names.FORCE, names.ENCODER, names.ENCODER_BATCH], "topics to record; none with all_topics"),
-    Setting("all_topics", False, "record all topics, including those that start later"),
-    Setting("bag_folder", DEFAULT_FOLDER, "folder below which all bags are made"),
-    Setting("folder", "", "bag of the first recording, below bag_folder; empty: named by date and time"),
-    Setting("autostart", False, "start recording at once"),
-    Setting("resume", False, "continue in a new bag after the recorder was killed (respawn:=true of the launch file)"),
-    Setting("compression", "zstd", "of the bag's chunks", choices=COMPRESSIONS),
-    Setting("queue_depth", 10_000, "queue size of the subscriptions", names.LEAST_DEPTH, 1_000_000),
-    Setting("queue_megabytes", 512, "memory for messages that wait for the disk [MiB]", 1, 65_536),
-    Setting("sync_period", 1.0, "longest time until a message is on the disk [s]", 0.05, 3600.0),
-    Setting("split_megabytes", SPLIT_BYTES // 2**20, "size at which a file of the bag ends [MiB]", 1, 1_048_576),
-    Setting("split_seconds", 0.0, "time after which a file of the bag ends [s]; 0: never", 0.0, 1e9),
-    Setting("remember", 10.0, "time for which a past fault is still reported [s]", 0.05, 3600.0),
-    Setting("diagnostics_period", 1.0, "time between two diagnostics [s]", 0.05, 60.0),
-    Setting("hardware_id", "", "name of the rig on /diagnostics; empty: the namespace"),
-)
+SETTINGS = declared("recorder")
 
 #: How often the graph is looked at for new topics [s].
 LOOK_PERIOD = 0.1
 
 
-class Recorder:
+class Recorder(NodeOwner):
     """Owns the node and the recording in progress.
 
     Args:
@@ -74,7 +59,7 @@ class Recorder:
         self._following: Following | None = None
         self._poller = Poller(self.node)
         node, steady = self.node, Clock(clock_type=ClockType.STEADY_TIME)
-        self._diagnostics = node.create_publisher(DiagnosticArray, names.DIAGNOSTICS, 10)
+        self._diagnostics = diagnostics_status.DiagnosticsPublisher(node, self.settings["hardware_id"])
         many = names.service_qos()
         node.create_service(StartRecording, names.private(names.RECORDER_START), self._on_start, qos_profile=many)
         node.create_service(Trigger, names.private(names.RECORDER_STOP), self._on_stop, qos_profile=many)
@@ -132,8 +117,8 @@ class Recorder:
         path = self._place(folder)
         self._recording = Recording(path, chosen, self.settings["queue_megabytes"] * 2**20, self._limits())
         self._notebook.begin(Interrupted(() if every else tuple(self._wanted or ()), every, chosen))
-        hear = Wanted(self._wanted, self.settings["queue_depth"])
-        self._following = Following(self.node, self._recording, hear, self.watch, self._poller)
+        wanted = Wanted(self._wanted, self.settings["queue_depth"])
+        self._following = Following(self.node, self._recording, wanted, self.watch, self._poller)
         self._look()
         what = "all topics" if every else ", ".join(sorted(self._wanted or ()))
         self._log.info(f"recording {what} to {path}")
@@ -184,11 +169,11 @@ class Recorder:
         except MsdError as error:
             response.success, response.message, response.code = False, str(error), code_of(error)
             return response
-        heard = self._following.subscriptions if self._following else {}
-        waiting = sorted((self._wanted or frozenset()) - set(heard))
+        subscribed = self._following.subscriptions if self._following else {}
+        waiting = sorted((self._wanted or frozenset()) - set(subscribed))
         later = f"; as soon as they come: {', '.join(waiting)}" if waiting else ""
         response.success, response.path = True, str(path)
-        response.message = f"recording {len(heard)} topics to {path}{later}"
+        response.message = f"recording {len(subscribed)} topics to {path}{later}"
         return response
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -208,20 +193,13 @@ class Recorder:
             sentence = f"{state}: {summary.sentence}"
             for topic, count in summary.topics.items():
                 values[topic] = count.received
-                values[f"{topic}: rate [Hz]"] = f"{count.rate:.6g}"
-                values[f"{topic}: missing by numbers"] = count.lost
-                values[f"{topic}: missing by stamps"] = count.holes
+                values |= diagnostics_status.topic_values(topic, count, count.lost)
             odd = [*self.watch.recent, *(self._silences(summary) if self._recording else ())]
             level = DiagnosticStatus.WARN if summary.lost or odd else level
             level = DiagnosticStatus.ERROR if summary.error else level
-            sentence = "; ".join((sentence, *odd[: diagnostics_status.MOST_TOLD]))
-        values.update({f"seen: {kind}": times for kind, times in self.watch.counts.items()})
-        place = self.node.get_namespace()
-        status = diagnostics_status.status(
-            names.status_name(place, self.node.get_name(), "bag"), level, sentence, values
-        )
-        status.hardware_id = self.settings["hardware_id"] or place.strip("/") or "rig"
-        self._diagnostics.publish(diagnostics_status.array(self.node.get_clock().now().to_msg(), status))
+            sentence = "; ".join((sentence, *odd[: diagnostics_status.MOST_SENTENCES]))
+        values |= diagnostics_status.fault_values(self.watch)
+        self._diagnostics.publish(diagnostics_status.status(self._diagnostics.name("bag"), level, sentence, values))
 
     def _silences(self, summary: Summary) -> Iterator[str]:
         """Topics that came in a stream and do no more."""

@@ -1,4 +1,4 @@
-"""What a recorder was recording when it died, so that one that comes back goes on in a new bag. Without ROS."""
+"""A note of the recording in progress, so that a restarted recorder continues in a new bag. Without ROS."""
 
 from __future__ import annotations
 

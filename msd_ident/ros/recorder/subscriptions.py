@@ -32,13 +32,13 @@ class Wanted:
 
 
 class Following:
-    """What a recording hears.
+    """The subscriptions of a recording.
 
     Args:
         node: to listen with.
         recording: that takes the messages.
         wanted: what to listen to.
-        watch: is told what goes wrong.
+        watch: counts what goes wrong.
         poller: of the node.
     """
 
@@ -59,7 +59,7 @@ class Following:
         self.subscriptions: dict[str, Subscription] = {}
 
     def look(self) -> None:
-        """Subscribe to wanted topics that have come, and anew to those whose publishers offer less than before."""
+        """Subscribe to wanted topics that have come, and again to those whose publishers offer less than before."""
         for topic, _ in self._node.get_topic_names_and_types():
             chosen = topic in self._wanted if self._wanted is not None else not hidden(topic)
             if not chosen:
@@ -82,7 +82,7 @@ class Following:
         self._latched.clear()
 
     def _follow(self, topic: str) -> None:
-        """Subscribe as the publishers offer it. Of which type others would hear it is their affair."""
+        """Subscribe as the publishers offer it, whatever type other subscriptions have."""
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
             return

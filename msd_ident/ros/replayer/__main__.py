@@ -1,34 +1,16 @@
-"""``ros2 run msd_ident replayer``: the way into the replayer node."""
+"""``ros2 run msd_ident replayer``: entry point of the node."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from msd_ident import parallel
-from msd_ident.errors import MsdError
-from msd_ident.ros.common.signals import fail, noted_signals
-
-if TYPE_CHECKING:
-    from msd_ident.ros.common.node_runner import Owned
+from msd_ident.ros.common.entry_point import run_node
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Play the bag of the parameter ``bag`` to its end or until a signal; the exit code."""
-    parallel.one_blas_thread()
-    with noted_signals() as signals:
-        try:
-            from msd_ident.ros.common.node_runner import run
-
-            def make() -> Owned:
-                from msd_ident.ros.replayer.node import Replayer
-
-                return Replayer(on_end=signals.finish)
-
-            return run(make, signals, args)
-        except MsdError as error:
-            return fail(error)
+    return run_node("replayer", "Replayer", args, prepare=lambda signals: {"on_end": signals.finish})
 
 
 if __name__ == "__main__":

@@ -18,20 +18,14 @@ from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import Bag, RawMessage, open_bag
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import message_class, time_message
-from msd_ident.ros.common.parameters import Setting, Settings
+from msd_ident.ros.common.node_runner import NodeOwner
+from msd_ident.ros.common.parameters import Settings, declared
 from msd_ident.ros.replayer.schedule import CLOCK_PERIOD_NS, ReplayRate, Tick, with_ticks
 
-SETTINGS = (
-    Setting("bag", "", "rosbag2 folder, .mcap or .db3 file to play"),
-    Setting("rate", 1.0, "playback speed", 0.01, 100.0),
-    Setting("loop", False, "begin anew at the end"),
-    Setting("clock", False, "publish /clock with the bag's time, for nodes with use_sim_time"),
-    Setting("topics", [""], "topics to play; empty: all"),
-    Setting("wait", 3.0, "longest wait for a subscriber on every topic before the first message [s]", 0.0, 3600.0),
-)
+SETTINGS = declared("replayer")
 
 
-class Replayer:
+class Replayer(NodeOwner):
     """Owns the node, its publishers and the thread that plays.
 
     Args:
@@ -54,7 +48,7 @@ class Replayer:
         self._on_end = on_end
         self._stop = threading.Event()
         self.sent = 0
-        self.failure = ""
+        self._failure = ""
         if not self.settings["bag"]:
             raise UsageError("no bag to play; expected the parameter bag, e.g. --ros-args -p bag:=FOLDER")
         self._bag = open_bag(self.settings["bag"])
@@ -63,8 +57,10 @@ class Replayer:
         self._thread = threading.Thread(target=self._play, name="replay")
         self._thread.start()
 
-    def on_signal(self, number: int) -> None:
-        """No signal but the ending ones has a meaning here."""
+    @property
+    def failure(self) -> str:
+        """Why not all was played; empty when it was."""
+        return self._failure
 
     def close(self) -> bool:
         """Stop playing."""
@@ -105,8 +101,8 @@ class Replayer:
                 self._play_once()
                 again = self.settings["loop"]
             self._wait_until_taken()
-        except Exception as error:  # told at the end, as the one line of the program
-            self.failure = str(error)
+        except Exception as error:  # reported at the end, as the one line of the program
+            self._failure = str(error)
         self._log.info(f"played {self.sent} messages of {len(self._publishers)} topics")
         self._on_end()
 

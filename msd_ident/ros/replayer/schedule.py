@@ -1,4 +1,4 @@
-"""The order and the instants of a replay, without ROS."""
+"""Order and timing of the messages of a replay. Without ROS."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CLOCK_PERIOD_NS = 10_000_000
 
 @dataclass(frozen=True)
 class Tick:
-    """An instant of the bag's time at which ``/clock`` is told [ns]."""
+    """An instant of the bag's time at which ``/clock`` is published [ns]."""
 
     log_time_ns: int
 

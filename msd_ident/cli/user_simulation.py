@@ -1,4 +1,4 @@
-"""``msd validate`` with somebody else's simulation: a MuJoCo model, a Python function, or simulated positions."""
+"""``msd validate`` with a user's own simulation: a MuJoCo model, a Python function, or simulated positions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msd_ident.cli import run
+from msd_ident.cli import progress, results, solving
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
-    from msd_ident.cli.pages import Pages
     from msd_ident.data.record import Record
     from msd_ident.external import Comparison, Simulation
     from msd_ident.io import SourceOptions
@@ -69,7 +68,7 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     return TableSimulation(str(path), found.time, found.position)
 
 
-def compare(paths: Sequence[Path], chosen: Chosen, together: bool, require: float | None, targets: Pages) -> int:
+def compare(data: solving.Data, chosen: Chosen, require: float | None, output: results.Output) -> int:
     """Compare every path, or all together, with the simulation.
 
     Returns:
@@ -78,15 +77,10 @@ def compare(paths: Sequence[Path], chosen: Chosen, together: bool, require: floa
     from msd_ident import external
     from msd_ident.report.external import print_comparison
 
-    targets.check()
-    simulation, met = chosen.simulation(targets.source), []
+    simulation = chosen.simulation(data.source)
 
-    def solve(records: Sequence[Record], progress: run.Progress) -> Comparison:
-        found = external.compare(simulation, records, progress)
-        met.append(require is None or found.explained_percent >= require)
-        return found
+    def solve(records: Sequence[Record], report: progress.Progress) -> Comparison:
+        return external.compare(simulation, records, report)
 
-    after = run.After(print_comparison, targets.keep)
-    code = run.work(run.Data(paths, targets.source, together), targets.output, solve, after)
-    targets.finish()
-    return code or (0 if all(met) else 1)
+    code, found = solving.work(data, output, solve, print_comparison)
+    return code or (0 if require is None or all(one.explained_percent >= require for one in found) else 1)

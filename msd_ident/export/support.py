@@ -18,7 +18,7 @@ WORDS: dict[Kind, str] = {"exact": "exact", "approximated": "approximated", "can
 
 
 @dataclass(frozen=True)
-class Saying:
+class Support:
     """How a target carries one effect.
 
     Attributes:
@@ -36,22 +36,26 @@ class Saying:
         return f"{WORDS[self.kind]}: {self.how}"
 
 
+#: A force that acts before its stamp says.
+BEFORE = Support("cannot", "a force that acts before it is commanded: shift the commands instead")
+
+
 @dataclass(frozen=True)
 class Row:
     """How a target carries one effect of a model.
 
     Attributes:
         effect: its name.
-        saying: how.
+        support: how.
     """
 
     effect: str
-    saying: Saying
+    support: Support
 
     @property
     def sentence(self) -> str:
         """For a header or the terminal."""
-        return f"{spoken(self.effect)}: {self.saying.text}"
+        return f"{spoken(self.effect)}: {self.support.text}"
 
 
 def rows(target: Target, effects: Iterable[type[Effect]] = LIBRARY) -> tuple[Row, ...]:
@@ -61,4 +65,4 @@ def rows(target: Target, effects: Iterable[type[Effect]] = LIBRARY) -> tuple[Row
         target: the format.
         effects: in the order of the result; the whole library by default.
     """
-    return tuple(Row(effect.name, target.says(effect)) for effect in effects)
+    return tuple(Row(effect.name, target.supports(effect)) for effect in effects)

@@ -1,0 +1,106 @@
+"""Options that a subcommand takes as one object: how measurements are read, where results go, how batches run."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.cli import many_records, options, results
+
+if TYPE_CHECKING:
+    from msd_ident.io import SourceOptions
+
+    Source = SourceOptions
+else:
+    Source = Any  # evaluated at run time, when the readers are not to be loaded yet
+
+
+def _source(**fields: Any) -> Source:
+    from msd_ident.io import SourceOptions
+
+    return SourceOptions(**fields)
+
+
+#: Name of a subcommand's parameter → what makes its object; field of that → annotation and default of its option.
+GROUPS: dict[str, tuple[Callable[..., Any], dict[str, tuple[Any, Any]]]] = {
+    "source": (
+        _source,
+        {
+            "force": (options.ForceOption, ""),
+            "position": (options.PositionOption, ""),
+            "time": (options.TimeOption, ""),
+            "rate": (options.RateOption, None),
+            "run": (options.RunOption, ""),
+            "force_scale": (options.ForceScaleOption, None),
+            "position_scale": (options.PositionScaleOption, None),
+            "time_scale": (options.TimeScaleOption, None),
+            "force_unit": (options.ForceUnitOption, ""),
+            "position_unit": (options.PositionUnitOption, ""),
+            "hold": (options.HoldOption, "auto"),
+            "start": (options.StartOption, None),
+            "end": (options.EndOption, None),
+        },
+    ),
+    "batching": (
+        many_records.Batching,
+        {
+            "scheduler": (options.SchedulerOption, ""),
+            "workers": (options.WorkersOption, 0),
+            "all_joints": (options.AllJointsOption, False),
+            "label": (options.LabelOption, None),
+            "covariate": (options.CovariateOption, None),
+        },
+    ),
+    "output": (
+        results.Output,
+        {
+            "json": (options.JsonOption, ""),
+            "report": (options.ReportOption, None),
+            "markdown": (options.MarkdownOption, None),
+            "figures": (options.FiguresOption, None),
+            "quiet": (options.QuietOption, False),
+            "overwrite": (options.OverwriteOption, False),
+        },
+    ),
+}
+
+
+def grouped(*outputs: str) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Give a subcommand the options of each group of ``GROUPS`` that it has a parameter for.
+
+    Args:
+        outputs: the options of the group ``output`` that the subcommand has, in that order.
+
+    The command line refuses, as ``UsageError``, what ``SourceOptions`` refuses.
+    """
+    keyword = inspect.Parameter.KEYWORD_ONLY
+
+    def decorate(command: Callable[..., int]) -> Callable[..., int]:
+        own = inspect.signature(command, eval_str=True)
+        taken = {
+            group: {name: option for name, option in fields.items() if group != "output" or name in outputs}
+            for group, (_, fields) in GROUPS.items()
+            if group in own.parameters
+        }
+
+        def called(**given: Any) -> int:
+            for group, fields in taken.items():
+                given[group] = GROUPS[group][0](**{name: given.pop(name) for name in fields})
+            return command(**given)
+
+        parameters: list[inspect.Parameter] = []
+        for name, parameter in own.parameters.items():
+            if name in taken:
+                parameters += [
+                    inspect.Parameter(field, keyword, default=default, annotation=annotation)
+                    for field, (annotation, default) in taken[name].items()
+                ]
+            else:
+                parameters.append(parameter.replace(kind=keyword))
+        called.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        called.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+        called.__name__, called.__doc__, called.__module__ = command.__name__, command.__doc__, command.__module__
+        return called
+
+    return decorate

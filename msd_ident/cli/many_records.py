@@ -1,0 +1,87 @@
+"""What ``msd batch``, ``msd compare`` and ``msd watch`` share: the work on many records, and the table of results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from msd_ident.cli import progress
+from msd_ident.errors import UsageError
+
+if TYPE_CHECKING:
+    from msd_ident.batching.job import Job
+    from msd_ident.io import SourceOptions
+
+TablesArgument = Annotated[
+    list[str], typer.Argument(metavar="TABLE|PATHS…", help="table of msd batch, or records, folders and patterns")
+]
+
+
+@dataclass(frozen=True)
+class Batching:
+    """The options that say how many records are worked on.
+
+    Attributes:
+        scheduler: of a Dask cluster; empty for this machine.
+        workers: processes on this machine.
+        all_joints: whether every joint of a bag is a record.
+        label, covariate: ``NAME=VALUE`` each, as given.
+    """
+
+    scheduler: str
+    workers: int
+    all_joints: bool
+    label: Sequence[str] | None
+    covariate: Sequence[str] | None
+
+    def job(self, source: SourceOptions, **given: Any) -> Job:
+        """The job for each record.
+
+        Raises:
+            UsageError: a label or a covariate that is none.
+        """
+        from msd_ident.batching.job import Job
+
+        labels = _pairs("--label", self.label)
+        covariates = {"temperature": "", "load": "", **_pairs("--covariate", self.covariate)}
+        return Job(source=source, labels=labels, covariates=covariates, all_joints=self.all_joints, **given)
+
+    def table(self, paths: Sequence[str], source: SourceOptions, quiet: bool, keep: str = "") -> Any:
+        """The table that is named, or that of the records that are named.
+
+        Args:
+            paths: one table, or folders, patterns and records.
+            source: how records are read.
+            quiet: no progress.
+            keep: where the table of records is kept and gone on with; empty: nowhere.
+
+        Raises:
+            UsageError: tables beside other paths.
+            DataError, SetupError: as ``msd batch``.
+        """
+        from msd_ident.batching import batch, table
+
+        job = self.job(source)
+        tables = [path for path in paths if table.is_table(path)]
+        if tables and len(paths) > 1:
+            raise UsageError(f"{tables[0]} beside other paths; expected one table, or records alone")
+        if tables:
+            return table.read(tables[0])
+        with (
+            batch.linked(self.scheduler, self.workers) as link,
+            progress.records(link.client.dashboard_link, quiet) as tell,
+        ):
+            return batch.run(paths, job, link, batch.Plan(keep, resume=bool(keep), progress=tell))[0]
+
+
+def _pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:
+    found = {}
+    for text in given or ():
+        name, sign, value = text.partition("=")
+        if not (name and sign and value):
+            raise UsageError(f"{option} {text!r}; expected NAME=VALUE")
+        found[name] = value
+    return found

@@ -1,0 +1,116 @@
+"""Where results go, and the work on several paths: an error stops one path and not the others."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from msd_ident.errors import MsdError, SetupError, UsageError
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where results go.
+
+    Attributes:
+        json: file for one JSON object a path, ``-`` for standard output (then nothing else is printed there),
+            empty for none.
+        quiet: no tables and no progress.
+        overwrite: whether a file that exists may be replaced.
+        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
+    """
+
+    json: str = ""
+    quiet: bool = False
+    overwrite: bool = False
+    report: Path | None = None
+    markdown: Path | None = None
+    figures: Path | None = None
+
+    def check(self) -> None:
+        """Refuse before any work what could not be written afterwards; make the folder of the figures.
+
+        Raises:
+            UsageError: a file exists and may not be replaced, or its folder does not exist.
+            SetupError: the disk does not take the folder.
+        """
+        json = None if self.json in ("", "-") else Path(self.json)
+        for target in (self.report, self.markdown, json):
+            if target is not None:
+                check_target(target, self.overwrite)
+        if self.figures is not None:
+            make_folder(self.figures)
+
+    @property
+    def tables(self) -> bool:
+        """Whether tables belong on standard output."""
+        return not self.quiet and self.json != "-"
+
+
+def check_target(path: Path, overwrite: bool) -> None:
+    """Raise UsageError when ``path`` exists and may not be replaced, or cannot be created."""
+    if path.exists() and not overwrite:
+        raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
+    if not path.absolute().parent.is_dir():
+        raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder, with its parents, where it is not there.
+
+    Raises:
+        UsageError: something else has this name.
+        SetupError: the disk does not take it.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
+    except OSError as error:
+        raise SetupError(f"cannot make {path}: {error.strerror}; expected a writable place") from None
+
+
+def jsonable(value: Any) -> Any:
+    """The same with NaN and infinity as null, which strict JSON has no words for."""
+    if isinstance(value, Mapping):
+        return {key: jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [jsonable(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
+    """One JSON object a line, to the file or to standard output, as ``output`` says."""
+    text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
+    if output.json == "-":
+        sys.stdout.write(text)
+    elif output.json:
+        from msd_ident.report.writing import write_text
+
+        write_text(text, Path(output.json))
+
+
+def each_path(paths: Sequence[Path], output: Output, handle: Callable[[Path], Mapping[str, Any]]) -> int:
+    """Write the JSON object of every path; exit code 0, or 2 when any path failed.
+
+    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
+    """
+    output.check()
+    lines: list[Mapping[str, Any]] = []
+    failed = False
+    for path in paths:
+        try:
+            lines.append(handle(path))
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}", file=sys.stderr)
+            lines.append({"path": str(path), "error": str(error)})
+    write(lines, output)
+    return 2 if failed else 0

@@ -1,0 +1,112 @@
+"""The loop over paths that identify, diagnose and validate share: read, solve, print, write."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from msd_ident.cli import pages, progress, results
+from msd_ident.errors import MsdError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from msd_ident.cli.further import Further
+    from msd_ident.data.record import Record
+    from msd_ident.io import SourceOptions
+
+    Solve = Callable[[Sequence[Record], progress.Progress], Any]
+
+
+@dataclass(frozen=True)
+class Data:
+    """The records of a command: their paths, how they are read, and whether all are one experiment."""
+
+    paths: Sequence[Path]
+    source: SourceOptions
+    together: bool
+
+
+def work(
+    data: Data,
+    output: results.Output,
+    solve: Solve,
+    show: Callable[[Any, Console], None],
+    further: Further | None = None,
+) -> tuple[int, list[Any]]:
+    """Read, solve, show and write every path, or all together.
+
+    A path that fails gets its one line on stderr and an object with ``error``; the others go on.
+
+    Args:
+        data: the records.
+        output: where results go.
+        solve: gives the result of the records of a path.
+        show: prints a result.
+        further: what else is done with each result.
+
+    Returns:
+        The exit code, 2 when any path failed, and the results.
+    """
+    from rich.console import Console
+
+    output.check()
+    if further is not None:
+        further.check(1 if data.together else len(data.paths), output.overwrite)
+    groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]
+    parts = [part for group in groups for part in _parts(group, data)]
+    console = Console(highlight=False)
+    lines: list[dict[str, Any]] = []
+    kept: list[pages.Kept] = []
+    failed = False
+    for group, source in parts:
+        name = " + ".join(str(path) for path in group) + _run(source)
+        try:
+            result = _solved(group, source, output, solve)
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}" if len(parts) == 1 else f"msd: {name}: {error}", file=sys.stderr)
+            lines.append({"path": name, "error": str(error)})
+            continue
+        kept.append((group, result))
+        if output.tables:
+            show(result, console)
+        found = result.to_json_dict()
+        line = {"schema": found.pop("schema"), "path": name, **found}
+        try:
+            line |= further.use(line, group, kept, console if output.tables else None) if further is not None else {}
+        except MsdError as error:
+            failed = True
+            print(f"msd: {error}", file=sys.stderr)
+        lines.append(line)
+    results.write(lines, output)
+    pages.write(kept, data.source, output)
+    return (2 if failed else 0), [result for _, result in kept]
+
+
+def _parts(group: tuple[Path, ...], data: Data) -> list[tuple[tuple[Path, ...], SourceOptions]]:
+    """A group with the options of each of its results: one for each run of a path for ``--run all``."""
+    from msd_ident.io import each_run
+
+    if data.together or data.source.run != "all":
+        return [(group, data.source)]
+    try:
+        return [(group, one) for one in each_run(group[0], data.source)]
+    except MsdError:
+        return [(group, data.source)]  # reading it will say what is wrong
+
+
+def _run(source: SourceOptions) -> str:
+    """Which run of a path a result is of, as words behind the path."""
+    return f" run {source.run}" if source.run not in ("", "all") else ""
+
+
+def _solved(group: Sequence[Path], source: SourceOptions, output: results.Output, solve: Solve) -> Any:
+    from msd_ident.io import read_all
+
+    with progress.stages(output.quiet) as report:
+        report("reading", 0.0)
+        return solve([record for path in group for record in read_all(path, source)], report)
