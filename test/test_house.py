@@ -19,6 +19,9 @@ from msd_ident.model.effects.base import KINDS
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
+#: One process parses all modules.
+pytestmark = pytest.mark.xdist_group("house")
+
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "seeds", "cancellation", "tuning"),
@@ -327,7 +330,6 @@ for one, other in zip(before, settings()):
     subprocess.run([sys.executable, "-c", code], check=True, env=_without_blas_setting())
 
 
-@pytest.mark.xdist_group("house")
 def test_tests_that_share_a_fixture_stay_in_one_process(request: pytest.FixtureRequest) -> None:
     """Some versions of pytest and its xdist do not understand each other, and nothing but the time taken tells."""
     if request.config.getoption("dist", "no") != "loadgroup" and not getattr(request.config.option, "loadgroup", False):

@@ -48,6 +48,7 @@ def store() -> Iterator[str]:
 
 
 @pytest.mark.xdist_group("batching")
+@pytest.mark.usefixtures("without_copies")
 def test_records_and_table_in_an_object_store(
     store: str, link: Link, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

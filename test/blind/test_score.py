@@ -185,7 +185,7 @@ def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
 
 def test_a_rig_of_the_second_author_is_run_and_told() -> None:
     """One that two causes move, of which the record shows both; its intervals stand beside the truth."""
-    found = run(Case(511, "dead_zone", True, "sweep", 500.0, author="mujoco"))
+    found = run(Case(511, "dead_zone", True, "steps", 500.0, author="mujoco"))
     assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
     assert found.exact and found.without_floors > 2.0
     assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found

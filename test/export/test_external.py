@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -91,8 +92,9 @@ def test_a_simulation_that_is_wrong_in_all(rig: tuple[Model, Record], tmp_path: 
     assert not any("noise floors of them" in warning for warning in found.warnings)
 
 
-def test_a_simulation_that_no_model_explains(rig: tuple[Model, Record]) -> None:
+def test_a_simulation_that_no_model_explains(rig: tuple[Model, Record], asking_about: Callable[..., None]) -> None:
     """Positions with an error that no law has: the corrections are called those of the nearest model."""
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     _, record = rig
     rough = (
         record.position

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -195,7 +195,10 @@ def test_live_and_bag_and_command_line_agree_to_the_last_digit(
     assert "Coulomb friction" in (tmp_path / "page.html").read_text()
 
 
-def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(ros: Graph, tmp_path: Path) -> None:
+def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(
+    ros: Graph, tmp_path: Path, asking_about: Callable[..., None]
+) -> None:
+    asking_about("coulomb_friction", "quadratic_drag")
     heard: list[DiagnosticStatus] = []
     ros.node.create_subscription(DiagnosticArray, "/diagnostics", lambda m: heard.extend(m.status), 10)
     node = identifier(ros, tmp_path)
