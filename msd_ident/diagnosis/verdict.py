@@ -10,7 +10,7 @@ from msd_ident.diagnosis.result import Cause, Verdict
 from msd_ident.model.effects import spoken
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection.cross_validation import HeldOut
-from msd_ident.selection.naming import CERTAIN
+from msd_ident.selection.ranking import CERTAIN
 
 
 def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:

@@ -15,10 +15,9 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import DECISIVE, Ranking, alternatives, kinds
-from msd_ident.tuning import fixed, tuned
+from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking, alternatives, kinds
+from msd_ident.tuning import fixed
 
-CERTAIN = tuned(0.9, unit="1", why="probability above which a cause is named with certainty", chosen="by hand")
 _ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 
@@ -34,25 +33,11 @@ FORM_PART = tuned(
 FORM_ODDS = tuned(
     60.0,
     unit="prior odds",
-    why="greatest odds of a cause below `FORM_PART`, and of one that a poor experiment without copies shows: 3 to 1 "
-    "for most",
+    why="greatest odds of a cause below `FORM_PART` in a set that leaves more than noise, and of one that a poor "
+    "experiment without copies shows: 3 to 1 for most",
     chosen="by hand",
 )
-EXACT_ODDS = tuned(
-    180.0,
-    unit="prior odds",
-    why="the same in a set that leaves only noise, where no error of a law is seen: 9 to 1 for most",
-    chosen="on 1 595 rigs (`python -m bench.blind`, seeds 170000, 176000 and 178000; `--variants`, seeds 163000, "
-    "171000, 173000 and 179000; `--mujoco`, seed 177000) 58 of 61 such causes act, and of the others 53 of 77",
-)
-CLEAR_ODDS = tuned(
-    400.0,
-    unit="prior odds",
-    why="the same of a law with the usual prior odds or more, where the experiment is not poor: 20 to 1 for most",
-    chosen="on 2 430 rigs (`python -m bench.blind`, seeds 178000, 180000, 183000, 190000, 200000 and 210000) 160 of "
-    "161 such causes act, and on 228 rigs of foreign laws (`--variants`, seeds 179000, 181000 and 191000) 6 of 6; in "
-    "poor experiments 47 of 51, and 8 of 10 with lower prior odds",
-)
+CERTAIN = tuned(0.9, unit="1", why="probability above which a cause is named with certainty", chosen="by hand")
 DECISIVE = tuned(
     3.5,
     unit="nats",
@@ -71,12 +56,8 @@ CALLED = tuned(
 )
 
 
-#: How well a set is seen to be the right one: it leaves more than noise, only noise, or only noise in an experiment
-#: that is not poor.
-Seen = Literal["erring", "exact", "clear"]
-ERRING: Seen = "erring"
-EXACT: Seen = "exact"
-CLEAR: Seen = "clear"
+#: The same as odds.
+_CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
 
 
 def kinds(causes: Iterable[str]) -> frozenset[str]:
@@ -99,6 +80,7 @@ class Ranking:
         leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
+        clear: how clearly such a set needs each of its causes (``_clearness``).
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
             certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
@@ -111,6 +93,7 @@ class Ranking:
     further: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     leaves: Mapping[Causes, float] = field(default_factory=dict)
     exact: frozenset[Causes] = frozenset()
+    clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     unchecked: bool = False
     rich: bool = False
 
@@ -142,18 +125,31 @@ class Ranking:
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
-        return min(found, _uncertain(kind, self._seen(self.best.causes))) if self.unchecked else found
+        return min(found, _probability(self.greatest_odds(by_name(kind)))) if self.unchecked else found
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one."""
-        other_form = _of_its_own(law, self._seen(causes)) if law in self.further.get(causes, ()) else 1.0
-        return min(other_form, _uncertain(by_name(law).cause(), ERRING)) if causes in self.leaves else other_form
+        other_form = _probability(self._of_its_own(causes, law)) if law in self.further.get(causes, ()) else 1.0
+        return min(other_form, _probability(_uncertain(by_name(law)))) if causes in self.leaves else other_form
 
-    def _seen(self, causes: Causes) -> Seen:
-        """How well a set is seen to be the right one."""
+    def _of_its_own(self, causes: Causes, law: str) -> float:
+        """Greatest odds that a cause which may be another form of the other laws acts by itself.
+
+        In a set that leaves only noise, that form would have to agree with the cause but for what the noise can hide:
+        the more clearly the cause is seen above this, the surer it is. A poor experiment makes none certain, and no
+        experiment a law of less than the usual prior odds, which bends to much.
+        """
+        odds = by_name(law).prior_odds
         if causes not in self.exact:
-            return ERRING
-        return CLEAR if self.rich else EXACT
+            return FORM_ODDS * odds
+        clear = self.clear.get(causes, {}).get(law, math.inf)
+        if not self.rich or odds < Effect.prior_odds:
+            clear = min(clear, _CERTAIN_ODDS)
+        return clear * odds / Effect.prior_odds
+
+    def greatest_odds(self, effect: type[Effect]) -> float:
+        """Greatest odds of a cause if the experiment is poor and has no copies."""
+        return _uncertain(effect) if self.best.causes not in self.exact else _CERTAIN_ODDS * _usual(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -261,6 +257,24 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
     return found
 
 
+def _clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
+    """How clearly a set that leaves only noise needs each of its causes.
+
+    It is (χ²(S − c) − χ²(S)) / (δN): what the cause explains, in units of what the noise can hide, whose variance is
+    known to δ = ``NOISE_ERROR``. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its
+    place too. Causes whose smaller sets were not fitted are left out.
+    """
+    if not _exact(sets[causes], noise):
+        return {}
+    found = {}
+    for name in causes:
+        limits = [causes - {name}, causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
+        gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
+        if gains:
+            found[name] = max(min(gains), 0.0) / (NOISE_ERROR * noise)
+    return found
+
+
 def _left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> float:
     """What a set leaves above the noise, as a part of what it explains (rms of the position); 0 if unknown.
 
@@ -272,35 +286,19 @@ def _left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) 
     return math.sqrt(max(chi - (1.0 + NOISE_ERROR) * noise, 0.0) / (base.chi - chi))
 
 
-def _of_its_own(name: str, seen: Seen) -> float:
-    """Probability that a cause which may be another form of the other laws acts by itself."""
-    return _limited(by_name(name).prior_odds, seen)
+def _uncertain(effect: type[Effect]) -> float:
+    """Greatest odds of a cause whose law is not this rig's, or that needs copies and has none."""
+    return FORM_ODDS * Effect.prior_odds * _usual(effect)
 
 
-def _uncertain(cause: str, seen: Seen) -> float:
-    """Greatest probability of a cause whose law is not this rig's, or that needs copies and has none.
-
-    Prior odds that are lower than those of most causes do not count once more.
-    """
-    return _limited(max(by_name(cause).prior_odds, Effect.prior_odds), seen)
+def _usual(effect: type[Effect]) -> float:
+    """Prior odds over those of most causes; lower ones do not count once more."""
+    return max(effect.prior_odds / Effect.prior_odds, 1.0)
 
 
-def _limited(prior_odds: float, seen: Seen) -> float:
-    """Probability at the greatest odds."""
-    odds = _greatest_odds(prior_odds, seen)
-    return odds / (1.0 + odds)
-
-
-def _greatest_odds(prior_odds: float, seen: Seen) -> float:
-    """Greatest odds of a cause that is not certain; laws with less than the usual prior odds bend to much."""
-    if seen == ERRING:
-        return FORM_ODDS * prior_odds
-    return (CLEAR_ODDS if seen == CLEAR and prior_odds >= Effect.prior_odds else EXACT_ODDS) * prior_odds
-
-
-def greatest_odds(ranking: Ranking, effect: type[Effect]) -> float:
-    """Greatest odds of a cause in the leading set, if the experiment is poor."""
-    return _greatest_odds(effect.prior_odds, EXACT if ranking.best.causes in ranking.exact else ERRING)
+def _probability(odds: float) -> float:
+    """Probability at these odds."""
+    return odds / (1.0 + odds) if math.isfinite(odds) else 1.0
 
 
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:
@@ -352,6 +350,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(float(w) for w in weights),
         further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if _exact(sets[causes], scale.noise)),
+        clear={causes: _clearness(causes, sets, scale.noise) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )
 

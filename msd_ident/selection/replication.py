@@ -22,7 +22,7 @@ from msd_ident.selection.excitation import poor
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis, causes_that_fit, without
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.ranking import NEAR, Ranking, greatest_odds, kinds
+from msd_ident.selection.ranking import NEAR, Ranking, kinds
 from msd_ident.selection.structure_search import NOTHING, Progress
 from msd_ident.selection.synthetic_records import Disturbed, Imagined, drawn, of_any_strength, whole
 from msd_ident.tuning import tuned
@@ -211,7 +211,7 @@ def left_unchecked(ranking: Ranking, matrix: Calibration | None) -> tuple[str, .
     """
     if not ranking.unchecked or not ranking.best.causes:
         return ()
-    most = greatest_odds(ranking, Effect), greatest_odds(ranking, by_name(COULOMB))
+    most = ranking.greatest_odds(Effect), ranking.greatest_odds(by_name(COULOMB))
     limit = f"odds are at most {most[0]:g} to 1 ({most[1]:g} to 1 for Coulomb friction)"
     if matrix is not None:
         return (f"The copies of this record were made of another explanation, which they did not confirm: {limit}.",)

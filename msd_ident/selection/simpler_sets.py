@@ -55,9 +55,11 @@ def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Caus
 
 
 def _simple_law(model: Model, name: str) -> Effect | None:
-    """The simple law of which an effect is another form, with the values that both have; None if it has others."""
+    """The simple law of which an effect is another form, with the values that both have or that the effect gives; None
+    if it has others.
+    """
     if not (form_of := by_name(name).form_of):
         return None
-    values = dict(zip(model.names, model.values.tolist(), strict=True))
+    values = dict(zip(model.names, model.values.tolist(), strict=True)) | model.effect(name).simple_values()
     simple = by_name(form_of)
     return simple.from_values(values) if {p.name for p in simple.parameters} <= set(values) else None

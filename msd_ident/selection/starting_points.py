@@ -16,7 +16,7 @@ from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
-from msd_ident.model.base_model import friction_force
+from msd_ident.model.base_model import DryFriction, friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
 from msd_ident.selection.experiment import Experiment, formulated
@@ -53,7 +53,8 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         parent: a fitted set.
 
     Returns:
-        A model for each combination of guesses; none if a cause needs a spring and the parent has none.
+        A model for each combination of guesses, and those that divide the parent's dry friction between two laws; none
+        if a cause needs a spring and the parent has none.
     """
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
@@ -80,7 +81,26 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
             hung = second_masses(plant, seen, residual, experiment.fixed)
             added += [_hung(model, name, start) for model in models for start in hung]
         models = added
-    return models
+    return models + _divided(causes, parent, seen)
+
+
+def _divided(causes: Causes, parent: Hypothesis, record: Record) -> list[Model]:
+    """The parent with its dry friction in equal parts in Coulomb friction and in a law that holds it as a limit.
+
+    One of the two is the only cause that the parent lacks. Its law has taken up the force of both: whole, this leaves
+    no room for the other, which ends at no force.
+    """
+    lacks = causes - parent.causes
+    found = []
+    for name in sorted(causes & set(HOLDING_COULOMB)):
+        if COULOMB not in causes or lacks not in ({COULOMB}, {name}):
+            continue
+        limit = HOLDING_COULOMB[name]
+        half = 0.5 * (parent.model[limit] if lacks == {COULOMB} else friction_force(parent.model))
+        rest = replace(parent.model, effects=tuple(e for e in parent.model.effects if e.name not in (COULOMB, name)))
+        laws = by_name(name).from_dry_friction(half, record, Model(rest.mass, rest.damping, rest.stiffness))
+        found += [rest + DryFriction(half) + law for law in laws if half > 0.0]
+    return found
 
 
 def _hung(model: Model, name: str, start: SecondMass) -> Model:

@@ -97,13 +97,13 @@ class Search:
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
-        leader = self._leader()
+        simple = leader = self._leader()
         if not self.at_floor(leader):
             self._fit(self._reformed(leader.causes), 0.35, 0.36)
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
-            fronts = [one.causes for one in self._fronts(leader)]
+            fronts = [one.causes for one in self._fronts(leader)] + self._passed_over(simple, leader)
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
@@ -139,6 +139,20 @@ class Search:
         found = [one for record in self.experiment.records for one in found_in(record)[:1]]
         shown = any(one.share > 1.0 - TENTH for one in found)
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
+
+    def _passed_over(self, simple: Hypothesis, leader: Hypothesis) -> list[Causes]:
+        """The nearest rival of the law that led, where only another form of this law leads far: it is given no form.
+
+        Args:
+            simple: the set that led among the simple laws.
+            leader: the set that leads since its other forms were fitted.
+        """
+        if leader.causes == simple.causes:
+            return []
+        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
+        rivals = [one for one in alone if one.causes not in (simple.causes, leader.causes)]
+        near = [one for one in rivals if one.chi < COMPARABLE * simple.chi]
+        return [min(near, key=lambda fitted: fitted.chi).causes] if near else []
 
     def _pairs(self) -> list[Causes]:
         """Pairs of the causes that leave least by themselves, and of laws that are linear in their parameters.

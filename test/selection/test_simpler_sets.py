@@ -6,11 +6,13 @@ import pytest
 from setrigs import BASE, steps, stood
 
 from msd_ident.model import Effect
+from msd_ident.model.effects.bouc_wen import BoucWen
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.damped_stop import DampedStop
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_dead_zone import ForceDeadZone
+from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.selection.simpler_sets import equal_to, reduced
 
@@ -32,6 +34,11 @@ def test_the_simple_law_is_begun_where_another_form_of_it_stands() -> None:
     form = stood(steps(), BASE + DampedStop(2e-3, 500.0, 0.0))
     found = {causes: model for causes, model, _ in reduced(form, ())}
     assert found[frozenset({"end_stop"})] == BASE + EndStop(2e-3, 500.0)
+    asymmetric = stood(steps(), BASE + BoucWen(80.0, 2e3, 3e3))
+    found = {causes: model for causes, model, _ in reduced(asymmetric, ())}
+    assert found[frozenset({"hysteresis"})] == BASE + Hysteresis(0.04, 5e-4), "as stiff, and as strong under load"
+    hardening = stood(steps(), BASE + BoucWen(80.0, -2.0, 3e3))
+    assert {causes for causes, *_ in reduced(hardening, ())} == {frozenset()}, "its force has no limit"
     gone = stood(steps(), BASE + ForceDeadZone(0.1))  # its simple law, a slope of the gain, has no value of it
     assert {causes for causes, *_ in reduced(gone, ())} == {frozenset()}
 

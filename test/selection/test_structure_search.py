@@ -213,3 +213,29 @@ def test_coulomb_friction_and_drag_are_tried_where_a_falling_friction_imitates_t
         "experiment": {"name": "steps", "force": 5.035164473325261, "hold": 0.75},
     }  # fmt: skip
     assert searched(rig, Plant(0.74, 1.6, 748.0)).best.causes == {"coulomb_friction", "quadratic_drag"}
+
+
+def test_the_nearest_rival_of_a_law_is_not_passed_over_where_another_form_of_that_law_leads() -> None:
+    """A buffered stop leaves a fifth of what play does; play with an offset leaves only noise."""
+    rig = {
+        "mass": 0.6949179294779242, "damping": 2.562713293231082, "stiffness": 235.3612320127352, "rate": 250.0,
+        "effects": {"backlash": {"backlash_half_width": 0.00022810111007160982},
+                    "force_offset": {"offset_force": 0.13490918585951842}},
+        "encoder": {"counts_per_metre": 102790.5260060497, "noise": 0.0}, "seed": 1816287582,
+        "experiment": {"name": "steps", "force": 3.1104998855614325, "hold": 0.75},
+    }  # fmt: skip
+    found = searched(rig, Plant(0.69, 2.6, 235.0))
+    assert found.best.causes == {"backlash", "force_offset"}
+    assert frozenset({"buffered_stop"}) in {one.causes for one in found.sets}
+
+
+def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> None:
+    """From Dahl's law with the force of both, Coulomb friction ends at no force, and 20 noise floors are left."""
+    rig = {
+        "mass": 0.6725680163602066, "damping": 0.9313651282263923, "stiffness": 388.47924705129594, "rate": 250.0,
+        "effects": {"hysteresis": {"hysteresis_force": 0.1066159710875257, "hysteresis_length": 0.002574087557742065},
+                    "coulomb_friction": {"coulomb_force": 0.14467611618262965}},
+        "encoder": {"counts_per_metre": 50793.474517908166, "noise": 0.0}, "seed": 166800745,
+        "experiment": {"name": "steps", "force": 7.217533482837681, "hold": 0.75},
+    }  # fmt: skip
+    assert searched(rig, Plant(0.67, 0.93, 388.0)).best.causes == {"coulomb_friction", "hysteresis"}

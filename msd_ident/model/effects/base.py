@@ -363,6 +363,13 @@ class Effect:
         del simple
         return cls.guess(record, plant)
 
+    def simple_values(self) -> dict[str, float]:
+        """Values of parameters of the cause's simple law, by name, at which that law is nearest to this one.
+
+        Parameters that both laws have need not be named.
+        """
+        return {}
+
     @classmethod
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
         """The model to start from with this effect, which has fewer numbers, in the place of another one of its effects

@@ -104,3 +104,12 @@ class BoucWen(Effect):
         force, length = simple.values
         rates = ((1.0, 1.0), (0.3, 1.0), (0.0, 1.0))
         return tuple(cls(force / length, a / length, c / length) for a, c in rates)
+
+    def simple_values(self) -> dict[str, float]:
+        """Dahl's law of the same stiffness and the same largest force under load; none where the force has no limit."""
+        if self.loading_rate <= 0.0:
+            return {}
+        return {
+            "hysteresis_force": self.hysteresis_stiffness / self.loading_rate,
+            "hysteresis_length": 1.0 / self.loading_rate,
+        }
