@@ -119,6 +119,12 @@ class Ranking:
         """The leading set: the likeliest, without causes that the data does not call for."""
         return self.sets[0]
 
+    @property
+    def likeliest(self) -> Hypothesis:
+        """The set with causes that has the most evidence; the base model if no set has causes."""
+        pairs = zip(self.evidence, self.sets, strict=True)
+        return max(pairs, key=lambda pair: (bool(pair[1].causes), pair[0]))[1]
+
     def led_by(self, leader: Hypothesis) -> Ranking:
         """The same with one of its sets first."""
         order = sorted(range(len(self.sets)), key=lambda i: self.sets[i] is not leader)
