@@ -12,7 +12,7 @@ import numpy as np
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate.levels import NATURAL_RANGE
+from msd_ident.estimate.levels import NATURAL_RANGE, TENTH
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
@@ -93,21 +93,32 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 
     Args:
         record: a record without any force does not count.
-        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period and the
-            velocity at the first sample must be zero within its uncertainty.
+        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period, be a jump
+            (a force that is smooth between its samples acted before), and the velocity at the first sample must be zero
+            within its uncertainty. If no parabola passes through the first samples, they do not show that velocity.
     """
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
     if at_rest:
         return True
-    early = record.force_time[pushes[0]] <= record.time[0] + record.period
+    early = record.hold == "zero" and record.force_time[pushes[0]] <= record.time[0] + record.period
     count = max(4, min(record.samples // 500, 40))
+    if _beside_parabola(record.position[:count]) > TENTH * float(np.std(record.position)):
+        return False
     _, velocity = starting_state(record, count)
     span = float(record.time[count - 1] - record.time[0])
-    noise = float(np.std(np.diff(record.position[: 5 * count], 2))) / math.sqrt(6.0)
+    # Fourth differences: with few samples in a swing, the motion has second ones.
+    noise = float(np.std(np.diff(record.position[: 5 * count], 4))) / math.sqrt(70.0)
     uncertain = 14.0 * noise / math.sqrt(count)  # of a parabola's slope at its end, times its span
     return early and abs(velocity) * span < 0.002 * float(np.ptp(record.position)) + 3.0 * uncertain
+
+
+def _beside_parabola(head: FloatArray) -> float:
+    """What a parabola through the first samples (c,), evenly spaced, leaves of them, rms."""
+    place = np.linspace(0.0, 1.0, head.size)
+    left = head - np.polyval(np.polyfit(place, head, 2), place)
+    return float(np.sqrt(np.mean(left**2)))
 
 
 def starts_at_rest(record: Record) -> bool:

@@ -29,7 +29,7 @@ from msd_ident.tuning import tuned
 
 #: What a column depends on first; columns stand in this order: friction, constant forces, drag, springs. Sums round
 #: differently in another.
-_SIGNALS = ("direction", "", "v", "x")
+_SIGNALS = ("direction", "", "v", "x", "driven")
 
 
 def _arguments(name: str) -> tuple[str, ...]:
@@ -229,7 +229,10 @@ class Means:
         inner = () if name in PLANT else tuple(argument for argument in _arguments(name) if argument not in _SIGNALS)
         key = name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
-            motion = {"direction": self._direction, "v": self._velocity, "x": self.grid.position}
+            motion = {
+                "direction": self._direction, "v": self._velocity, "x": self.grid.position,
+                "driven": self.grid.force != 0.0,
+            }  # fmt: skip
             signal = _regressor(name)(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
             self._columns[key] = self._over(np.asarray(signal), self._bump)[self._moving, 0]
         return self._columns[key]

@@ -173,8 +173,20 @@ class Search:
                 break
             if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
+        self._named_grown()
         self._rejoined(self._leader())
         return self.ranking()
+
+    def _named_grown(self) -> None:
+        """Fit the sets with one cause more than the likeliest one, until none is new.
+
+        The walk is led by an evidence that counts more features of the error. Far from the noise a flexible law may
+        lead it, e.g. a disturbance, to which the ranking gives little: then these sets are not among its neighbours.
+        """
+        for _ in range(_ROUNDS_FAR):
+            likeliest = self.ranking().likeliest
+            if self.at_floor(likeliest) or not self._fit(self._grown(likeliest.causes), 0.85, 0.86):
+                break
 
     def _fronts(self, best: Hypothesis) -> list[Hypothesis]:
         """The sets whose neighbours are tried: the leading one, and one of at most as many causes that leaves far less.

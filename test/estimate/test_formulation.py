@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from fitrigs import COUNTS_PER_METRE, DEMO, measured, wrong
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate.formulation import (
     balanced,
     formulate,
@@ -68,6 +69,18 @@ def test_a_force_from_before_the_record_is_no_push() -> None:
     earlier = replace(record, force_time=record.force_time - 1.0, force=record.force + 1.0)
     assert not starts_unpushed(earlier, True)
     assert not starts_unpushed(replace(record, force=0.0 * record.force), True)
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_a_record_that_begins_in_the_middle_of_a_motion_is_not_at_rest(hold: Literal["zero", "linear"]) -> None:
+    """A sum of sines with 8 samples in the shortest period: neighbours differ by motion and not by noise."""
+    rng = np.random.default_rng(3)
+    time = np.arange(8500) / 8.0
+    rates, phases = np.linspace(0.05, 1.0, 40), rng.uniform(0.0, 2.0 * np.pi, 40)
+    motion = np.sin(2.0 * np.pi * np.outer(time, rates) + phases).sum(axis=1)
+    whole = from_samples(time, np.roll(motion, 2), motion + 1e-4 * rng.normal(size=time.size), hold=hold)
+    parts = [from_there(whole, begin) for begin in time[:400]]
+    assert sum(starts_unpushed(part, starts_at_rest(part)) for part in parts) <= 2
 
 
 def test_each_record_has_its_start_and_velocity_and_zero_where_they_are_unknown() -> None:

@@ -60,7 +60,7 @@ def test_says_of_its_own_parameters_alone(name: str) -> None:
     assert named | set(effect.harmonic.names if effect.harmonic else ()) <= own | {""}
     assert effect.laws() or effect.knee or effect.structure, "nothing of it would act"
     for parameter in effect.parameters:
-        signals = {"direction", "v", "x"}
+        signals = {"direction", "v", "x", "driven"}
         assert parameter.regressor is None or set(inspect.signature(parameter.regressor).parameters) <= signals | own
         assert parameter.ceiling is None or parameter.ceiling(10.0, 0.01) > 0.0
 

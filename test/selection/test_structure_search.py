@@ -6,19 +6,23 @@ import numpy as np
 import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
+from msd_ident.diagnosis import diagnose_records
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
+from msd_ident.model import simulate as trajectory_of
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
@@ -239,3 +243,16 @@ def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> N
         "experiment": {"name": "steps", "force": 7.217533482837681, "hold": 0.75},
     }  # fmt: skip
     assert searched(rig, Plant(0.67, 0.93, 388.0)).best.causes == {"coulomb_friction", "hysteresis"}
+
+
+def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_walk() -> None:
+    """A drive that brakes while it is on, dry friction and a delay, in one step and its end: a disturbance that comes
+    near leads the walk, and far from the noise it ends soon.
+    """
+    time = np.arange(10000) / 887.15
+    force = np.where((time >= 5.0) & (time < 10.0), 491.0, 0.0)
+    made = Plant(0.58e-3, 0.8e-3, 0.272) + CoulombFriction(8.0) + DriveDamping(1.2e-3) + TimeOffset(0.005)
+    motion = trajectory_of(made, from_samples(time, force, np.zeros(time.size))).position
+    found = diagnose_records([from_samples(time, force, np.round(motion))])
+    assert {cause.name for cause in found.causes} == {"coulomb_friction", "drive_damping", "time_offset"}
+    assert found.extended.see < 0.5

@@ -91,7 +91,7 @@ class Parameter:
             ``most``.
         regressor: what its force is proportional to, where the equation of motion is linear in it, as arrays (n,) of
             its arguments: ``direction`` of the motion, ``v`` [m/s] or ``x`` [m] first, or nothing for a constant; then
-            other parameters by name.
+            ``driven``, and other parameters by name.
         not_below: the parameter of the same law that it is never below; from there on nothing would tell of it.
     """
 

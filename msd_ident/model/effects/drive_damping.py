@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 
+def _driven(v: Any, driven: Any) -> Any:
+    """v [m/s] while the drive is on."""
+    return v * driven
+
+
 @dataclass(frozen=True)
 class DriveDamping(Effect):
     """bd·v while a force is commanded: the back-EMF of a motor that a voltage drives, an amplifier that brakes."""
@@ -24,8 +29,11 @@ class DriveDamping(Effect):
 
     name = "drive_damping"
     parameters = (
-        Parameter("drive_damping", "bd", "N·s/m", -math.inf, math.inf, "damping that the drive adds while it is on"),
-    )
+        Parameter(
+            "drive_damping", "bd", "N·s/m", -math.inf, math.inf, "damping that the drive adds while it is on",
+            gained=True, regressor=_driven,
+        ),
+    )  # fmt: skip
     acts_on = "force"
     law = "bd·v while the commanded force is not 0"
     source = "back-EMF damping Kt·Ke/R of a voltage-driven motor"
