@@ -106,12 +106,23 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     A harmonic in x with a constant and x itself beside it, tried at 120 pitches from a fiftieth to twice the range.
     """
     _, x, left = unexplained_force(record, plant)
-    against = left
-    keep = slice(None, None, max(1, x.size // 1500))
-    x, against = x[keep], against[keep]
     span = max(float(np.ptp(x)), 1e-9)
+    return waves(x, left, np.geomspace(0.02 * span, 2.0 * span, 120), count)
+
+
+def waves(x: FloatArray, of: FloatArray, pitches: FloatArray, count: int) -> list[tuple[float, float, float]]:
+    """(amplitude, pitch [m], phase [rad]) of the harmonics in x that best fit a signal, each a local best.
+
+    Args:
+        x: (n,) positions [m].
+        of: (n,) the signal; a constant and x itself may be in it too.
+        pitches: those that are tried [m], in their order.
+        count: the most that are given.
+    """
+    keep = slice(None, None, max(1, x.size // 1500))
+    x, against = x[keep], of[keep]
     fits = []
-    for pitch in np.geomspace(0.02 * span, 2.0 * span, 120):
+    for pitch in pitches:
         angle = 2.0 * np.pi * x / pitch
         basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(x), x])
         solution, *_ = np.linalg.lstsq(basis, against, rcond=None)
