@@ -49,9 +49,7 @@ class CurvedStiffnessDrift(Effect):
         stiffness_drift_turn: float,
     ) -> float:
         """Force [N] against +x beyond that of the spring at time 0."""
-        return spring_force * t * (
-            stiffness_drift_rate + t * (stiffness_drift_curvature + t * stiffness_drift_turn)
-        )
+        return spring_force * t * (stiffness_drift_rate + t * (stiffness_drift_curvature + t * stiffness_drift_turn))
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import FloatArray, Model
 
+#: Samples from which its starting values are read.
+_ENOUGH = 500
+
 
 @dataclass(frozen=True)
 class SensorEccentricity(Effect):
@@ -59,5 +62,6 @@ class SensorEccentricity(Effect):
     def from_residual(cls, record: Record, residual: FloatArray) -> tuple[SensorEccentricity, ...]:
         """The harmonics of the position that explain most of it: an error of the reading is in it as it is."""
         pitches = typical.pitches(2.0 * typical.amplitude(record), longest=1.0)
-        found = typical.waves(record.position, -residual, pitches, count=3)
+        every = max(1, record.samples // _ENOUGH)
+        found = typical.waves(record.position[::every], -residual[::every], pitches, count=3)
         return tuple(cls.within_bounds(*wave) for wave in found)
