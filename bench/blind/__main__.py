@@ -69,7 +69,8 @@ _PAGES = {
 
 Made by `make blind ARGS="--variants"` (`python -m bench.blind --variants --docs docs`; the seeds are named below). Each
 rig has one law of `msd_sim/foreign`: a known cause whose law has a form that the library lacks, or noise or a force
-that no cause of the library explains. The diagnosis gets only the path of a file.
+that no cause of the library explains. Two of them are no longer foreign: `elliptic_wheel` and `modulated_tone` are
+special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagnosis gets only the path of a file.
 
 - *Visible*: the base model leaves at least 3 noise floors.
 - *Family*: the causes of the library that describe the law or a part of it (`bench/blind/truth.py`). It is named if one

@@ -64,7 +64,7 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     # Of losses, drives and forces.
     "mixed_drag": frozenset({"quadratic_drag"}),
     "saturating_damping": frozenset({"quadratic_drag", "coulomb_friction"}),
-    "film_damping": frozenset(),
+    "film_damping": frozenset({"position_dependent_damping"}),
     "torque_speed": frozenset({"drive_damping"}),
     "sharp_saturation": frozenset({"force_gain_nonlinearity"}),
     "smooth_dead_zone": frozenset({"force_gain_nonlinearity"}),
@@ -90,8 +90,8 @@ FAMILIES: Mapping[str, frozenset[str]] = {
 #: No cause of the library is right for these, or none need be named: a relative may be.
 UNNAMED = frozenset(
     {
-        "band_limited_force", "film_damping", "remembering_drive", "random_force", "walking_zero", "missed_counts",
-        "coloured_noise", "growing_noise", "smooth_force",
+        "band_limited_force", "random_force", "walking_zero", "missed_counts", "coloured_noise", "growing_noise",
+        "smooth_force",
     }
 )  # fmt: skip
 

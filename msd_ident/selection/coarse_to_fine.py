@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from msd_ident.estimate.effort import A_SWING, SAMPLES
+from msd_ident.estimate.effort import A_SWING, KEPT, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
@@ -63,7 +63,8 @@ def search(
     ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
-    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + ([] if clear else _simpler(ahead))
+    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + _noise_only(ahead)
+    asked += [] if clear else _simpler(ahead)
     for fitted in {one.causes: one for one in asked}.values():
         initial = _begun(fitted.initial, part, experiment, known[0].initial)
         sets[fitted.causes] = refine(experiment, fitted.causes, fitted.model, initial)
@@ -97,6 +98,15 @@ def _with_one_less(ahead: Ranking) -> list[Hypothesis]:
     """Sets that lack one of the leading set's causes; they show what each cause explains beside the others."""
     wanted = {ahead.best.causes - {name} for name in ahead.best.causes} if len(ahead.best.causes) > 1 else set()
     return [one for one in ahead.sets if one.causes in wanted]
+
+
+def _noise_only(ahead: Ranking) -> list[Hypothesis]:
+    """The likeliest sets that leave only noise, if the leading one leaves more: they may predict what it does not."""
+    if ahead.best.causes in ahead.exact:
+        return []
+    pairs = zip(ahead.evidence, ahead.sets, strict=True)
+    found = sorted(((value, one) for value, one in pairs if one.causes in ahead.exact), key=lambda pair: -pair[0])
+    return [one for _, one in found[:KEPT]]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:

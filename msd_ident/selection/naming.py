@@ -11,11 +11,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking, alternatives, kinds
+from msd_ident.selection.ranking import CERTAIN, DECISIVE, FAINT, Ranking, alternatives, kinds
 from msd_ident.tuning import fixed
 
 _ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
@@ -42,7 +43,8 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
     """The leading set that predicts left-out data better than the base model, or the base model.
 
     A set that does not is dropped from the ranking, and the next one is tried, ``KEPT`` times at most. If the base
-    model leads, the likeliest set with causes replaces it when the interval of its gain is above 0.
+    model leads, the likeliest set with causes replaces it when the interval of its gain is above 0. If the leading set
+    explains nothing and another one leaves only noise, left-out data decide first (``_noise_only``).
 
     Args:
         experiment: readings with their weights.
@@ -53,6 +55,11 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         The ranking without the dropped sets (as it was, if the base model is chosen), the chosen set, and its
         prediction of left-out data.
     """
+    exact = _noise_only(ranking, experiment, base)
+    if exact is not None:
+        heldout = predict(experiment, base, exact.best)
+        if heldout.interval_percent[0] > 100.0 * MOST_OF:
+            return exact, exact.best, heldout
     if not ranking.best.causes and len(ranking.sets) > 1:
         likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
         other = leading(ranking.led_by(likeliest))
@@ -70,6 +77,35 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
             break
         left = leading(without(left, left.best))
     return ranking, base, predict(experiment, base, base)
+
+
+def _noise_only(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
+    """The ranking of the sets that leave only noise, if the leading one explains nothing of what can be seen.
+
+    Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
+    numbers. A law of many sharp numbers (frequencies, phases) may lose to no law at all although nothing is left of
+    it. Samples that it did not see decide that: by chance no law predicts them.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        experiment: readings with their weights.
+        base: the fitted base model.
+
+    Returns:
+        None if there is no such set, if the leading one explains something, or if it leaves too little for its form to
+        be seen.
+    """
+    explains = ranking.best.chi < (1.0 - TENTH) * base.chi
+    if explains or ranking.best.causes in ranking.exact or base.chi < FAINT**2 * experiment.evidence:
+        return None
+    only = ranking
+    for one in ranking.sets:
+        if one.causes not in ranking.exact:
+            only = without(only, one)
+    if not only.sets:
+        return None
+    likeliest = max(zip(only.evidence, only.sets, strict=True), key=lambda pair: pair[0])[1]
+    return leading(only.led_by(likeliest))
 
 
 def margin(ranking: Ranking, named: Causes) -> float:

@@ -99,7 +99,8 @@ def guesses(name: str, fitted: FittedRecord) -> tuple[Effect, ...]:
         )
         found = tuple(effect.from_values(dict(zip(effect.harmonic.names, term, strict=True))) for term in terms)
         return found if found and not fitted.bare else found + effect.guess(record, plant)[:1]
-    found = effect.guess(record, plant)
+    shown = effect.from_residual(record, fitted.residual)
+    found = shown or effect.guess(record, plant)
     if effect.limits_force:  # its other form, saturation, which no slope leads to
         found += tuple(effect.limited(share * fitted.largest) for share in _SATURATED if fitted.largest > 0.0)
     return found

@@ -15,7 +15,7 @@ from itertools import combinations
 from typing import TypeVar
 
 from msd_ident import parallel
-from msd_ident.estimate.effort import LOOK
+from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import found_in
@@ -99,7 +99,8 @@ class Search:
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
         simple = leader = self._leader()
         if not self.at_floor(leader):
-            self._fit(self._reformed(leader.causes), 0.35, 0.36)
+            explain = [leader.causes, *self._explain()]
+            self._fit([other for causes in explain for other in self._reformed(causes)], 0.35, 0.36)
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
@@ -153,6 +154,16 @@ class Search:
         rivals = [one for one in alone if one.causes not in (simple.causes, leader.causes)]
         near = [one for one in rivals if one.chi < COMPARABLE * simple.chi]
         return [min(near, key=lambda fitted: fitted.chi).causes] if near else []
+
+    def _explain(self) -> list[Causes]:
+        """The causes that leave least by themselves, and less than the base model does.
+
+        Evidence counts features of the error: a law that takes most of one feature away may lose it to no law at all,
+        where another form of it takes all away.
+        """
+        known = self.sets[NOTHING]
+        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
+        return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * known.chi]
 
     def _pairs(self) -> list[Causes]:
         """Pairs of the causes that leave least by themselves, and of laws that are linear in their parameters.

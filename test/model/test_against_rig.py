@@ -30,7 +30,10 @@ PLAIN: dict[str, Callable[[float], float]] = {
     "power_spring": lambda x: 1.5 * (x / 0.02) ** 2 * math.copysign(1.0, x),
 }
 #: Effects that msd_sim does not have as such, which have a test of their own, here or in their file.
-APART = {"bouc_wen", "buffered_stop", "fading_damping", "sensor_eccentricity"}
+APART = {
+    "bouc_wen", "buffered_stop", "curved_stiffness_drift", "drive_hysteresis", "eccentricity_harmonic",
+    "fading_damping", "growing_damping", "modulated_disturbance", "position_dependent_damping", "sensor_eccentricity",
+}  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.
 THEIRS = [name for name in sorted(set(EXAMPLES) - set(PLAIN) - APART) if RIG.get(name, (name,))[0] in THEIR_EFFECTS]
 #: Samples a second of the contract, with a force held and a force linear between samples.

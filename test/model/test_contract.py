@@ -21,8 +21,9 @@ NAMES = tuple(effect.name for effect in LIBRARY)
 #: Other laws of a cause that do not hold its simple law, or only where a value of theirs is 0 or infinite and another
 #: one means nothing.
 NOT_AT_ONCE = {
-    "cogging_harmonic", "fading_damping", "force_dead_zone", "force_gain_asymmetry", "one_sided_stop",
-    "settling_sensor", "settling_stiffness", "two_tone_disturbance",
+    "cogging_harmonic", "drive_hysteresis", "eccentricity_harmonic", "fading_damping", "force_dead_zone",
+    "force_gain_asymmetry", "modulated_disturbance", "one_sided_stop", "settling_sensor", "settling_stiffness",
+    "two_tone_disturbance",
 }  # fmt: skip
 
 

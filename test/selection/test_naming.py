@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import cast
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ class Set:
     """What a ranking asks of a fitted set."""
 
     causes: frozenset[str]
+    chi: float = 0.0
 
 
 def ranking(probabilities: Mapping[tuple[str, ...], float], first: tuple[str, ...] | None = None) -> Ranking:
@@ -87,3 +89,32 @@ def test_what_may_be_another_form_is_told_with_its_part() -> None:
         "certain that it is a cause of its own.",
     )
     assert naming.other_forms(one) == ()
+
+
+def left_over(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> Any:
+    """What samples left out have to decide between sets that leave these chi² of 100 pieces of evidence."""
+    sets = {causes: cast(Hypothesis, Set(frozenset(causes), left)) for causes, left in chi.items()}
+    order = sorted(sets, key=lambda causes: causes != first)
+    even = tuple(1.0 / len(order) for _ in order)
+    exact = frozenset(frozenset(causes) for causes, left in chi.items() if left < 110.0)
+    given = Ranking(tuple(sets[causes] for causes in order), tuple(np.log(even)), even, exact=exact)
+    return naming._noise_only(given, cast(Any, SimpleNamespace(evidence=100.0)), sets[()])
+
+
+def test_a_law_that_leaves_only_noise_is_tried_where_the_leader_explains_nothing() -> None:
+    found = left_over((), {(): 1e4, ("coulomb_friction",): 9.9e3, ("cogging",): 98.0})
+    assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(1.0)
+    found = left_over(("coulomb_friction",), {(): 1e4, ("coulomb_friction",): 9.9e3, ("cogging",): 98.0})
+    assert found.best.causes == {"cogging"}
+
+
+@pytest.mark.parametrize(
+    ("first", "chi"),
+    [
+        (("hysteresis",), {(): 1e4, ("hysteresis",): 4e3, ("cogging",): 98.0}),  # the leader explains something
+        ((), {(): 700.0, ("cogging",): 98.0}),  # too little is left for its form to be seen
+        ((), {(): 1e4, ("cogging",): 130.0}),  # no law leaves only noise
+    ],
+)
+def test_else_evidence_decides(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> None:
+    assert left_over(first, chi) is None

@@ -13,6 +13,7 @@ from msd_ident.data.record import Record
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.selection.starting_values import FittedRecord, guesses, lines, plain_axes, residual_ripples
 
 PLANT = Plant(1.0, 6.0, 400.0)
@@ -51,6 +52,18 @@ def test_a_ripple_of_the_missing_force_is_found(pitch: float) -> None:
     best = residual_ripples(found.record, PLANT, found.residual, NOISE)[0]
     assert best[1] == pytest.approx(pitch, rel=0.05)
     assert best[0] == pytest.approx(0.5, rel=0.6)
+
+
+@pytest.mark.parametrize("pitch", [4e-3, 15e-3])
+def test_an_error_of_the_reading_is_found_as_it_is(pitch: float) -> None:
+    true = left(PLANT)
+    error = 2e-4 * np.sin(2.0 * np.pi * true.record.position / pitch + 0.4)
+    measured_so = replace(true.measured, position=true.measured.position + error)
+    found = guesses("sensor_eccentricity", replace(true, measured=measured_so, residual=true.residual - error))
+    assert all(isinstance(one, SensorEccentricity) for one in found)
+    size, at, phase = found[0].values
+    assert (size, at) == pytest.approx((2e-4, pitch), rel=0.1)
+    assert math.cos(phase - 0.4) > 0.9
 
 
 def test_a_fast_line_is_found_below_the_slow_error_of_a_wrong_model() -> None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from msd_ident.data.record import Record
-    from msd_ident.model.plant import Model
+    from msd_ident.model.plant import FloatArray, Model
 
 #: Names that a law may take as arguments besides parameter and memory names.
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
@@ -29,7 +29,7 @@ AT_ZERO = ("0", "0", ABOVE)
 LOT = 5.0
 
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
-PLAY, LAG, DELAY, SECOND_MASS = "play", "lag", "delay", "second mass"
+PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
 
 #: What a harmonic term repeats over.
 TIME, PLACE = "time", "place"
@@ -220,7 +220,8 @@ class Effect:
     memory: ClassVar[tuple[tuple[str, float], ...]] = ()
     #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
     #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
-    #: [kg], stiffness [N/m], damping [N·s/m] between them). Empty for an effect with a law.
+    #: [kg], stiffness [N/m], damping [N·s/m] between them), ``COMMAND_LOOP`` of the force (half its width [N], the
+    #: change of the command that crosses it [N]). Empty for an effect with a law.
     structure: ClassVar[str] = ""
     #: Its harmonic term, which is found by a scan and not by going down from anywhere.
     harmonic: ClassVar[Harmonic | None] = None
@@ -273,6 +274,18 @@ class Effect:
         raise NotImplementedError
 
     @classmethod
+    def from_residual(cls, record: Record, residual: FloatArray) -> tuple[Self, ...]:
+        """Starting values from what a model without the effect leaves, in place of ``guess``; none unless the residual
+        shows the effect as it is.
+
+        Args:
+            record: the measurement, with positions from the relaxed spring.
+            residual: (n,) model − data [m].
+        """
+        del record, residual
+        return ()
+
+    @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[Self, ...]:
         """Starting values next to a fitted Coulomb friction of ``force`` [N], which the law holds as a limit."""
         raise NotImplementedError
@@ -316,7 +329,7 @@ class Effect:
     @classmethod
     def remembers(cls) -> bool:
         """Whether its force depends on more than time, position and velocity of the instant."""
-        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS)
+        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS, COMMAND_LOOP)
 
     @classmethod
     def cause(cls) -> str:

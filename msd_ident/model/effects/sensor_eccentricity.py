@@ -11,7 +11,10 @@ from msd_ident.model.effects.base import Effect, Parameter, RecordScales
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
-    from msd_ident.model.plant import Model
+    from msd_ident.model.plant import FloatArray, Model
+
+#: Samples from which its starting values are read.
+_ENOUGH = 500
 
 
 @dataclass(frozen=True)
@@ -54,3 +57,11 @@ class SensorEccentricity(Effect):
         phases = (0.0, math.pi / 2.0)
         pitches = [share * span for share in (0.7, 0.35, 0.17)]
         return tuple(cls.within_bounds(size, pitch, phase) for pitch in pitches for phase in phases)
+
+    @classmethod
+    def from_residual(cls, record: Record, residual: FloatArray) -> tuple[SensorEccentricity, ...]:
+        """The harmonics of the position that explain most of it: an error of the reading is in it as it is."""
+        pitches = typical.pitches(2.0 * typical.amplitude(record), longest=1.0)
+        every = max(1, record.samples // _ENOUGH)
+        found = typical.waves(record.position[::every], -residual[::every], pitches, count=3)
+        return tuple(cls.within_bounds(*wave) for wave in found)

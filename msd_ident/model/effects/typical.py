@@ -111,17 +111,34 @@ def ripples(record: Record, plant: Model, count: int) -> list[tuple[float, float
     A harmonic in x with a constant and x itself beside it, tried at 120 pitches from a fiftieth to twice the range.
     """
     _, x, left = unexplained_force(record, plant)
-    against = left
-    keep = slice(None, None, max(1, x.size // 1500))
-    x, against = x[keep], against[keep]
     span = max(float(np.ptp(x)), 1e-9)
-    fits = []
-    for pitch in np.geomspace(0.02 * span, 2.0 * span, 120):
-        angle = 2.0 * np.pi * x / pitch
-        basis = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(x), x])
-        solution, *_ = np.linalg.lstsq(basis, against, rcond=None)
-        misfit = float(np.sum((against - basis @ solution) ** 2))
-        s, c = solution[:2]
-        fits.append((misfit, max(float(np.hypot(s, c)), 1e-9), float(pitch), float(np.arctan2(c, s))))
-    least = [fit for i, fit in enumerate(fits) if all(fit[0] <= other[0] for other in fits[max(i - 1, 0) : i + 2])]
-    return [fit[1:] for fit in sorted(least)[:count]]
+    return waves(x, left, np.geomspace(0.02 * span, 2.0 * span, 120), count)
+
+
+def waves(x: FloatArray, of: FloatArray, pitches: FloatArray, count: int) -> list[tuple[float, float, float]]:
+    """(amplitude, pitch [m], phase [rad]) of the harmonics in x that best fit a signal, each a local best.
+
+    Args:
+        x: (n,) positions [m].
+        of: (n,) the signal; a constant and x itself may be in it too.
+        pitches: those that are tried [m], in their order.
+        count: the most that are given.
+    """
+    keep = slice(None, None, max(1, x.size // 1500))
+    x, against = x[keep], of[keep]
+    frame = np.linalg.qr(np.column_stack([np.ones_like(x), x / max(float(np.ptp(x)), 1e-300)]))[0]
+    against = against - frame @ (frame.T @ against)
+    angles = np.outer(2.0 * np.pi / pitches, x)
+    sine, cosine = np.sin(angles), np.cos(angles)
+    sine, cosine = (wave - (wave @ frame) @ frame.T for wave in (sine, cosine))
+    ss, cc, sc = (np.einsum("pn,pn->p", a, b) for a, b in ((sine, sine), (cosine, cosine), (sine, cosine)))
+    rs, rc = sine @ against, cosine @ against
+    size = np.maximum(ss * cc - sc**2, 1e-12 * (ss + cc) ** 2 + 1e-300)
+    sines, cosines = (cc * rs - sc * rc) / size, (ss * rc - sc * rs) / size
+    gain = np.concatenate(([-np.inf], sines * rs + cosines * rc, [-np.inf]))
+    best = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] >= gain[2:]))
+    best = best[np.argsort(-gain[1:-1][best], kind="stable")][:count]
+    return [
+        (max(float(np.hypot(sines[i], cosines[i])), 1e-9), float(pitches[i]), float(np.arctan2(cosines[i], sines[i])))
+        for i in best
+    ]

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.base import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean
 from msd_ident.model.kernel.exact import exact
@@ -27,6 +27,7 @@ _BACKLASH, (_GAP,) = laws.structure(PLAY, 1)
 _ACTUATOR_LAG, (_LAG,) = laws.structure(LAG, 1)
 _TIME_OFFSET, (_SHIFT,) = laws.structure(DELAY, 1)
 _SECOND_MODE, _SECOND = laws.structure(SECOND_MASS, 3)
+_HYSTERETIC, (_REMANENT, _CROSSED) = laws.structure(COMMAND_LOOP, 2)
 _MEMORY = np.array(laws.MEMORY_START)
 
 
@@ -116,8 +117,10 @@ def _on_the_cart(bits, p, w, plan):
         commanded, force = force, np.empty(force.size)
         for i in range(force.size):
             force[i] = laws.input_map(bits, p, w, commanded[i])
+    if bits & _HYSTERETIC:
+        force = _behind_loop(force, p[_REMANENT], p[_CROSSED])
     command = Command(force_time, force, straight, shift)
-    if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG):
+    if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG | _HYSTERETIC):
         level = np.empty(start.size)
         slope = np.empty(start.size if straight else 0)
         segments.force_lines(start, force_index, command, level, slope)
@@ -128,6 +131,21 @@ def _on_the_cart(bits, p, w, plan):
     if bits & _ACTUATOR_LAG:
         segments.lag(cut, p[_LAG], segments.lagged_start(time[0], command, p[_LAG]))
     return cut, pick
+
+
+@joined
+def _behind_loop(commanded, half, crossed):
+    """Commands [N] less what a drive with hysteresis keeps back: it begins in the middle of its loop."""
+    made = np.empty(commanded.size)
+    last, kept = 0.0, 0.0
+    for i in range(commanded.size):
+        change = commanded[i] - last
+        if change != 0.0:
+            side = 1.0 if change > 0.0 else -1.0
+            kept = side + (kept - side) * math.exp(-abs(change) / crossed)
+        last = commanded[i]
+        made[i] = last - half * kept
+    return made
 
 
 @lean

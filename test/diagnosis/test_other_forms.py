@@ -1,0 +1,25 @@
+"""Rigs of another author: a cause that the library knows, in a form of which the simple law explains little."""
+
+from __future__ import annotations
+
+import pytest
+
+from bench.blind.cases import Case, run
+
+#: By lot, those that the base model leaves visible: (seed, law, experiment, the cause of the library).
+RIGS = (
+    (261179, "modulated_tone", "steps", "periodic_disturbance"),
+    (241065, "modulated_tone", "release", "periodic_disturbance"),
+    (261110, "elliptic_wheel", "steps", "sensor_eccentricity"),
+    (261148, "elliptic_wheel", "release", "sensor_eccentricity"),
+    (261014, "wandering_stiffness", "steps", "stiffness_drift"),
+    (261059, "remembering_drive", "steps", "force_gain_nonlinearity"),
+    (261131, "film_damping", "release", "position_dependent_damping"),
+)
+
+
+@pytest.mark.parametrize(("seed", "law", "experiment", "cause"), RIGS, ids=lambda value: str(value))
+def test_the_cause_is_named_alone_and_its_plant_found(seed: int, law: str, experiment: str, cause: str) -> None:
+    found = run(Case(seed, law, False, experiment, author="foreign"))
+    assert found.names == {cause} and found.verdict == "explained"
+    assert found.plant_error < 0.02
