@@ -19,9 +19,9 @@ COMMANDS = (
     *("record", "replay", "live", "repair", "simulate", "demo", "paper", "info", "warm"),
 )
 
-#: Allocations between two runs of the garbage collector, and runs between two deeper ones. Modules that are imported and
-#: the solver that is loaded leave half a million objects. With Python's default of 700, the collector walks through them
-#: hundreds of times, an eighth of the time that ``msd identify`` takes.
+#: Allocations between two runs of the garbage collector, and runs between two deeper ones. Imported modules and the
+#: loaded solver are half a million objects. With Python's default of 700 allocations, the collector walks through them
+#: hundreds of times: an eighth of the time that ``msd identify`` takes.
 _COLLECTOR = (50_000, 20, 20)
 
 app = typer.Typer(
