@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from msd_ident import cancellation
+from msd_ident import cancellation, parallel
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import diagnose_records
 from msd_ident.estimate import fit
@@ -53,7 +53,7 @@ def test_the_threads_of_a_search_hear_it_too() -> None:
         if stage == "search":
             stop.set()
 
-    with pytest.raises(cancellation.Cancelled), cancellation.cancel_when(enough):
+    with parallel.limited_to(2), pytest.raises(cancellation.Cancelled), cancellation.cancel_when(enough):
         diagnose_records([stepped()], progress=progress)
     assert any(name.startswith("ThreadPoolExecutor") for name in heard)
     assert stages.count("search") < 5 and "verdict" not in stages

@@ -60,4 +60,4 @@ class DriveHysteresis(Effect):
         """Two per cent of the largest command, crossed by a change of twice as much."""
         del plant
         largest = max(float(np.max(np.abs(record.force))), 1e-9)
-        return (cls(0.02 * largest, 0.04 * largest),)
+        return (cls.within_bounds(0.02 * largest, 0.04 * largest),)
