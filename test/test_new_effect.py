@@ -21,7 +21,8 @@ import math
 from dataclasses import dataclass
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import DRAGS, Effect, Parameter
+from msd_ident.model.effects.base import DRAGS, Effect
+from msd_ident.model.declarations import Parameter
 
 
 def _outward(v, x):

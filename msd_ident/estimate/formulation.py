@@ -17,7 +17,8 @@ from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
-from msd_ident.model.effects.base import PLACE, PLAY, Effect
+from msd_ident.model.declarations import PLACE
+from msd_ident.model.effects.base import PLAY, Effect
 from msd_ident.tuning import tuned
 
 Zero = Literal["free", "known"]

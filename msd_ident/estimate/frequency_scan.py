@@ -18,8 +18,8 @@ from msd_ident.estimate.effort import KEPT, THOROUGH
 from msd_ident.estimate.least_squares import SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Problem
+from msd_ident.model.declarations import PLACE, TIME
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import PLACE, TIME
 from msd_ident.tuning import fixed, tuned
 
 _COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")

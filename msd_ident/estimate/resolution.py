@@ -15,8 +15,8 @@ import numpy as np
 from msd_ident.data.record import Record
 from msd_ident.estimate.problem import Problem
 from msd_ident.model import Model
+from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.base import RecordScales
 
 
 def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, float]]:

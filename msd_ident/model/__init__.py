@@ -7,7 +7,8 @@ Begin with ``plant``, then ``effects.base`` and ``simulator``; the compiled solv
 
 from __future__ import annotations
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.plant import Model, Plant
 from msd_ident.model.simulator import Simulator, Trajectory, simulate, warm_up
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.base import Parameter
 from msd_ident.model.plant import PLANT_PARAMETERS
 
 #: Name → parameter, the plant's own first.

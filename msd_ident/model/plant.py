@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.errors import UsageError
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import Effect
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
-from msd_ident.model.effects.base import PLACE
+from msd_ident.model.declarations import PLACE
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.experiment import weigh
 from msd_ident.selection.hypothesis import Hypothesis

@@ -14,8 +14,8 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
+from msd_ident.model.declarations import TIME
 from msd_ident.model.effects import by_name, typical
-from msd_ident.model.effects.base import TIME
 from msd_ident.residuals.disturbance import missing_force
 from msd_ident.tuning import fixed, tuned
 

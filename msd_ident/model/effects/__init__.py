@@ -6,7 +6,8 @@ import importlib
 import pkgutil
 
 from msd_ident.errors import UsageError
-from msd_ident.model.effects.base import ARGUMENTS, Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import ARGUMENTS, Effect
 
 __all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "saturation", "spoken", "structural"]
 
@@ -27,6 +28,7 @@ def _discover() -> tuple[type[Effect], ...]:
 
 #: All effects, sorted by name. A file in this folder is all that a new one needs.
 LIBRARY: tuple[type[Effect], ...] = _discover()
+_NAMED = {effect.name: effect for effect in LIBRARY}
 
 
 def by_name(name: str) -> type[Effect]:
@@ -35,9 +37,8 @@ def by_name(name: str) -> type[Effect]:
     Raises:
         UsageError: when there is none; the message lists those there are.
     """
-    for effect in LIBRARY:
-        if effect.name == name:
-            return effect
+    if name in _NAMED:
+        return _NAMED[name]
     raise UsageError(f"no effect is called {name!r}; expected one of {', '.join(e.name for e in LIBRARY)}")
 
 

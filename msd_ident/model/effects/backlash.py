@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import BOTH, HARDENS, PLAY, Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import BOTH, HARDENS, PLAY, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.cogging import Cogging
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.declarations import Parameter, RecordScales
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 
 if TYPE_CHECKING:

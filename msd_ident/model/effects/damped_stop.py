@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.end_stop import EndStop
 
 if TYPE_CHECKING:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.effects.base import Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.declarations import Parameter, RecordScales
+from msd_ident.model.effects.base import Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

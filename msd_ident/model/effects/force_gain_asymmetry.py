@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

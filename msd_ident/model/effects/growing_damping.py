@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.position_dependent_damping import PositionDependentDamping
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import AT_ZERO, Effect, Parameter
+from msd_ident.model.effects.base import AT_ZERO, Effect
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:

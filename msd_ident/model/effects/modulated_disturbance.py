@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import DRAGS, Effect, Parameter
+from msd_ident.model.effects.base import DRAGS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import RUBS, Effect, Parameter, RecordScales
+from msd_ident.model.effects.base import RUBS, Effect
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from msd_ident.model.effects.base import Effect, Parameter
+from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak
 
 if TYPE_CHECKING:
