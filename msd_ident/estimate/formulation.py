@@ -12,7 +12,7 @@ import numpy as np
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate.levels import NATURAL_RANGE, TENTH
+from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, TENTH
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
@@ -94,17 +94,19 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 
     Args:
         record: a record without any force does not count.
-        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period, be a jump
-            (a force that is smooth between its samples acted before), and the velocity at the first sample must be zero
-            within its uncertainty. If no parabola passes through the first samples, they do not show that velocity.
+        at_rest: result of ``starts_at_rest``. If False, the push must come within the first sample period and must
+            not go on from before the record, and the velocity at the first sample must be zero within its uncertainty.
+            If no parabola passes through the first samples, they do not show that velocity.
     """
     pushes = np.flatnonzero(record.force)
     if not pushes.size or record.force_time[pushes[0]] < record.time[0]:
         return False
     if at_rest:
         return True
-    early = record.hold == "zero" and record.force_time[pushes[0]] <= record.time[0] + record.period
+    early = record.force_time[pushes[0]] <= record.time[0] + record.period
     count = max(4, min(record.samples // 500, 40))
+    if _goes_on(record.force[pushes[0] : pushes[0] + count]):
+        return False
     if _beside_parabola(record.position[:count]) > TENTH * float(np.std(record.position)):
         return False
     _, velocity = starting_state(record, count)
@@ -113,6 +115,12 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
     noise = float(np.std(np.diff(record.position[: 5 * count], 4))) / math.sqrt(70.0)
     uncertain = 14.0 * noise / math.sqrt(count)  # of a parabola's slope at its end, times its span
     return early and abs(velocity) * span < 0.002 * float(np.ptp(record.position)) + 3.0 * uncertain
+
+
+def _goes_on(force: FloatArray) -> bool:
+    """Whether a force (c,) that changes with most samples begins far from zero: it acted before the first of them."""
+    changes = np.abs(np.diff(force))
+    return bool(np.mean(changes > 0.0) > MOST_OF and abs(float(force[0])) > float(np.sum(changes)))
 
 
 def _beside_parabola(head: FloatArray) -> float:

@@ -83,6 +83,17 @@ def test_a_record_that_begins_in_the_middle_of_a_motion_is_not_at_rest(hold: Lit
     assert sum(starts_unpushed(part, starts_at_rest(part)) for part in parts) <= 2
 
 
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_a_part_of_a_slow_ramp_is_not_at_rest_whatever_the_hold(hold: Literal["zero", "linear"]) -> None:
+    """It hardly moves within its first samples, but the force acted before them."""
+    time = np.arange(4000) / 250.0
+    force = np.interp(time, [0.0, 4.0, 12.0, 16.0], [0.0, 10.0, -10.0, 0.0])
+    noise = 1e-6 * np.random.default_rng(1).normal(size=time.size)
+    part = from_there(from_samples(time, force, force / 600.0 + noise, hold=hold), 2.0)
+    assert not starts_unpushed(part, starts_at_rest(part))
+    assert not formulate(DEMO, (part,)).balances
+
+
 def test_each_record_has_its_start_and_velocity_and_zero_where_they_are_unknown() -> None:
     problem = formulate(DEMO, (waiting(), from_there(released(), 0.1)))
     assert [(n.record, n.kind) for n in problem.nuisances] == [

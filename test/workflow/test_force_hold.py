@@ -55,6 +55,18 @@ def test_the_true_hold_is_found(hold: str, model: Model) -> None:
     )
 
 
+def test_a_slow_ramp_that_is_held_is_not_taken_for_a_smooth_force() -> None:
+    """Its first samples hardly move: with one hold the cart counted as at rest, with the others not."""
+    time = np.arange(4000) / 250.0
+    force = np.interp(time, [0.0, 4.0, 12.0, 16.0], [0.0, 7.0, -7.0, 0.0])
+    still = from_samples(time, force, np.zeros(time.size))
+    plant = Plant(0.379, 1.04, 408.0)
+    noise = 2e-6 * np.random.default_rng(1).normal(size=time.size)
+    record = replace(still, position=simulate(plant, still).position + noise)
+    assert choose_hold([record], plant).hold == "zero"
+    assert fit(plant, record).see < 1.05 * 2e-6
+
+
 def test_a_wrong_hold_spoils_the_fit_and_the_right_one_reaches_the_noise() -> None:
     record = measured("band_limited", CUBIC)
     left = {hold: fit(CUBIC, with_hold(record, hold), search="near").see for hold in ("zero", "linear", "band_limited")}
