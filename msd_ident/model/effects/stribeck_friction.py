@@ -84,17 +84,20 @@ class StribeckFriction(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
-        """A tenth and a third of the top speed as the velocity scale, little and much friction."""
+        """Velocity scales from a twelfth to two fifths of the top speed, with little and with much friction."""
         force, speed = typical.force(record, plant), typical.speed(record)
-        shares = [(n, s) for n in (1.0, 4.0) for s in (0.1, 0.4)]
+        shares = [(n, s) for n in (1.0, 4.0) for s in (0.08, 0.18, 0.4)]
         return tuple(cls.within_bounds(0.02 * force * n, 0.04 * force * n, speed * s) for n, s in shares)
 
     @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
-        """With a small peak over each of the velocities of ``guess``, and falling to half over all speeds."""
-        scales = {guess.stribeck_velocity for guess in cls.guess(record, plant)}
-        peaks = tuple(cls(force, _PEAK * force, scale) for scale in sorted(scales))
-        return *peaks, cls(0.5 * force, force, typical.speed(record))
+        """With a small peak and with a large one over each of the velocities of ``guess``, and falling to half over all
+        speeds. Coulomb friction beside which no peak was known lies between sliding and breakaway force.
+        """
+        scales = sorted({guess.stribeck_velocity for guess in cls.guess(record, plant)})
+        small = tuple(cls(force, _PEAK * force, scale) for scale in scales)
+        large = tuple(cls(0.5 * force, 2.0 * force, scale) for scale in scales)
+        return *small, *large, cls(0.5 * force, force, typical.speed(record))
 
     def is_dry_friction(self) -> bool:
         """Without a peak."""
