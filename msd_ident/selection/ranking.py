@@ -7,7 +7,7 @@ not a further cause.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -334,8 +334,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """Fitted sets by falling evidence.
 
     A set that is equal to a simpler one is left out, e.g. if an effect ended without strength. The first set is the
-    likeliest one, or the simplest one without further causes whose evidence is lower by at most ``CALLED``. Where
-    other sets say the same as the likeliest one, a set with fewer causes is compared with all of them together.
+    likeliest one, or the simplest one without further causes whose evidence is lower by at most ``CALLED``.
 
     Args:
         sets: every fitted set by its causes.
@@ -344,10 +343,8 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
-    top, likely = values[order[0]], scale.of(sets[order[0]])
-    same = [one for one in order if len(one) == len(order[0]) and abs(scale.of(sets[one]) - likely) < TENTH]
-    simpler = [one for one in order if kinds(one) <= kinds(order[0])]
-    near = [one for one in simpler if values[one] >= _beyond(one, same, values) - CALLED]
+    top = values[order[0]]
+    near = [one for one in order if kinds(one) <= kinds(order[0]) and values[one] >= top - CALLED]
     first = min(near, key=lambda one: (len(one), _forms(one), -values[one]))
     order.remove(first)
     order.insert(0, first)
@@ -362,22 +359,6 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         clear={causes: _clearness(causes, sets, scale.noise) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )
-
-
-def _beyond(simple: Causes, alike: Sequence[Causes], values: Mapping[Causes, float]) -> float:
-    """Log evidence [nats] that a set must come near to lead in place of the likeliest one.
-
-    It is that of the likeliest set and of all sets that say the same and have further causes than it. That a further
-    cause acts is as probable as all of them together: the data does not tell them apart (an offset and an asymmetric
-    spring beside a cubic one), and each alone has a part of it.
-
-    Args:
-        simple: the set.
-        alike: the likeliest set first, then those with as many causes and the same likelihood.
-        values: log evidence of each.
-    """
-    further = [values[one] for one in alike if kinds(simple) < kinds(one)]
-    return float(np.logaddexp.reduce(further)) if further else values[alike[0]]
 
 
 def _forms(causes: Causes) -> int:
