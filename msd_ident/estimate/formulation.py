@@ -105,7 +105,8 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
         return True
     early = record.force_time[pushes[0]] <= record.time[0] + record.period
     count = max(4, min(record.samples // 500, 40))
-    if _goes_on(record.force[pushes[0] : pushes[0] + count]):
+    within = int(np.searchsorted(record.force_time, record.time[count - 1], side="right"))
+    if _goes_on(record.force[pushes[0] : within]):
         return False
     if _beside_parabola(record.position[:count]) > TENTH * float(np.std(record.position)):
         return False
@@ -118,9 +119,11 @@ def starts_unpushed(record: Record, at_rest: bool) -> bool:
 
 
 def _goes_on(force: FloatArray) -> bool:
-    """Whether a force (c,) that changes with most samples begins far from zero: it acted before the first of them."""
+    """Whether a force (c,) that changes again and again begins far from zero: it acted before the first value."""
     changes = np.abs(np.diff(force))
-    return bool(np.mean(changes > 0.0) > MOST_OF and abs(float(force[0])) > float(np.sum(changes)))
+    if changes.size < 2 or np.count_nonzero(changes) < MOST_OF * changes.size:
+        return False
+    return abs(float(force[0])) > float(np.sum(changes))
 
 
 def _beside_parabola(head: FloatArray) -> float:

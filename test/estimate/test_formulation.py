@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from functools import cache
 from typing import Literal
@@ -23,7 +24,7 @@ from msd_ident.estimate.formulation import (
     starts_unpushed,
     wide_vectors,
 )
-from msd_ident.model import Plant
+from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.cubic_spring import CubicSpring
 
@@ -92,6 +93,18 @@ def test_a_part_of_a_slow_ramp_is_not_at_rest_whatever_the_hold(hold: Literal["z
     part = from_there(from_samples(time, force, force / 600.0 + noise, hold=hold), 2.0)
     assert not starts_unpushed(part, starts_at_rest(part))
     assert not formulate(DEMO, (part,)).balances
+
+
+@pytest.mark.parametrize("force", [[10.0], [10.0, 9.0], [10.0, 9.0, 8.5, 8.0]])
+def test_few_commands_do_not_go_on_from_before_the_record(force: list[float]) -> None:
+    time = np.arange(3000) * 1e-3
+    stamps = np.linspace(0.0, 2.0, len(force))
+    pushed = Record(time, np.zeros(time.size), stamps, np.array(force))
+    noise = 1e-6 * np.random.default_rng(1).normal(size=time.size)
+    record = replace(pushed, position=simulate(DEMO, pushed).position + noise)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert starts_unpushed(record, False)
 
 
 def test_each_record_has_its_start_and_velocity_and_zero_where_they_are_unknown() -> None:
