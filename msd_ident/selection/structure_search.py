@@ -31,7 +31,7 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, Ranking, rank
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
 from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
@@ -166,15 +166,18 @@ class Search:
         return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * known.chi]
 
     def _pairs(self) -> list[Causes]:
-        """Pairs of the causes that leave least by themselves, and of laws that are linear in their parameters.
+        """Pairs of the causes that leave least by themselves, of the likeliest ones, and of laws that are linear in
+        their parameters.
 
-        Where two causes act, each alone may leave more than a third one does that acts a little like both. Two linear
-        laws have no start that could be missed.
+        Where two causes act, each alone may leave more than a third one does that acts a little like both. That leaves
+        least where it is flexible; the evidence, which knows how much that says, still has both near. Two linear laws
+        have no start that could be missed.
         """
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
         near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
+        likely = [one.causes for one in self.ranking().within(NEAR) if len(one.causes) == 1][:LEADERS]
         plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
-        return [one | other for one, other in (*combinations(near, 2), *combinations(plain, 2))]
+        return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]
 
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""

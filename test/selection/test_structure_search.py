@@ -18,6 +18,7 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.modulated_disturbance import ModulatedDisturbance
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
@@ -115,6 +116,16 @@ def test_the_causes_that_leave_least_are_paired() -> None:
     found = search._pairs()
     assert frozenset({"backlash", "cubic_spring"}) in found
     assert frozenset({"backlash", "coulomb_friction"}) not in found, "friction leaves more than four times as much"
+
+
+def test_the_likeliest_causes_are_paired_where_a_flexible_law_leaves_least() -> None:
+    """Drag and a drift of the stiffness in a free decay: a modulated disturbance leaves a fiftieth of either."""
+    data = steps()
+    laws = {BASE + QuadraticDrag(1.0): 8e5, BASE + StiffnessDrift(0.1): 5e5, BASE + ModulatedDisturbance(1.0, 9.0, 0.0, 2.0, 0.1, 0.0, 0.1, 0.0): 1e4}
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    alone = [fitted(data, model, left) for model, left in laws.items()]
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 1e6), *alone)}
+    assert frozenset({"quadratic_drag", "stiffness_drift"}) in search._pairs()
 
 
 def test_laws_that_are_linear_in_their_parameters_are_paired_however_much_each_leaves() -> None:
