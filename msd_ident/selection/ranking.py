@@ -7,7 +7,7 @@ not a further cause.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -334,7 +334,8 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     """Fitted sets by falling evidence.
 
     A set that is equal to a simpler one is left out, e.g. if an effect ended without strength. The first set is the
-    likeliest one, or the simplest one without further causes whose evidence is lower by at most ``CALLED``.
+    likeliest one, or the simplest one without further causes whose evidence is lower by at most ``CALLED``. Where
+    other sets give the motion of the likeliest one, a set with fewer causes is compared with all of them together.
 
     Args:
         sets: every fitted set by its causes.
@@ -344,7 +345,9 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
     values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
-    near = [one for one in order if kinds(one) <= kinds(order[0]) and values[one] >= top - CALLED]
+    same = [one for one in order if _same_motion(sets[one], sets[order[0]], scale)]
+    simpler = [one for one in order if kinds(one) <= kinds(order[0])]
+    near = [one for one in simpler if values[one] >= _beyond(one, same, values) - CALLED]
     first = min(near, key=lambda one: (len(one), _forms(one), -values[one]))
     order.remove(first)
     order.insert(0, first)
@@ -359,6 +362,34 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         clear={causes: _clearness(causes, sets, scale.noise) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )
+
+
+def _same_motion(one: Hypothesis, other: Hypothesis, scale: NoiseScale) -> bool:
+    """Whether two sets of as many causes give the same motion.
+
+    With the difference d of their motions, in units of the noise, and the variance v of what they leave, d²/(2 v) is the
+    log likelihood ratio [nats] that records of this length are expected to show: less than ``TENTH``.
+    """
+    if len(one.causes) != len(other.causes):
+        return False
+    between = one.state.residual - other.state.residual
+    return bool(between @ between < 2.0 * TENTH * scale.spread(min(one.chi, other.chi)))
+
+
+def _beyond(simple: Causes, same: Sequence[Causes], values: Mapping[Causes, float]) -> float:
+    """Log evidence [nats] that a set must come near to lead in place of the likeliest one.
+
+    It is that of all sets together that give the likeliest one's motion and have further causes than this set. No data
+    tells them apart (an offset and an asymmetric spring beside a cubic one), so each has only a part of the evidence
+    that a further cause acts.
+
+    Args:
+        simple: the set.
+        same: the likeliest set first, then those that give the same motion.
+        values: log evidence of each.
+    """
+    further = [values[one] for one in same if kinds(simple) < kinds(one)]
+    return float(np.logaddexp.reduce(further)) if further else values[same[0]]
 
 
 def _forms(causes: Causes) -> int:

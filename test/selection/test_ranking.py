@@ -9,11 +9,13 @@ import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
 
 from msd_ident.model import Plant
+from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.power_drag import PowerDrag
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
@@ -243,6 +245,24 @@ def test_the_likelier_of_two_laws_leads_and_the_other_is_told(experiment: Experi
         other = {"coulomb_friction", "stribeck_friction"} - {name}
         near = found.evidence[0] - found.evidence[1] <= DECISIVE
         assert set(alternatives(found, name)) == (other if near else set())
+
+
+@pytest.mark.parametrize(("third", "called"), [(None, False), (60000.0, True), (90000.0, False)])
+def test_a_cause_that_two_laws_say_alike_is_called_for_by_both(
+    experiment: Experiment, third: float | None, called: bool
+) -> None:
+    """An offset and an asymmetric spring beside a cubic one are the same curve: each has a part of what it is worth."""
+    offset, bent = ForceOffset(0.3), AsymmetricSpring(2e3)
+    sets = {
+        "base": fitted(experiment, BASE, 1e6),
+        "cubic": fitted(experiment, BASE + CubicSpring(1e5), 1e5, known=30.0),
+        "offset": fitted(experiment, BASE + CubicSpring(1e5) + offset, 60000.0, known=30.0),
+    }
+    if third is not None:
+        sets["bent"] = fitted(experiment, BASE + CubicSpring(1e5) + bent, third, known=30.0)
+    found = ranked(sets)
+    assert found.best.causes == {"cubic_spring"} | ({"force_offset"} if called else set())
+    assert found.of_cause("force_offset") > found.of_set(frozenset({"cubic_spring"}))
 
 
 @pytest.mark.parametrize(("peak", "own"), [(1.005, False), (1.02, True)])
