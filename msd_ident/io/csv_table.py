@@ -19,6 +19,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
+from msd_ident.io import units
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
@@ -146,8 +147,8 @@ class Table:
         return value
 
     def _find_layout(self) -> Layout:
-        """Read the header and the first line of numbers."""
-        header = comment = ""
+        """Read the header, which is the last text before the numbers, and the first line of numbers."""
+        comment, texts = "", list[str]()
         position = number = 0
         while position < len(self._text):
             end = self._text.find("\n", position)
@@ -155,42 +156,66 @@ class Table:
             line = self._text[position:end].strip()
             position = end + 1
             if line.startswith(_COMMENTS):
-                comment = "" if header else line.lstrip("".join(_COMMENTS)).strip()
-            elif line and not header and comment and _is_number(_cells(line)[0]):
-                return self._layout(
-                    comment, line, number, self._text[position : position + _AHEAD]
-                )  # numpy.savetxt comments its header
-            elif line and header:
+                comment = "" if texts else line.lstrip("".join(_COMMENTS)).strip()
+            elif line and _holds_numbers(line, texts[-1] if texts else ""):
+                header = _with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
             elif line:
-                header = line
+                texts.append(line)
             number += 1
-        if not header:
-            raise DataError(f"{self._path} is empty; expected a header like time_s,force_n,position_m and numbers")
-        raise DataError(f"{self._path} has one line; expected a header like time_s,force_n,position_m and numbers")
+        expected = "expected a header like time_s,force_n,position_m and numbers"
+        if not texts:
+            raise DataError(f"{self._path} is empty; {expected}")
+        self._names(texts[0], "")
+        said = "one line" if len(texts) == 1 else "no line of numbers"
+        raise DataError(f"{self._path} has {said}; {expected}")
 
-    def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
-        separator = next((mark for mark in _SEPARATORS if mark in header), None)
+    def _names(self, header: str, first: str) -> tuple[str, ...]:
+        """Names of the columns: their numbers, from 1 on, in a file without a header."""
+        if not header:
+            return tuple(str(place) for place in range(1, len(_cells(first)) + 1))
         names = _cells(header)
-        if separator is None and len(names) != len(first.split()):
+        if _separator(header) is None and len(names) != len(first.split()):
             names = tuple(re.split(r"\s{2,}", header.strip()))  # names with spaces in them
         if len(names) < 2:
             raise DataError(
                 f"{self._path} begins with one cell, {names[0][:40]!r}; expected the names of several columns, such as "
                 "time_s,force_n,position_m: is it a CSV file?"
             )
-        if all(_is_number(name) for name in names):
-            raise DataError(
-                f"{self._path} begins with numbers; expected a header that names the columns, such as "
-                "time_s,force_n,position_m: add one"
-            )
+        return names
+
+    def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
+        separator = _separator(header or first)
         numbers = [line for line in (first, *rest.split("\n")) if not line.lstrip().startswith(_COMMENTS)]
         comma = separator != "," and any("," in line for line in numbers)
-        return Layout(names, first_at, separator, decimal_comma=comma)
+        return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
+
+
+def _holds_numbers(line: str, header: str) -> bool:
+    """Whether a line belongs to the numbers: it begins with one, or has one and as many cells as the header above."""
+    cells = _cells(line)
+    found = [_is_number(cell) for cell in cells if cell]
+    return len(cells) > 1 and any(found) and (found[0] or len(cells) == len(_cells(header)))
+
+
+def _with_units(texts: Sequence[str]) -> str:
+    """The header, which may stand in two lines: the names, and below them a unit for each."""
+    last, above = _cells(texts[-1]), _cells(texts[-2]) if len(texts) > 1 else ()
+    if len(above) != len(last) or not all(units.is_unit(cell) for cell in last):
+        return texts[-1]
+    pairs = zip(above, last, strict=True)
+    return (_separator(texts[-1]) or "\t").join(
+        f"{name} ({cell.strip('()[]')})" if cell else name for name, cell in pairs
+    )
+
+
+def _separator(line: str) -> str | None:
+    """What stands between the cells of a line, ``None`` for white space."""
+    return next((mark for mark in _SEPARATORS if mark in line), None)
 
 
 def _cells(line: str) -> tuple[str, ...]:
-    separator = next((mark for mark in _SEPARATORS if mark in line), None)
+    separator = _separator(line)
     if separator is not None and '"' in line:
         return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
     return tuple(cell.strip().strip('"') for cell in line.split(separator))

@@ -85,6 +85,12 @@ def unit(column: str) -> tuple[str, str]:
     return (found.group(1).lower(), "") if found else ("", "")
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text, with brackets around it or without, is a unit that a heading may have; so is an empty one."""
+    name = _PRODUCT.sub("", text.strip().strip("()[]").lower().replace("µ", "u").replace("μ", "u"))
+    return name in {"", "-", *_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in name for sign in _RATES)
+
+
 def _looked_up(
     column: str, known: dict[str, tuple[str, float]], default: tuple[str, float], expected: str, option: str
 ) -> tuple[str, float]:

@@ -367,8 +367,8 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
 def _same_motion(one: Hypothesis, other: Hypothesis, scale: NoiseScale) -> bool:
     """Whether two sets of as many causes give the same motion.
 
-    With the difference d of their motions, in units of the noise, and the variance v of what they leave, d²/(2 v) is the
-    log likelihood ratio [nats] that records of this length are expected to show: less than ``TENTH``.
+    With the difference d of their motions, in units of the noise, and the variance v of what they leave, d²/(2 v) is
+    the log likelihood ratio [nats] that records of this length are expected to show: less than ``TENTH``.
     """
     if len(one.causes) != len(other.causes):
         return False

@@ -49,9 +49,7 @@ def test_joints_of_a_bag(arm: Path) -> None:
 
 
 @pytest.mark.timeout(300)
-def test_every_joint_in_one_table_with_a_sentence(
-    arm: Path, tmp_path: Path, asking_about: Callable[..., None]
-) -> None:
+def test_every_joint_in_one_table_with_a_sentence(arm: Path, tmp_path: Path, asking_about: Callable[..., None]) -> None:
     asking_about("coulomb_friction", "quadratic_drag")
     done = run("diagnose", str(arm), "--all-joints", "--json", str(tmp_path / "joints.json"))
     assert done.code == 0, done.err

@@ -9,7 +9,7 @@ import pytest
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate.parameter_units import Magnitudes, exponents, unit_in
-from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects import LIBRARY, by_name
 
 TIME = np.linspace(0.0, 1.0, 50)
 CART = from_samples(TIME, TIME, TIME)
@@ -47,6 +47,7 @@ def test_every_unit_of_the_library_scales_with_its_yardsticks(unit: str) -> None
         ("kg", "V", "m", "V·s²/m"),
         ("N·s²/m²", "V", "count", "V·s²/count²"),
         ("s", "V", "m", "s"),
+        (by_name("gravity").parameters[0].unit, "N·m", "rad", "N·m"),
     ],
 )
 def test_unit_on_a_rig(unit: str, force: str, position: str, reads: str) -> None:

@@ -92,6 +92,26 @@ def test_a_free_decay_has_no_force_column(tmp_path: Path) -> None:
     assert record.force.tolist() == [0.0]
 
 
+def test_lines_above_the_header_are_titles(tmp_path: Path) -> None:
+    """A PASCO or Vernier export: the title has another number of cells, and may have commas."""
+    titles = "Voltage, ChA, Run #1\nThu, Oct 07, 2021 10:26 AM\n\n"
+    record = read_text(tmp_path, titles + table())
+    assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
+
+
+def test_units_in_a_line_of_their_own(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(header="time,force,position\n(ms),N,[mm]"))
+    plain = read_text(tmp_path, table(header="time_ms,force_n,position_mm"))
+    assert record.time.tolist() == plain.time.tolist()
+    assert record.position.tolist() == plain.position.tolist()
+
+
+def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:
+    bare = table().split("\n", 1)[1]
+    record = read_text(tmp_path, bare, time="1", force="2", position="3")
+    assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
+
+
 def test_time_that_does_not_begin_at_zero(tmp_path: Path) -> None:
     record = read_text(tmp_path, table(rows=[(t + 1000.5, f, x) for t, f, x in ROWS]))
     assert record.time[0] == record.force_time[0] == 0.0
@@ -118,7 +138,8 @@ def changed(line: int, text: str) -> str:
         ("", ["is empty", "time_s,force_n,position_m"]),
         ("\n\n# nothing\n", ["is empty"]),
         ("time_s,force_n,position_m\n", ["has one line"]),
-        (table().split("\n", 1)[1], ["begins with numbers", "add one"]),
+        (table().split("\n", 1)[1], ["has no column called time; the columns are: 1, 2, 3", "--time COLUMN"]),
+        ("Voltage, ChA, Run #1\nno numbers\n", ["has no line of numbers", "time_s,force_n,position_m"]),
         (changed(7, "0.05,1.5"), ["line 7 has 2 cells", "expected 3", "time_s, force_n, position_m"]),
         (changed(7, "0.05,1.5,0.1,9"), ["line 7 has 4 cells"]),
         (changed(8, "0.06,abc,0.1"), ["line 8", "column force_n holds 'abc'"]),

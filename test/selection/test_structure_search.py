@@ -121,7 +121,11 @@ def test_the_causes_that_leave_least_are_paired() -> None:
 def test_the_likeliest_causes_are_paired_where_a_flexible_law_leaves_least() -> None:
     """Drag and a drift of the stiffness in a free decay: a modulated disturbance leaves a fiftieth of either."""
     data = steps()
-    laws = {BASE + QuadraticDrag(1.0): 8e5, BASE + StiffnessDrift(0.1): 5e5, BASE + ModulatedDisturbance(1.0, 9.0, 0.0, 2.0, 0.1, 0.0, 0.1, 0.0): 1e4}
+    laws = {
+        BASE + QuadraticDrag(1.0): 8e5,
+        BASE + StiffnessDrift(0.1): 5e5,
+        BASE + ModulatedDisturbance(1.0, 9.0, 0.0, 2.0, 0.1, 0.0, 0.1, 0.0): 1e4,
+    }
     search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
     alone = [fitted(data, model, left) for model, left in laws.items()]
     search.sets = {one.causes: one for one in (fitted(data, BASE, 1e6), *alone)}

@@ -22,7 +22,7 @@ class Gravity(Effect):
     gravity_moment: float
 
     name = "gravity"
-    parameters = (Parameter("gravity_moment", "G", "N·m", 0.0, math.inf, "m·g·l: weight times lever"),)
+    parameters = (Parameter("gravity_moment", "G", "N", 0.0, math.inf, "m·g·l: weight times lever [N·m]"),)
     prior_odds = 1.0 / 2.0
     acts_on = "force"
     law = "G·sin(x), x [rad] from where it hangs"
