@@ -4,6 +4,7 @@ tolerance.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from msd_ident.diagnosis.result import Cause, Verdict
@@ -58,13 +59,16 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
 
 
 def force(left: Remainder, unit: str) -> str:
-    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``, or its bound if none is detected.
+    """The missing force with its interval, e.g. ``0.012 N rms (0.010 to 0.015)``, or its bound if none is detected;
+    ``unknown size`` where the scale of all forces is open.
 
     Args:
         left: of one model.
         unit: of the force.
     """
     low, high = left.force_interval
+    if math.isnan(left.force):
+        return "unknown size"
     if not left.seen:
         return f"below {high:.2g} {unit} rms"
     return f"{left.force:.2g} {unit} rms ({low:.2g} to {high:.2g})"

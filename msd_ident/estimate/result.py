@@ -88,3 +88,9 @@ def _slope(formula: Callable[[Mapping[str, float]], float], values: Mapping[str,
     above = formula({**values, name: values[name] + step})
     below = formula({**values, name: values[name] - step})
     return (above - below) / (2.0 * step)
+
+
+def scale_known(quantities: Mapping[str, Quantity]) -> bool:
+    """Whether mass, damping or stiffness is known, so that a motion says how large a force is."""
+    plant = (quantities[name] for name in ("mass", "damping", "stiffness"))
+    return any(one.known and one.value != 0.0 for one in plant)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +78,9 @@ def summarise_fit(problem: Problem, outcome: Solution, floor: float, soft: float
         initial=problem.initials(outcome.point),
         effective_samples=effective,
         open=tuple(found),
-        open_directions=tuple(direction.sentence for direction in found) + _gain_sentence(problem),
+        open_directions=_unmoved_sentence(problem, found)
+        + tuple(direction.sentence for direction in found)
+        + _gain_sentence(problem),
         converged=outcome.converged and _finite(outcome, sums.residuals),
         message=outcome.message,
     )
@@ -147,6 +150,22 @@ def _quantities(
         deviation = math.nan if parameter.name in unknown else spread.get(parameter.name, 0.0)
         quantities[parameter.name] = Quantity(float(value), deviation, unit_in(parameter.unit, problem.records[0]))
     return quantities
+
+
+def _unmoved_sentence(problem: Problem, found: Sequence[identifiability.OpenDirection]) -> tuple[str, ...]:
+    """A sentence where mass, damping and stiffness are open each by itself although the record moves."""
+    free = {problem.model.names[i] for i in problem.free}
+    opened = [free & set(direction.names) for direction in found]
+    alone = set().union(*(names for names in opened if len(names) == 1))
+    plant = free & {"mass", "damping", "stiffness"}
+    if "mass" not in plant or not plant <= alone:
+        return ()
+    return (
+        "The force of this record explains none of its motion, so no parameter with a unit of force is known: a hand "
+        "or a position controller moves the cart, or a controller holds an unstable plant, which no simulation from "
+        "the first sample follows. Cut the record to a stretch that the force moves (--start, --end), or use "
+        "--force none after a release.",
+    )
 
 
 def _gain_sentence(problem: Problem) -> tuple[str, ...]:

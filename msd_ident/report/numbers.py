@@ -74,8 +74,10 @@ def interval(quantity: Quantity) -> str:
 
 
 def with_band(quantity: Quantity) -> str:
-    """``value ± half of the 95 % interval``; words where there is no interval."""
-    if not quantity.known or quantity.std == 0.0:
+    """``value ± half of the 95 % interval``; ``open`` where the data leaves the value open, which no number is then."""
+    if not quantity.known:
+        return interval(quantity)
+    if quantity.std == 0.0:
         return f"{value(quantity)} ({interval(quantity)})"
     half = Z95 * quantity.std
     places = decimals(quantity.value, half)

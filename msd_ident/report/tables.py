@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from msd_ident.estimate.result import scale_known
 from msd_ident.model.base_model import FRICTION_FORCE, OFFSET_FORCE
 from msd_ident.quantity import Quantity
 from msd_ident.report import numbers
@@ -134,7 +137,14 @@ def _reductions(identification: Identification) -> list[float]:
 
 
 def _cell(found: ModelFit, name: str) -> str:
-    return numbers.number(found.parameters[name].value, 5) if name in found.parameters else "–"
+    if name not in found.parameters or not _told(found.parameters, name):
+        return "–"
+    return numbers.number(found.parameters[name].value, 5)
+
+
+def _told(parameters: Mapping[str, Quantity], name: str) -> bool:
+    """Whether a value says anything: not one of those that are open where the scale of all forces is."""
+    return parameters[name].known or scale_known(parameters)
 
 
 def _length(identification: Identification) -> tuple[float, str]:
@@ -145,8 +155,9 @@ def _length(identification: Identification) -> tuple[float, str]:
 def interval_table(identification: Identification) -> Table:
     """The joint refit with its intervals, and the noise floor that no model can beat."""
     table = new_table("Joint refit", "", "value", "95 % interval", "unit")
-    for name, quantity in identification.refined.parameters.items():
-        _row(table, name, quantity)
+    parameters = identification.refined.parameters
+    for name, quantity in parameters.items():
+        _row(table, name, quantity if _told(parameters, name) else replace(quantity, value=math.nan))
     table.add_section()
     factor, unit = _length(identification)
     table.add_row("noise floor", numbers.number(identification.noise_floor * factor, 3), "", unit)

@@ -18,6 +18,7 @@ from msd_ident import seeds
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.levels import CONFIDENCE, FEWEST
+from msd_ident.estimate.result import scale_known
 from msd_ident.model import Model
 from msd_ident.residuals.adequacy import Adequacy
 from msd_ident.residuals.disturbance import DisturbanceEstimate
@@ -35,7 +36,8 @@ class Remainder:
     """What one model leaves.
 
     Attributes:
-        force: root mean square of the missing force, in the record's unit of force.
+        force: root mean square of the missing force, in the record's unit of force; NaN where the data leaves the scale
+            of all forces open.
         force_interval: 95 % interval of it; from 0 on where the residual is no more than noise.
         force_percent: the same as a part of the yardstick's rms [%]; NaN where there is none.
         motion_percent: what it makes of the motion: residual beyond the noise, as a part of the motion's rms [%].
@@ -131,7 +133,9 @@ def remainders(
 
     def left_by(model: JudgedModel) -> Remainder:
         """What a model leaves, as a force and as a part of the motion."""
-        force, interval = _force(model.missing, plant, model.adequacy.consistent)
+        force, interval = math.nan, (math.nan, math.nan)
+        if scale_known(model.fit.quantities):
+            force, interval = _force(model.missing, plant, model.adequacy.consistent)
         return Remainder(
             force=force,
             force_interval=interval,
