@@ -25,6 +25,8 @@ SURE = 0.9
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
 #: Least probability of a cause that counts as stated, and causes from which on a bin says something.
 NEGLIGIBLE, POPULATED = 0.01, 10
+#: Imagined studies of a forecaster whose probabilities are right.
+_STUDIES = 10_000
 
 
 @dataclass(frozen=True)
@@ -151,6 +153,15 @@ def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
     is right when it itself acts; that another one tied with it does, does not count. What no experiment can tell from
     the truth is neither right nor wrong.
     """
+    bins = []
+    for low, high, inside in _binned(outcomes):
+        stated = float(np.mean([p for p, _ in inside]))
+        bins.append(Bin(low, min(high, 1.0), len(inside), stated, sum(right for _, right in inside)))
+    return bins
+
+
+def _binned(outcomes: Sequence[Outcome]) -> list[tuple[float, float, list[tuple[float, bool]]]]:
+    """Ends of each bin that is not empty, and of each cause in it the stated probability and whether it acts."""
     pairs = [
         (p, name in o.truth)
         for o in outcomes
@@ -158,18 +169,24 @@ def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
         for name, p in (*((name, p) for name, p, _ in o.named), *o.beside)
         if p >= NEGLIGIBLE and name not in undecidable(frozenset(o.truth))
     ]
-    bins = []
-    for low, high in pairwise(BINS):
-        inside = [(p, right) for p, right in pairs if low <= p < high]
-        if inside:
-            stated = float(np.mean([p for p, _ in inside]))
-            bins.append(Bin(low, min(high, 1.0), len(inside), stated, sum(right for _, right in inside)))
-    return bins
+    bins = [(low, high, [(p, right) for p, right in pairs if low <= p < high]) for low, high in pairwise(BINS)]
+    return [one for one in bins if one[2]]
 
 
 def miscalibration(outcomes: Sequence[Outcome]) -> float:
     """Largest difference of stated and observed in a populated bin."""
     return max((abs(b.stated - b.observed) for b in reliability(outcomes) if b.count >= POPULATED), default=math.nan)
+
+
+def by_chance(outcomes: Sequence[Outcome]) -> tuple[float, float]:
+    """The same if each cause acted by a lot of its stated probability: median and 95th percentile."""
+    rng = np.random.default_rng(0)
+    stated = [np.array([p for p, _ in inside]) for _, _, inside in _binned(outcomes) if len(inside) >= POPULATED]
+    if not stated:
+        return math.nan, math.nan
+    gaps = [np.abs(np.mean(rng.random((_STUDIES, p.size)) < p, axis=1) - np.mean(p)) for p in stated]
+    median, most = np.percentile(np.max(gaps, axis=0), (50.0, 95.0))
+    return float(median), float(most)
 
 
 def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:

@@ -92,7 +92,9 @@ def _figures(outcomes: Sequence[Outcome]) -> list[str]:
         f"{score.heldout(outcomes):.3f} | | <= 1.2 | 1.05 |",
         "| calibration: largest difference of stated probability and share that acts, bins with at least "
         f"{score.POPULATED} causes, all cases | {score.miscalibration(outcomes):.3f} | | <= 0.05 | 0.03 |",
+        _by_chance(outcomes),
         f"| the same, only visible effects in steps at 1 kHz | {score.miscalibration(main):.3f} | | | |",
+        _by_chance(main),
         "| error above the noise on left-out data: part that the extended model removes, median | "
         f"{100.0 * score.removed(outcomes):.1f} % | | | |",
         f"| duration of a diagnosis [s], median | {np.median(seconds):.2f} | {len(seconds)} | <= 2 | 0.5 |",
@@ -101,6 +103,13 @@ def _figures(outcomes: Sequence[Outcome]) -> list[str]:
         f"| processor time of a diagnosis [s], longest | {max(processor):.2f} | {len(processor)} | | |",
     ]
     return lines
+
+
+def _by_chance(outcomes: Sequence[Outcome]) -> str:
+    """How far a bin is off although every stated probability is right: the causes in it are few."""
+    median, most = score.by_chance(outcomes)
+    what = "of it by chance, if every stated probability were right: median (95 % below)"
+    return f"| {what} | {median:.3f} ({most:.3f}) | | | |"
 
 
 def _experiments(outcomes: Sequence[Outcome]) -> list[str]:

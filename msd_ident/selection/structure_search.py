@@ -317,11 +317,21 @@ class Search:
         return [causes | {name} for name in self.experiment.tried_alone if name not in causes]
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
-        """Fit those of the sets that are new; False when none was."""
+        """Fit those of the sets that are new; False when none was.
+
+        A set with a law that holds Coulomb friction as a limit follows the same set with Coulomb friction, from which
+        it is begun too: from a smaller set alone, whose other laws make up for all friction, it may end in this limit.
+        """
         new = [causes for causes in dict.fromkeys(wanted) if causes not in self.tried and causes_that_fit(causes)]
         self.tried.update(new)
-        if not new:
-            return False
+        after = [causes for causes in new if not set(new).isdisjoint(_with_coulomb(causes))]
+        middle = end - (end - start) * len(after) / max(len(new), 1)
+        for sets, part in (([one for one in new if one not in after], (start, middle)), (after, (middle, end))):
+            if sets:
+                self._fit_new(sets, *part)
+        return bool(new)
+
+    def _fit_new(self, new: Sequence[Causes], start: float, end: float) -> None:
         near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
         found.sort(key=lambda starts: starts[0].turn)
@@ -331,7 +341,6 @@ class Search:
         for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
             self._fit_group(group, share)
         self._simplify(new)
-        return True
 
     def _simplify(self, new: Iterable[Causes]) -> None:
         """Fit a simpler set again where a set that turned out to be equal to it leaves less.
@@ -401,10 +410,16 @@ class Search:
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
-        twins = [causes - {name} | {COULOMB} for name in sorted(causes & set(HOLDING_COULOMB)) if COULOMB not in causes]
+        twins = _with_coulomb(causes)
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         plain = [known[NOTHING]] if not worth or (causes & self._rippled and worth[0].causes) else []
         return worth + plain + [known[twin] for twin in twins if twin in known]
+
+
+def _with_coulomb(causes: Causes) -> list[Causes]:
+    """The sets with Coulomb friction in place of a law that holds it as a limit."""
+    laws = sorted(causes & set(HOLDING_COULOMB))
+    return [causes - {name} | {COULOMB} for name in laws if COULOMB not in causes]
 
 
 def _linear(causes: Causes) -> bool:

@@ -46,6 +46,16 @@ def test_stated_probabilities_are_compared_with_what_acts() -> None:
     assert math.isnan(score.miscalibration([thin]))
 
 
+def test_right_probabilities_are_off_by_chance_too() -> None:
+    """Of ten causes stated with 0.7, 6 to 8 act in 70 of 100 studies, 5 to 9 in 92, 4 to 10 in 99."""
+    ten = [outcome((("backlash", 0.7),))] * 10
+    assert score.by_chance(ten) == pytest.approx((0.1, 0.3))
+    assert max(score.by_chance(ten * 40)) < 0.05 < score.by_chance(ten)[0], "many causes leave little to chance"
+    assert score.by_chance([outcome((("backlash", 1.0),))] * 10) == (0.0, 0.0)
+    assert math.isnan(score.by_chance(ten[1:])[0])
+    assert "if every stated probability were right: median (95 % below) | 0.100 (0.300)" in "\n".join(told.report(ten))
+
+
 def test_stops_off_the_middle_are_stops_beside_an_offset_but_not_the_other_way_round() -> None:
     """docs/identities.md: one end stop may stand for both, an offset that does not act is false."""
     both, one = ("end_stop", "force_offset"), ("end_stop",)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
@@ -91,6 +93,27 @@ def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_le
     better = search.sets[wrong.causes]
     search._simplify([peakless.causes])
     assert search.sets[wrong.causes] is better, "it is fitted once"
+
+
+def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() -> None:
+    """Beside stops alone the law would take up what their damping makes up for, and end without its peak."""
+    data = steps()
+    stops = BASE + EndStop(1e-3, 1e4)
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e3), fitted(data, stops, 5e3))}
+    names = ("coulomb_friction", "stribeck_friction", "quadratic_drag")
+    rubs, peak, drag = (frozenset({"end_stop", name}) for name in names)
+    begun: list[tuple[frozenset[str], bool]] = []
+
+    def fit(new: Sequence[frozenset[str]], start: float, end: float) -> None:
+        begun.extend((causes, rubs in search.sets) for causes in new)
+        search.sets[rubs] = fitted(data, stops + CoulombFriction(0.1), 100.0)
+
+    search._fit_new = fit  # type: ignore[method-assign]
+    assert search._fit([peak, drag, rubs], 0.0, 1.0)
+    assert begun == [(drag, False), (rubs, False), (peak, True)]
+    assert [one.causes for one in search._parents(peak)] == [frozenset({"end_stop"}), rubs]
+    assert not search._fit([peak], 0.0, 1.0)
 
 
 def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() -> None:
