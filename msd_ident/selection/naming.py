@@ -55,11 +55,8 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         The ranking without the dropped sets (as it was, if the base model is chosen), the chosen set, and its
         prediction of left-out data.
     """
-    other = _leaving_less(ranking, experiment, base)
-    if other is not None:
-        heldout = predict(experiment, base, other.best)
-        if heldout.interval_percent[0] > 100.0 * MOST_OF:
-            return other, other.best, heldout
+    if found := _foretold(ranking, experiment, base):
+        return found
     if not ranking.best.causes and len(ranking.sets) > 1:
         likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
         other = leading(ranking.led_by(likeliest))
@@ -76,7 +73,18 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         if len(left.sets) == 1:
             break
         left = leading(without(left, left.best))
+    if len(left.sets) < len(ranking.sets) and (found := _foretold(left, experiment, base)):
+        return found
     return ranking, base, predict(experiment, base, base)
+
+
+def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tuple[Ranking, Hypothesis, HeldOut] | None:
+    """The result of ``predicting`` if left-out data call for a set that leaves less than the leading one does."""
+    less = _leaving_less(ranking, experiment, base)
+    if less is None:
+        return None
+    heldout = predict(experiment, base, less.best)
+    return (less, less.best, heldout) if heldout.better else None
 
 
 def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:

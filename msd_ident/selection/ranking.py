@@ -134,8 +134,9 @@ class Ranking:
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
-        unsure = self.unchecked or self.foretold
-        return min(found, _probability(self.greatest_odds(by_name(kind)))) if unsure else found
+        if not (self.unchecked or self.foretold):
+            return found
+        return min(found, _probability(self.greatest_odds(Effect if self.foretold else by_name(kind))))
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one.

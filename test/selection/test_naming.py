@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from msd_ident.selection import naming
+from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking
 
@@ -131,3 +132,25 @@ def test_a_law_that_leaves_little_is_tried_where_the_leader_leaves_more_than_it_
 )
 def test_else_evidence_decides(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> None:
     assert left_over(first, chi) is None
+
+
+@pytest.mark.parametrize("ripples", [True, False])
+def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
+    monkeypatch: pytest.MonkeyPatch, ripples: bool
+) -> None:
+    """Friction explains most, and by chance; beside a ripple little is left, which the evidence does not call for."""
+    both = frozenset({"cogging", "coulomb_friction"})
+    chi = {("coulomb_friction",): 3e3, (): 1e4, tuple(sorted(both)): 5e2}
+    given = ranking({("coulomb_friction",): 0.9, (): 0.08, tuple(sorted(both)): 0.02})
+    sets = tuple(cast(Hypothesis, Set(one.causes, chi[tuple(sorted(one.causes))])) for one in given.sets)
+    base = next(one for one in sets if not one.causes)
+
+    def predicted(experiment: object, base: Hypothesis, one: Hypothesis) -> HeldOut:
+        low = 16.0 if one.causes == both and ripples else -5.0
+        return HeldOut(1.0, 0.5, 50.0, (low, 70.0))
+
+    monkeypatch.setattr(naming, "predict", predicted)
+    asked = cast(Any, SimpleNamespace(evidence=100.0))
+    found, best, heldout = naming.predicting(asked, base, replace(given, sets=sets))
+    assert best.causes == (both if ripples else frozenset()) and heldout.better is ripples
+    assert all(found.of_cause(name) <= CERTAIN for name in best.causes)
