@@ -215,7 +215,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     if lacks.exceeds:
         characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
-    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]])
+    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]], best.causes in ranking.exact)
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:
         said += naming.other_forms(ranking) + replication.left_unchecked(ranking, matrix)
@@ -251,12 +251,13 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
 def _beside(
     experiment: Experiment, best: Hypothesis, ranking: Ranking, alike: Sequence[Hypothesis], scale: NoiseScale
 ) -> list[tuple[float, Hypothesis]]:
-    """The explanations beside the leading one that are not negligible, with their probabilities.
+    """The explanations beside the leading one that are not negligible, with their probabilities (``naming.chances``).
 
     Laws of the force's gain that fit alike share the probability of the leading set, if they have none of their own.
     """
-    pairs = zip(ranking.probability, ranking.sets, strict=True)
-    ranked = [(p, one) for p, one in pairs if one.causes != best.causes and p > NEGLIGIBLE]
+    chances = naming.chances(ranking)
+    pairs = [(chances[one.causes], one) for one in ranking.sets if one.causes != best.causes]
+    ranked = [(p, one) for p, one in pairs if p > NEGLIGIBLE]
     known = {one.causes for _, one in ranked}
     others = [one for one in alike if one.causes not in known]
     found = ranked + gain_laws.shares(others, best, scale, ranking.of_set(best.causes))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from msd_ident.estimate.effort import A_SWING, KEPT, SAMPLES
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
@@ -63,7 +64,7 @@ def search(
     ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
-    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + _noise_only(ahead)
+    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + _leaving_less(ahead)
     asked += [] if clear else _simpler(ahead)
     for fitted in {one.causes: one for one in asked}.values():
         initial = _begun(fitted.initial, part, experiment, known[0].initial)
@@ -100,13 +101,16 @@ def _with_one_less(ahead: Ranking) -> list[Hypothesis]:
     return [one for one in ahead.sets if one.causes in wanted]
 
 
-def _noise_only(ahead: Ranking) -> list[Hypothesis]:
-    """The likeliest sets that leave only noise, if the leading one leaves more: they may predict what it does not."""
+def _leaving_less(ahead: Ranking) -> list[Hypothesis]:
+    """The likeliest sets that leave only noise, or less than half of the error of the leading one, if that leaves more
+    than noise: they may predict what it does not.
+    """
     if ahead.best.causes in ahead.exact:
         return []
-    pairs = zip(ahead.evidence, ahead.sets, strict=True)
-    found = sorted(((value, one) for value, one in pairs if one.causes in ahead.exact), key=lambda pair: -pair[0])
-    return [one for _, one in found[:KEPT]]
+    pairs = list(zip(ahead.evidence, ahead.sets, strict=True))
+    noise = [(value, one) for value, one in pairs if one.causes in ahead.exact]
+    less = [(value, one) for value, one in pairs if one.chi < MOST_OF**2 * ahead.best.chi]
+    return [one for _, one in sorted(noise or less, key=lambda pair: -pair[0])[:KEPT]]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:

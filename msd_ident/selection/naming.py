@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
-from msd_ident.estimate.levels import MOST_OF, TENTH
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN, DECISIVE, FAINT, Ranking, alternatives, kinds
+from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, FAINT, Ranking, alternatives, kinds
 from msd_ident.tuning import fixed
 
 _ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
@@ -44,7 +44,7 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
 
     A set that does not is dropped from the ranking, and the next one is tried, ``KEPT`` times at most. If the base
     model leads, the likeliest set with causes replaces it when the interval of its gain is above 0. If the leading set
-    explains nothing and another one leaves only noise, left-out data decide first (``_noise_only``).
+    leaves more than it explains and another one half of that, left-out data decide first (``_leaving_less``).
 
     Args:
         experiment: readings with their weights.
@@ -55,11 +55,8 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         The ranking without the dropped sets (as it was, if the base model is chosen), the chosen set, and its
         prediction of left-out data.
     """
-    exact = _noise_only(ranking, experiment, base)
-    if exact is not None:
-        heldout = predict(experiment, base, exact.best)
-        if heldout.interval_percent[0] > 100.0 * MOST_OF:
-            return exact, exact.best, heldout
+    if found := _foretold(ranking, experiment, base):
+        return found
     if not ranking.best.causes and len(ranking.sets) > 1:
         likeliest = max(zip(ranking.evidence, ranking.sets, strict=True), key=lambda pair: pair[0])[1]
         other = leading(ranking.led_by(likeliest))
@@ -76,15 +73,28 @@ def predicting(experiment: Experiment, base: Hypothesis, ranking: Ranking) -> tu
         if len(left.sets) == 1:
             break
         left = leading(without(left, left.best))
+    if len(left.sets) < len(ranking.sets) and (found := _foretold(left, experiment, base)):
+        return found
     return ranking, base, predict(experiment, base, base)
 
 
-def _noise_only(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
-    """The ranking of the sets that leave only noise, if the leading one explains nothing of what can be seen.
+def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tuple[Ranking, Hypothesis, HeldOut] | None:
+    """The result of ``predicting`` if left-out data call for a set that leaves less than the leading one does."""
+    less = _leaving_less(ranking, experiment, base)
+    if less is None:
+        return None
+    heldout = predict(experiment, base, less.best)
+    return (less, less.best, heldout) if heldout.better else None
+
+
+def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
+    """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains;
+    of those that leave only noise, if there are any.
 
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
-    numbers. A law of many sharp numbers (frequencies, phases) may lose to no law at all although nothing is left of
-    it. Samples that it did not see decide that: by chance no law predicts them.
+    numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
+    little like it, although little is left of it. Samples that it did not see decide that: by chance no law predicts
+    them. As the evidence does not call for the law, none of its causes is certain.
 
     Args:
         ranking: sets by evidence, the leading one first.
@@ -92,20 +102,22 @@ def _noise_only(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> R
         base: the fitted base model.
 
     Returns:
-        None if there is no such set, if the leading one explains something, or if it leaves too little for its form to
-        be seen.
+        None if there is no such set, if the leading one explains more than it leaves, or if it leaves too little for
+        its form to be seen.
     """
-    explains = ranking.best.chi < (1.0 - TENTH) * base.chi
-    if explains or ranking.best.causes in ranking.exact or base.chi < FAINT**2 * experiment.evidence:
+    chi = ranking.best.chi
+    if chi < MOST_OF * base.chi or chi < FAINT**2 * experiment.evidence:
         return None
+    less = [one for one in ranking.sets if one.chi < MOST_OF**2 * chi]
+    noise = [one for one in less if one.causes in ranking.exact]
     only = ranking
     for one in ranking.sets:
-        if one.causes not in ranking.exact:
+        if one not in (noise or less):
             only = without(only, one)
     if not only.sets:
         return None
     likeliest = max(zip(only.evidence, only.sets, strict=True), key=lambda pair: pair[0])[1]
-    return leading(only.led_by(likeliest))
+    return leading(replace(only, foretold=True).led_by(likeliest))
 
 
 def margin(ranking: Ranking, named: Causes) -> float:
@@ -174,7 +186,47 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
             f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {others} explains: the rig follows another "
             "law, so no named cause is certain."
         )
+    said += [
+        f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "
+        "not certain."
+        for name, part in _unclear(ranking).items()
+    ]
+    if ranking.foretold:
+        said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _unclear(ranking: Ranking) -> dict[str, float]:
+    """Named causes that are not certain because of what the leading set leaves, each with the rms of that as a part of
+    what is left without the cause.
+    """
+    named = ranking.best.causes
+    if named in ranking.exact or named in ranking.leaves:
+        return {}
+    told = ranking.further.get(named, {})
+    return {
+        name: 1.0 / math.sqrt(1.0 + clear)
+        for name, clear in sorted(ranking.clear.get(named, {}).items())
+        if name not in told and clear < CERTAIN_ODDS and ranking.of_cause(name) <= CERTAIN
+    }
+
+
+def chances(ranking: Ranking) -> dict[Causes, float]:
+    """Probability of each set, as parameters have it that differ between them.
+
+    Where a named cause may be another form of the law of the others, the likeliest set without it has at least the
+    probability that the cause does not act.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+    """
+    found = {one.causes: p for p, one in zip(ranking.probability, ranking.sets, strict=True)}
+    for name in ranking.further.get(ranking.best.causes, ()):
+        lacking = [causes for causes in found if by_name(name).cause() not in kinds(causes)]
+        if lacking:
+            likeliest = max(lacking, key=lambda causes: found[causes])
+            found[likeliest] = max(found[likeliest], 1.0 - ranking.of_cause(name))
+    return found
 
 
 def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:

@@ -57,7 +57,7 @@ CALLED = tuned(
 
 
 #: The same as odds.
-_CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
+CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
 
 
 def kinds(causes: Iterable[str]) -> frozenset[str]:
@@ -80,9 +80,11 @@ class Ranking:
         leaves: what a set leaves above the noise, as a part of what it explains, if that is more than ``FORM_PART``:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
-        clear: how clearly such a set needs each of its causes (``_clearness``).
+        clear: how clearly a set needs each of its causes (``_clearness``).
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
             certain.
+        foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
+            is certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
     """
 
@@ -95,6 +97,7 @@ class Ranking:
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     unchecked: bool = False
+    foretold: bool = False
     rich: bool = False
 
     @property
@@ -131,12 +134,25 @@ class Ranking:
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
-        return min(found, _probability(self.greatest_odds(by_name(kind)))) if self.unchecked else found
+        if not (self.unchecked or self.foretold):
+            return found
+        return min(found, _probability(self.greatest_odds(Effect if self.foretold else by_name(kind))))
 
     def _greatest(self, causes: Causes, law: str) -> float:
-        """Greatest probability that a law of a set acts, if the set is the right one."""
-        other_form = _probability(self._of_its_own(causes, law)) if law in self.further.get(causes, ()) else 1.0
-        return min(other_form, _probability(_uncertain(by_name(law)))) if causes in self.leaves else other_form
+        """Greatest probability that a law of a set acts, if the set is the right one.
+
+        What a set leaves above the noise may move like one of its causes. So the odds of a cause are no more than what
+        it explains over what is left (``_clearness``), but not less than ``FORM_ODDS`` allows. More than the usual
+        prior odds count only as far as it explains more than is left.
+        """
+        odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
+        if causes in self.leaves:
+            odds = min(odds, _uncertain(by_name(law)))
+        if causes not in self.exact:
+            clear = self.clear.get(causes, {}).get(law, math.inf)
+            clear *= max(min(clear, _usual(by_name(law))), 1.0)
+            odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
+        return _probability(odds)
 
     def _of_its_own(self, causes: Causes, law: str) -> float:
         """Greatest odds that a cause which may be another form of the other laws acts by itself.
@@ -150,12 +166,12 @@ class Ranking:
             return FORM_ODDS * odds
         clear = self.clear.get(causes, {}).get(law, math.inf)
         if not self.rich or odds < Effect.prior_odds:
-            clear = min(clear, _CERTAIN_ODDS)
+            clear = min(clear, CERTAIN_ODDS)
         return clear * odds / Effect.prior_odds
 
     def greatest_odds(self, effect: type[Effect]) -> float:
-        """Greatest odds of a cause if the experiment is poor and has no copies."""
-        return _uncertain(effect) if self.best.causes not in self.exact else _CERTAIN_ODDS * _usual(effect)
+        """Greatest odds of a cause if the experiment is poor and has no copies, or the evidence is against the set."""
+        return _uncertain(effect) if self.best.causes not in self.exact else CERTAIN_ODDS * _usual(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""
@@ -196,15 +212,22 @@ def _simpler(causes: Causes) -> Iterator[Causes]:
 def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
     """What each cause of a set explains beyond the other causes, as a part of what these explain.
 
-    For a set S and a cause c it is √((χ²(S − c) − χ²(S)) / (χ²(base) − χ²(S − c))). A cause is left out if the set
-    without it was not fitted or explains no more than the base model does.
+    For a set S and a cause c it is √((χ²(S − c) − χ²(S)) / (χ²(base) − χ²(S − c))). A cause is left out if S − c
+    (``_fitted``) explains no more than the base model does.
 
     Args:
         causes: the set.
         sets: all fitted sets by their causes.
     """
-    found = {name: _part_beyond(causes - {name}, causes, sets) for name in causes}
+    found = {name: _part_beyond(_fitted(causes - {name}, sets), causes, sets) for name in causes}
     return {name: part for name, part in found.items() if math.isfinite(part)}
+
+
+def _fitted(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> Causes:
+    """The fitted set of these causes; if they were not worth a fit, that of some of them which leaves least."""
+    if causes in sets:
+        return causes
+    return min((one for one in sets if one < causes), key=lambda one: sets[one].chi, default=causes)
 
 
 def _part_beyond(limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> float:
@@ -227,8 +250,10 @@ def _within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: 
     """
     exact = _exact(sets[causes], noise)
     for name, part in further_parts(causes, sets).items():
-        faint = sets[causes - {name}].chi < FAINT**2 * noise
-        if not exact and part <= (FORM_PART if faint else LEAST_SPREAD):
+        smaller = sets.get(causes - {name})
+        if exact or smaller is None:
+            continue
+        if part <= (FORM_PART if smaller.chi < FAINT**2 * noise else LEAST_SPREAD):
             return True
     return False
 
@@ -249,7 +274,7 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
     found = {
         name: part
         for name, part in parts.items()
-        if part <= (FORM_PART if sets[causes - {name}].chi < ROUGH**2 * noise else LEAST_SPREAD)
+        if part <= (FORM_PART if sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
     if not _exact(sets[causes], noise):
         springs = [name for name in sorted(causes) if by_name(name).is_spring()]
@@ -263,21 +288,22 @@ def _other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float
     return found
 
 
-def _clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
-    """How clearly a set that leaves only noise needs each of its causes.
+def _clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, float]:
+    """How clearly a set needs each of its causes: what the cause explains, in units of what the set leaves.
 
-    It is (χ²(S − c) − χ²(S)) / (δN): what the cause explains, in units of what the noise can hide, whose variance is
-    known to δ = ``NOISE_ERROR``. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its
-    place too. Causes whose smaller sets were not fitted are left out.
+    It is (χ²(S − c) − χ²(S)) / max(χ²(S) − N, δN). Where the set leaves only noise, it leaves what the noise can hide,
+    whose variance is known to δ = ``NOISE_ERROR``. If only the set's own residual tells of this noise, an error of its
+    laws may be a part of it: then no cause is certain that may be one. A law that holds Coulomb friction as a limit is
+    compared with Coulomb friction in its place too. Causes without a fitted smaller set are left out.
     """
-    if not _exact(sets[causes], noise):
-        return {}
-    found = {}
+    found, left, most = {}, sets[causes].chi - scale.noise, math.inf
+    if _exact(sets[causes], scale.noise):
+        left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
     for name in causes:
-        limits = [causes - {name}, causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
+        limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
         gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
         if gains:
-            found[name] = max(min(gains), 0.0) / (NOISE_ERROR * noise)
+            found[name] = min(max(min(gains), 0.0) / left, most)
     return found
 
 
@@ -359,7 +385,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(float(w) for w in weights),
         further={causes: _other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if _exact(sets[causes], scale.noise)),
-        clear={causes: _clearness(causes, sets, scale.noise) for causes in order},
+        clear={causes: _clearness(causes, sets, scale) for causes in order},
         leaves={causes: part for causes in order if (part := _left_over(causes, sets, scale.noise)) > FORM_PART},
     )
 

@@ -167,8 +167,9 @@ def checked(
 ) -> tuple[Ranking, Calibration | None]:
     """The ranking as corrected by copies of the experiment, and their confusion matrix.
 
-    Unless ``asked``, no copies are made if the experiment is not poor or if they cost more than ``_CHEAP``. A poor
-    experiment without copies lets no cause be certain.
+    Unless ``asked``, no copies are made if the experiment is not poor, if left-out data chose the leading set, whose
+    causes are not certain anyway, or if they cost more than ``_CHEAP``. A poor experiment without copies lets no cause
+    be certain.
 
     Args:
         experiment: the measured records.
@@ -181,10 +182,10 @@ def checked(
         The corrected ranking and the matrix; None if no copies were made.
     """
     ranking = replace(ranking, rich=not _poor(experiment, base))
+    if not asked and (ranking.rich or ranking.foretold):
+        return ranking, None
     rows = explanations(ranking, experiment.library)
     counts = _copies(rows)
-    if not asked and ranking.rich:
-        return ranking, None
     if not asked and cost(experiment, rows, counts) > _CHEAP:
         return replace(ranking, unchecked=True), None
     rows = [row.fitted_from(experiment, ranking.best) for row in rows]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.model.effects.end_stop import EndStop
-from msd_ident.selection import structure_search
+from msd_ident.selection import coarse_to_fine, structure_search
+from msd_ident.selection.ranking import Ranking
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
@@ -52,3 +56,19 @@ def test_a_long_rest_hides_no_cause() -> None:
     diagnosis = pipeline.diagnose([record])
     assert {cause.name for cause in diagnosis.causes} == {"coulomb_friction", "quadratic_drag"}
     assert diagnosis.extended.model["drag_coefficient"] == pytest.approx(2.0, rel=0.02)
+
+
+def test_sets_that_leave_far_less_than_the_leading_one_are_judged_on_all_samples() -> None:
+    """However little evidence they have; those that leave only noise come first."""
+
+    def asked(leader: float, exact: tuple[str, ...] = ()) -> list[str]:
+        chi = {"coulomb_friction": leader, "cogging": 200.0, "backlash": 240.0, "hysteresis": 260.0}
+        sets = tuple(SimpleNamespace(causes=frozenset({name}), chi=left) for name, left in chi.items())
+        evidence = (0.0, -90.0, -80.0, -70.0)
+        ranking = Ranking(cast(Any, sets), evidence, (1.0, 0.0, 0.0, 0.0), exact=frozenset({frozenset(exact)}))
+        return [name for one in coarse_to_fine._leaving_less(ranking) for name in one.causes]
+
+    assert asked(1000.0) == ["backlash", "cogging"]
+    assert asked(900.0) == ["cogging"] and asked(700.0) == []
+    assert asked(1000.0, ("cogging",)) == ["cogging"]
+    assert asked(1000.0, ("coulomb_friction",)) == []

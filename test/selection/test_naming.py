@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from msd_ident.selection import naming
+from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import DECISIVE, Ranking
+from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking
 
 NAMES = ("backlash", "cogging", "coulomb_friction", "hysteresis", "quadratic_drag")
 
@@ -91,6 +92,15 @@ def test_what_may_be_another_form_is_told_with_its_part() -> None:
     assert naming.other_forms(one) == ()
 
 
+def test_without_what_may_be_another_form_the_others_have_the_probability_that_it_does_not_act() -> None:
+    """For parameters that differ between them: by their evidence alone they would have none."""
+    both = frozenset({"backlash", "cogging"})
+    given = ranking({("backlash", "cogging"): 1.0, ("backlash",): 1e-9, ("hysteresis",): 1e-12})
+    assert naming.chances(given)[frozenset({"backlash"})] < 1e-6
+    found = naming.chances(replace(given, further={both: {"cogging": 0.084}}))
+    assert found[frozenset({"backlash"})] == pytest.approx(0.25) and found[frozenset({"hysteresis"})] < 1e-6
+
+
 def left_over(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> Any:
     """What samples left out have to decide between sets that leave these chi² of 100 pieces of evidence."""
     sets = {causes: cast(Hypothesis, Set(frozenset(causes), left)) for causes, left in chi.items()}
@@ -98,23 +108,49 @@ def left_over(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> A
     even = tuple(1.0 / len(order) for _ in order)
     exact = frozenset(frozenset(causes) for causes, left in chi.items() if left < 110.0)
     given = Ranking(tuple(sets[causes] for causes in order), tuple(np.log(even)), even, exact=exact)
-    return naming._noise_only(given, cast(Any, SimpleNamespace(evidence=100.0)), sets[()])
+    return naming._leaving_less(given, cast(Any, SimpleNamespace(evidence=100.0)), sets[()])
 
 
-def test_a_law_that_leaves_only_noise_is_tried_where_the_leader_explains_nothing() -> None:
+def test_a_law_that_leaves_little_is_tried_where_the_leader_leaves_more_than_it_explains() -> None:
+    """As the evidence does not call for it, it is not certain: at most 9 to 1 where only noise is left, else 3 to 1."""
     found = left_over((), {(): 1e4, ("coulomb_friction",): 9.9e3, ("cogging",): 98.0})
-    assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(1.0)
-    found = left_over(("coulomb_friction",), {(): 1e4, ("coulomb_friction",): 9.9e3, ("cogging",): 98.0})
-    assert found.best.causes == {"cogging"}
+    assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(CERTAIN)
+    assert "evidence does not" in naming.other_forms(found)[-1]
+    found = left_over(("coulomb_friction",), {(): 1e4, ("coulomb_friction",): 7e3, ("cogging",): 1.5e3})
+    assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(0.75)
+    found = left_over((), {(): 1e4, ("coulomb_friction",): 1e3, ("cogging",): 98.0})
+    assert [one.causes for one in found.sets] == [{"cogging"}], "what leaves only noise comes first"
 
 
 @pytest.mark.parametrize(
     ("first", "chi"),
     [
-        (("hysteresis",), {(): 1e4, ("hysteresis",): 4e3, ("cogging",): 98.0}),  # the leader explains something
+        (("hysteresis",), {(): 1e4, ("hysteresis",): 4e3, ("cogging",): 98.0}),  # the leader explains more
         ((), {(): 700.0, ("cogging",): 98.0}),  # too little is left for its form to be seen
-        ((), {(): 1e4, ("cogging",): 130.0}),  # no law leaves only noise
+        ((), {(): 1e4, ("cogging",): 2.6e3}),  # no law leaves less than half of the error
     ],
 )
 def test_else_evidence_decides(first: tuple[str, ...], chi: Mapping[tuple[str, ...], float]) -> None:
     assert left_over(first, chi) is None
+
+
+@pytest.mark.parametrize("ripples", [True, False])
+def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
+    monkeypatch: pytest.MonkeyPatch, ripples: bool
+) -> None:
+    """Friction explains most, and by chance; beside a ripple little is left, which the evidence does not call for."""
+    both = frozenset({"cogging", "coulomb_friction"})
+    chi = {("coulomb_friction",): 3e3, (): 1e4, tuple(sorted(both)): 5e2}
+    given = ranking({("coulomb_friction",): 0.9, (): 0.08, tuple(sorted(both)): 0.02})
+    sets = tuple(cast(Hypothesis, Set(one.causes, chi[tuple(sorted(one.causes))])) for one in given.sets)
+    base = next(one for one in sets if not one.causes)
+
+    def predicted(experiment: object, base: Hypothesis, one: Hypothesis) -> HeldOut:
+        low = 16.0 if one.causes == both and ripples else -5.0
+        return HeldOut(1.0, 0.5, 50.0, (low, 70.0))
+
+    monkeypatch.setattr(naming, "predict", predicted)
+    asked = cast(Any, SimpleNamespace(evidence=100.0))
+    found, best, heldout = naming.predicting(asked, base, replace(given, sets=sets))
+    assert best.causes == (both if ripples else frozenset()) and heldout.better is ripples
+    assert all(found.of_cause(name) <= CERTAIN for name in best.causes)

@@ -54,6 +54,16 @@ def test_steps_in_both_directions_let_a_further_cause_be_surer() -> None:
     assert matrix is None and found == replace(ranking, rich=True)
 
 
+def test_no_copies_are_made_of_what_left_out_data_chose(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They would say how certain it is, and it is not."""
+    monkeypatch.setattr(replication, "_poor", lambda experiment, base: True)
+    experiment = setrigs.steps()
+    base = setrigs.fitted(experiment, setrigs.BASE, 1e5)
+    ranking = replace(setrigs.ranked({"nothing": base}), foretold=True)
+    found, matrix = replication.checked(experiment, base, ranking, False, lambda stage, fraction, cause: None)
+    assert matrix is None and found == ranking
+
+
 def test_copies_that_cost_too_much_are_not_made_unasked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(replication, "_CHEAP", 0.0)
     assert pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)]).calibration is None
