@@ -98,7 +98,7 @@ def parted(pair: tuple[str, str], profile: Profile, period: float) -> float:
 
 def main() -> int:
     """Compute and write."""
-    rival_refits._STEPS = STEPS  # to the end, where a design takes a first look
+    rival_refits.SHORT = STEPS  # to the end, where a design takes a first look
     question = Question.of([contender(name) for name in ("", *SIZES)], np.ones(len(SIZES) + 1).tolist(), SEEN, LIMITS)
     profiles = chosen(question)
     table = np.array([[parted(pair, profile, question.period) for profile in profiles] for pair in PAIRS])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.special import expit
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design import discrimination, safety
@@ -19,14 +20,10 @@ from msd_ident.design.profile import Profile
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
-from msd_ident.tuning import tuned
+from msd_ident.selection.ranking import DECISIVE
 
-ENOUGH = tuned(
-    0.97,
-    unit="1",
-    why="probability of a decision that is as good as certain: of the profiles that have it, the shortest is taken",
-    chosen="by hand",
-)
+#: Probability of a decision that is as good as certain: of the profiles that have it, the shortest is taken.
+ENOUGH = float(expit(DECISIVE))
 
 
 @dataclass(frozen=True)

@@ -19,33 +19,20 @@ from msd_ident.design.nearest_rival import SILENT, Measured, Moving, nearest
 from msd_ident.design.prediction import Predictor, Sensing, sensing
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
-from msd_ident.estimate.levels import TENTH
+from msd_ident.estimate.effort import SAMPLES
+from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
 from msd_ident.estimate.parameter_units import in_force_unit, magnitudes
 from msd_ident.model import Effect, Model
 from msd_ident.model.effects import LIBRARY
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.evidence import log_prior
-from msd_ident.tuning import tuned
 
-_SHRINKS = tuned(
-    4, unit="trials", why="sizes of a hidden effect that are tried, each smaller than the one before", chosen="by hand"
-)
-_SAMPLES = tuned(1200, unit="samples", why="samples of a record in which an effect may hide, thinned", chosen="by hand")
-_BY_FAR = tuned(
-    100.0,
-    unit="factor",
-    why="rise of chi² beyond what the data cannot object to, from which on a size is hopeless",
-    chosen="by hand",
-)
-#: Rise from which on an effect does not hide at the smallest of its sizes either.
-_HOPELESS = _BY_FAR * SILENT / TENTH**2
-_PLAYS = tuned(
-    (1.0, 0.5, 0.25, 0.12),
-    unit="1",
-    why="sizes of a play that are tried, in parts of the least guess: what it hides is no even function of them",
-    chosen="by hand",
-)
+#: Sizes of a play that are tried, in parts of the least guess, halved each time: what it hides is no even function of
+#: them.
+_PLAYS = tuple(0.5**n for n in range(1 + int(-math.log2(TENTH))))
+#: Rise of which a silent one is nothing at the smallest size of an effect either: chi² grows with the square of it.
+_HOPELESS = SILENT / (NEGLIGIBLE * TENTH**2)
 
 
 def hidden(diagnosis: Diagnosis, seen: Sensing) -> tuple[CandidateModel, ...]:
@@ -91,7 +78,7 @@ def _measured(diagnosis: Diagnosis, seen: Sensing) -> Measured:
 
 
 def _thin(record: Record) -> Record:
-    stride = max(record.samples // _SAMPLES, 1)
+    stride = max(record.samples // SAMPLES, 1)
     return replace(record, time=record.time[::stride], position=record.position[::stride], force=record.force.copy())
 
 
@@ -130,15 +117,13 @@ def _largest(
 ) -> tuple[float, CandidateModel] | None:
     """Part of the guessed size at which the data is still silent, and the rival there."""
     share = 1.0
-    for _ in range(_SHRINKS):
+    while share >= TENTH:
         values = {p.name: v for p, v in zip(guess.parameters, guess.values, strict=True)}
         effect = type(guess).from_values(values | {shrinking: share * values[shrinking]})
         rival, rise = _refitted(lead, effect, data, _HOPELESS)
         if rise <= SILENT:
             return share, rival
         share *= float(np.clip(0.9 * np.sqrt(SILENT / rise), 0.02, 0.7))
-        if share < TENTH:
-            return None
     return None
 
 

@@ -13,18 +13,16 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.prediction import Predictor, Sensing
+from msd_ident.estimate.effort import LOOK, SHORT
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.levels import STUCK
 from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model.base_model import OFFSET, OFFSET_FORCE
 from msd_ident.selection.candidate_models import CandidateModel, marginal
 from msd_ident.selection.ranking import NEAR
-from msd_ident.tuning import tuned
 
 #: Rise of chi² below which the data cannot object: twice the evidence at which a set is kept.
 SILENT = NEAR
-_ROUNDS = tuned(14, unit="steps", why="steps of a rival's fit", chosen="by hand")
-_ENOUGH = tuned(4, unit="steps", why="steps after which a rival may be given up as hopeless", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ def nearest(
     count = moving.parameters
     begun = _values(trial, count)
     rise, promised, damping = np.inf, np.inf, 0.0
-    for turn in range(_ROUNDS):
+    for turn in range(SHORT):
         predictor = Predictor(trial, 10.0 * data.seen.noise)
         rows = [_linearised(predictor, record, i, data) for i, record in enumerate(data.records)]
         system = _system(trial, rows, count, resting, begun)
@@ -106,7 +104,7 @@ def nearest(
         move, left = best.step(damping, moving.held)
         trial, rise = _shifted(best.trial, move, count), left - base
         promised = min(promised, rise)
-        vain = turn + 1 >= _ENOUGH and promised > hopeless
+        vain = turn + 1 >= LOOK and promised > hopeless
         if slow or vain or rise < 0.2 * SILENT or damping > STUCK:
             break
     assert best is not None

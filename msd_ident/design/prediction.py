@@ -13,18 +13,12 @@ from msd_ident import seeds
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.design.profile import Profile
-from msd_ident.estimate.effort import FEWEST_READINGS, SAMPLES
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Simulator
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.tuning import fixed, tuned
 
-_A_PERIOD = tuned(
-    30.0, unit="samples", why="samples a period of the plant on which predictions are compared", chosen="by hand"
-)
-_A_SWING = tuned(
-    8.0, unit="samples", why="samples in a profile's shortest swing on which predictions are compared", chosen="by hand"
-)
 NUISANCES = fixed(
     2,
     "mathematics",
@@ -103,7 +97,7 @@ def instants(profile: Profile, period: float, seen: Sensing) -> int:
         seen: its sample period is the finest step.
     """
     swing = min((1.0 / s.high_hz for s in profile.segments if s.high_hz > 0.0), default=math.inf)
-    step = max(min(period / _A_PERIOD, swing / _A_SWING), seen.period)
+    step = max(min(period, swing) / A_SWING, seen.period)
     return int(np.clip(profile.duration / step, FEWEST_READINGS, 4 * SAMPLES)) + 1
 
 

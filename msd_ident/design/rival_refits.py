@@ -10,13 +10,9 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.design.discrimination import prior, refit, weights
 from msd_ident.design.prediction import NUISANCES, Grid, Prediction, Predictor, Sensing
+from msd_ident.estimate.effort import SHORT
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.parallel import each
-from msd_ident.tuning import tuned
-
-_STEPS = tuned(6, unit="steps", why="steps of a rival's refit to another one's readings", chosen="by hand")
-_LEAST_FALL = tuned(
-    0.02, unit="1", why="fall of its cost, as a part of it, that is worth no further step", chosen="by hand"
-)
 
 
 @dataclass(frozen=True)
@@ -55,7 +51,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
     lower, upper = _bounds(rival)
     point, readings, jacobian = origin.copy(), own.position, own.jacobian
     cost, damping = _cost(readings, true, weight, point - origin, before), 1e-6
-    for _ in range(_STEPS):
+    for _ in range(SHORT):
         normal = (jacobian * weight) @ jacobian.T + before
         slope = (jacobian * weight) @ (true.position - readings) - before @ (point - origin)
         size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
@@ -67,7 +63,7 @@ def refitted(rival: Predictor, own: Prediction, true: Prediction, on: Grid, seen
         if reached >= cost:
             damping = max(10.0 * damping, 1e-3)
             continue
-        settled = cost - reached < _LEAST_FALL * reached + 0.01
+        settled = cost - reached < NEGLIGIBLE * reached + 0.01
         point, readings, cost, damping = ahead, reading, reached, 0.1 * damping
         if settled:
             break

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.ranking import DECISIVE
-from msd_ident.tuning import tuned
-
-MOST = tuned(6, unit="rivals", why="rivals of one design, at most", chosen="by hand")
-WEAK = tuned(0.02, unit="1", why="least probability that makes a rival of an undisputed lead", chosen="by hand")
 
 
 def rivals(diagnosis: Diagnosis) -> tuple[CandidateModel, ...]:
@@ -23,12 +20,12 @@ def rivals(diagnosis: Diagnosis) -> tuple[CandidateModel, ...]:
         return ()
     top = max(one.evidence for one in standing)
     near = [one for one in standing if one is standing[0] or one.evidence >= top - DECISIVE]
-    near += [one for one in standing if one not in near and one.probability >= WEAK]
+    near += [one for one in standing if one not in near and one.probability >= NEGLIGIBLE]
     kept: list[CandidateModel] = []
     for one in near:
         if not any(_holds(one, other) and other.evidence >= one.evidence - DECISIVE for other in kept):
             kept.append(one)
-    return tuple(kept[:MOST])
+    return tuple(kept)
 
 
 def _holds(richer: CandidateModel, poorer: CandidateModel) -> bool:

@@ -11,7 +11,7 @@ from msd_ident.data.record import Record
 from msd_ident.design.limits import Limits
 from msd_ident.design.prediction import Prediction, Predictor, Sensing, grid
 from msd_ident.design.profile import Profile
-from msd_ident.estimate.levels import BEYOND_DOUBT, NATURAL_RANGE
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, NATURAL_RANGE
 from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.model.effects import saturation
 from msd_ident.selection.candidate_models import CandidateModel
@@ -26,8 +26,6 @@ MARGIN = tuned(
 _STRONGER = tuned(
     2.0, unit="1", why="how much stronger an actuator may be below the forces that were measured", chosen="by hand"
 )
-_SMALLER = tuned(0.6, unit="1", why="part of the largest force below which a force counts as smaller", chosen="by hand")
-_TURNS = tuned(10, unit="trials", why="scalings of a profile until it fits the limits", chosen="by hand")
 
 
 def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:
@@ -40,13 +38,13 @@ def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> Cand
         records: what was measured.
 
     Returns:
-        None if forces below ``_SMALLER`` of the largest one were measured, if none was, or if the explanation has this
+        None if forces below ``MOST_OF`` of the largest one were measured, if none was, or if the explanation has this
         effect.
     """
     limit = saturation()
     forces = np.abs(np.concatenate([record.force for record in records]))
     forces = forces[forces > 0.0]
-    if limit is None or forces.size == 0 or forces.min() < _SMALLER * forces.max() or lead.model.has(limit.name):
+    if limit is None or forces.size == 0 or forces.min() < MOST_OF * forces.max() or lead.model.has(limit.name):
         return None
     weaker = lead.model.with_values(in_force_unit(lead.model, 1.0 / _STRONGER))
     return replace(lead, model=weaker + limit.limited(float(forces.max()) / _STRONGER))
@@ -85,9 +83,7 @@ def fitted_in(
         moves = any(float(np.ptp(one.positions(rest))) > BEYOND_DOUBT * seen.noise for one in predictors)
         return profile if moves else None
     factor = min(room, limits.reach)  # what is small on purpose stays small
-    for _ in range(_TURNS):
-        if factor < 1.0 / NATURAL_RANGE * limits.reach:
-            return None
+    while factor >= 1.0 / NATURAL_RANGE * limits.reach:  # it falls by a fiftieth each time, or more
         strong = profile.scaled(factor)
         on = grid(strong, period, seen)
         room = np.inf

@@ -51,5 +51,5 @@ def test_what_can_not_hide_is_given_up_early(monkeypatch: pytest.MonkeyPatch) ->
     for hopeless in (hidden_effects._HOPELESS, math.inf):
         looks.append(0)
         rises.append(nearest_rival.nearest(lead, trial, moving, data, hopeless)[1])
-    assert looks[0] == nearest_rival._ENOUGH < looks[1]
+    assert looks[0] == nearest_rival.LOOK < looks[1]
     assert min(rises) > hidden_effects._HOPELESS

@@ -10,7 +10,8 @@ from designrigs import explanation, stepped
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msd_ident.design.rivals import MOST, WEAK, names, rivals, shares
+from msd_ident.design.rivals import names, rivals, shares
+from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.model import Plant
 from msd_ident.selection.candidate_models import CandidateModel
 from msd_ident.selection.ranking import DECISIVE
@@ -31,7 +32,7 @@ def test_rivals_are_near_or_not_improbable() -> None:
     lead = called(["cogging"], 10.0, 0.9)
     near, far = called(["backlash"], 10.0 - 0.9 * DECISIVE), called(["hysteresis"], 10.0 - 1.1 * DECISIVE)
     assert chosen(lead, near, far) == [("cogging",), ("backlash",)]
-    likely = replace(far, probability=1.1 * WEAK)
+    likely = replace(far, probability=1.1 * NEGLIGIBLE)
     assert chosen(lead, near, likely) == [("cogging",), ("backlash",), ("hysteresis",)]
 
 
@@ -41,11 +42,11 @@ def test_what_holds_all_of_a_likelier_one_and_more_is_no_rival() -> None:
     assert chosen(simple, replace(richer, evidence=10.0 + 1.1 * DECISIVE)) == [("cogging",), ("backlash", "cogging")]
 
 
-def test_the_leading_one_is_always_among_them_and_there_are_few() -> None:
+def test_the_leading_one_is_always_among_them_and_the_first() -> None:
     lead = called(["cogging"], -50.0)
     others = [called([name], 0.0) for name in "abcdefgh"]
     found = chosen(lead, *others)
-    assert found[0] == ("cogging",) and len(found) == MOST
+    assert found[0] == ("cogging",) and len(found) == 1 + len(others)
     assert chosen() == [] and chosen(lead) == [("cogging",)]
 
 
