@@ -97,18 +97,19 @@ class Search:
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
-        simple = leader = self._leader()
+        leader = self._leader()
         if not self.at_floor(leader):
             explain = [leader.causes, *self._explain()]
             self._fit([other for causes in explain for other in self._reformed(causes)], 0.35, 0.36)
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
-            fronts = [one.causes for one in self._fronts(leader)] + self._passed_over(simple, leader)
+            fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
-        if not self.at_floor(self._leader()):
-            self._fit(self._pairs(), 0.55, 0.6)
+        for pairs in (self._pairs, self._grown_alone):
+            if not self.at_floor(self._leader()):
+                self._fit(pairs(), 0.55, 0.6)
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
@@ -141,20 +142,6 @@ class Search:
         shown = any(one.share > 1.0 - TENTH for one in found)
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
-    def _passed_over(self, simple: Hypothesis, leader: Hypothesis) -> list[Causes]:
-        """The nearest rival of the law that led, where only another form of this law leads far: it is given no form.
-
-        Args:
-            simple: the set that led among the simple laws.
-            leader: the set that leads since its other forms were fitted.
-        """
-        if leader.causes == simple.causes:
-            return []
-        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
-        rivals = [one for one in alone if one.causes not in (simple.causes, leader.causes)]
-        near = [one for one in rivals if one.chi < COMPARABLE * simple.chi]
-        return [min(near, key=lambda fitted: fitted.chi).causes] if near else []
-
     def _explain(self) -> list[Causes]:
         """The causes that leave least by themselves, and less than the base model does.
 
@@ -178,6 +165,16 @@ class Search:
         likely = [one.causes for one in self.ranking().within(NEAR) if len(one.causes) == 1][:LEADERS]
         plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
         return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]
+
+    def _grown_alone(self) -> list[Causes]:
+        """Pairs with each of the simple laws that leave least by themselves.
+
+        A cause may explain nothing until another one is there, and a third one that acts like both, or another form of
+        its law, may leave far less than each alone.
+        """
+        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
+        alone.sort(key=lambda fitted: fitted.chi)
+        return [pair for one in alone[:KEPT] for pair in self._grown(one.causes)]
 
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""

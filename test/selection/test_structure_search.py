@@ -271,6 +271,17 @@ def test_the_nearest_rival_of_a_law_is_not_passed_over_where_another_form_of_tha
     assert frozenset({"buffered_stop"}) in {one.causes for one in found.sets}
 
 
+def test_causes_that_a_third_one_imitates_are_paired_although_it_leaves_far_less() -> None:
+    """Ripples leave less than half of what play or a softening spring does alone; only these two together explain."""
+    data = steps()
+    laws = {BASE + Cogging(1.0, 0.01, 0.0): 40.0, BASE + Backlash(1e-3): 250.0, BASE + CubicSpring(1e6): 600.0}
+    alone = [fitted(data, model, left) for model, left in laws.items()]
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 1200.0), *alone)}
+    pair = frozenset({"backlash", "cubic_spring"})
+    assert pair not in search._pairs() and pair in search._grown_alone()
+
+
 def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> None:
     """From Dahl's law with the force of both, Coulomb friction ends at no force, and 20 noise floors are left."""
     rig = {
