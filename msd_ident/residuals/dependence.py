@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
+from msd_ident.estimate.levels import TENTH
 from msd_ident.residuals.disturbance import DisturbanceEstimate
 from msd_ident.tuning import tuned
 
 _BINS = tuned(16, unit="bins", why="bins over a signal's range in which a force is averaged", chosen="by hand")
-_WORTH = tuned(0.15, unit="1", why="share of the variance below which a dependence is not reported", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
 
 def sentence(missing: Sequence[DisturbanceEstimate]) -> str:
     """Which signals the missing force depends on, in a sentence."""
-    known = [item for item in dependences(missing) if item.share >= _WORTH]
+    known = [item for item in dependences(missing) if item.share >= TENTH]
     if not known:
         return "This force depends on neither position, velocity, time nor applied force."
     listed = ", ".join(f"{100.0 * item.share:.0f} % depends on the {item.signal}" for item in known)

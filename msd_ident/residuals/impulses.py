@@ -21,7 +21,6 @@ from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.disturbance import missing_force
 from msd_ident.tuning import tuned
 
-_CERTAIN = tuned(8.0, unit="standard deviations", why="size of a push that is no noise", chosen="by hand")
 _MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
 _GAP = tuned(5.0, unit="sample periods", why="time without a reading that makes a gap", chosen="by hand")
 
@@ -55,7 +54,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
     usual = 1.4826 * float(np.median(np.abs(unexplained)))
-    limit = np.maximum(BEYOND_DOUBT * usual, _CERTAIN * found.std) + 2.0 * np.max(np.abs(friction))
+    limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     period = 2.0 * math.pi * math.sqrt(model["mass"] / model["stiffness"])

@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.special import chdtri
 
 from msd_ident.data.record import FloatArray
 from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
+from msd_ident.residuals.adequacy import LEVEL
 from msd_ident.tuning import fixed, tuned
 
 _FEWEST = fixed(3, "mathematics", "swings from which on a trend with the amplitude differs from two values")
@@ -33,14 +35,10 @@ _RUBS = _reading("dry friction", RUBS)
 _DRAGS = _reading("drag that grows with the square of the speed", DRAGS)
 _SOFTENS = _reading("a softening spring", SOFTENS)
 _HARDENS = _reading("a hardening spring", HARDENS)
-_DECISIVE = tuned(
-    16.0, unit="chi²", why="by how much a slope must be better than a constant to be reported", chosen="by hand"
-)
-_LEAST_RATIO = tuned(
-    2e-4, unit="1", why="standard deviation of a damping ratio that is never undercut", chosen="by hand"
-)
-_LEAST_RELATIVE = tuned(
-    5e-4, unit="1", why="relative standard deviation of a frequency that is never undercut", chosen="by hand"
+#: Chi² by which a slope must be better than a constant to be reported.
+_DECISIVE = float(chdtri(1, LEVEL))
+_LEAST = tuned(
+    5e-4, unit="1", why="error of a damping ratio, and relative error of a frequency, at least", chosen="by hand"
 )
 
 
@@ -132,8 +130,8 @@ def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | Non
     swings.sort(key=lambda swing: -swing.amplitude)
     amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
     rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
-    least = _LEAST_RELATIVE * float(np.median(frequency))
-    damping = _Quantity("The damping ratio", "", length, _LEAST_RATIO, _RUBS, _DRAGS)
+    least = _LEAST * float(np.median(frequency))
+    damping = _Quantity("The damping ratio", "", length, _LEAST, _RUBS, _DRAGS)
     stiffness = _Quantity("The natural frequency", " rad/s", length, least, _SOFTENS, _HARDENS)
     said = _said(amplitude, ratio * rate, ratio_std * rate, damping)
     said += _said(amplitude, frequency, frequency_std, stiffness)

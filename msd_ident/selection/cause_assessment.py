@@ -9,18 +9,14 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes
 from msd_ident.selection.ranking import Ranking
-from msd_ident.tuning import tuned
 
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]
-
-_NOTHING = tuned(
-    0.05, unit="1", why="part of what the base model leaves below which a cause repairs nothing", chosen="by hand"
-)
 
 
 @dataclass(frozen=True)
@@ -124,7 +120,7 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
         return (
             f"not fitted completely: its first fits are far from the {best:.3g} noise floors of the best explanation."
         )
-    if math.isfinite(alone) and alone > (1.0 - _NOTHING) * nothing:
+    if math.isfinite(alone) and alone > (1.0 - TENTH) * nothing:
         said = f"alone it explains nothing: {alone:.3g} of {nothing:.3g} noise floors remain."
     else:
         said = f"alone it leaves {alone:.3g} noise floors." if math.isfinite(alone) else "not fitted alone."

@@ -23,13 +23,8 @@ from msd_ident.model.declarations import PLACE
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.experiment import weigh
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.tuning import tuned
-
-_WORTH = tuned(0.05, unit="chi²", why="fall that is worth another step towards rest", chosen="by hand")
-_LITTLE = tuned(0.25, unit="chi²", why="pull of rest that is none", chosen="by hand")
-_OBJECTION = tuned(
-    9.0, unit="chi²", why="what the middle of the sticking range may leave more than its edge", chosen="by hand"
-)
+from msd_ident.selection.hypothesis_fit import LEAST_FALL
+from msd_ident.selection.ranking import DECISIVE
 
 
 def rest_constraints(fitted: Hypothesis) -> tuple[RestConstraint, ...]:
@@ -59,7 +54,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
 
     At the edge of sticking a start may fit the noise a little better and seem sharply determined. Inside the range of
     sticking all starts are equally good, and there are many more of them. So the middle of that range is taken unless
-    its chi², the constraints included, is larger by ``_OBJECTION`` or more.
+    that is decisively less likely, with the constraints included.
 
     Args:
         fitted: the set.
@@ -67,7 +62,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
         known: the constraints, as ``rest_constraints`` gives them.
     """
     problem = fitted.problem
-    if _pull(problem, fitted.point, known) < _LITTLE:
+    if _pull(problem, fitted.point, known) < LEAST_FALL:
         return fitted
     weighting = weigh(problem, readings)
     found = []
@@ -75,7 +70,7 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
         state = _descend(weighting, weighting.exact(start, weighting.steps(fitted.state)), known)
         found.append((state.chi + _pull(problem, state.point, known), state))
     (there, stayed), (middle, moved) = found
-    state = moved if middle < there + _OBJECTION else stayed
+    state = moved if middle < there + 2.0 * DECISIVE else stayed
     return replace(fitted, model=problem.model.with_values(problem.values(state.point)), state=state)
 
 
@@ -133,7 +128,7 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
         point = _with_peak(problem, np.clip(state.point + move, problem.lower, problem.upper))
         reached = _cost(weighting, point, known)
         if reached < cost:
-            worth = cost - reached > _WORTH
+            worth = cost - reached > LEAST_FALL
             state = weighting.exact(point, weighting.steps(state))
             cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
             if not worth or taken >= SHORT:
