@@ -86,12 +86,6 @@ class StartingPoint:
     beside: float
     least: float = math.inf
 
-    @property
-    def turn(self) -> float:
-        """Key by which starts are ordered, the smallest first: those that promise the largest reduction of chi²."""
-        promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
-        return promise * math.sqrt(promise / max(self.beside, 1e-300))
-
     def worth(self, reach: float) -> bool:
         """Whether to follow the start.
 

@@ -49,12 +49,6 @@ NOTHING: Causes = frozenset()
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 #: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
 _ROUNDS_FAR = LOOK // 2
-_AHEAD = tuned(
-    (4, 12),
-    unit="sets",
-    why="sets of a round that are fitted before the others, and those that follow them",
-    chosen="by hand",
-)
 
 
 @dataclass
@@ -319,14 +313,9 @@ class Search:
         self.tried.update(new)
         if not new:
             return False
-        near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
+        near = start + 0.3 * (end - start)
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
-        found.sort(key=lambda starts: starts[0].turn)
-        # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
-        few, some = _AHEAD
-        shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
-        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
-            self._fit_group(group, share)
+        self._fit_group(found, (near, end))
         self._simplify(new)
         return True
 
