@@ -32,7 +32,7 @@ from msd_ident.selection.hypothesis import (
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.ranking import LEADERS, Ranking, rank
-from msd_ident.selection.simpler_sets import equal_to, reduced
+from msd_ident.selection.simpler_sets import reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 
@@ -316,19 +316,7 @@ class Search:
         near = start + 0.3 * (end - start)
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
         self._fit_group(found, (near, end))
-        self._simplify(new)
         return True
-
-    def _simplify(self, new: Iterable[Causes]) -> None:
-        """Fit a simpler set again where a set that turned out to be equal to it leaves less.
-
-        The ranking leaves out a set that is equal to a simpler one, so what it found must not be lost.
-        """
-        for fitted in [self.sets[causes] for causes in new if causes in self.sets]:
-            worse = {one for one in equal_to(fitted) & set(self.sets) if fitted.chi < self.sets[one].chi}
-            for start in reduced(fitted, self.experiment.library) if worse else ():
-                if start[0] in worse:
-                    self._look_again(*start)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())

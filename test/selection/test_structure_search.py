@@ -21,7 +21,6 @@ from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
@@ -74,22 +73,6 @@ def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_trie
         found = search._fronts(leader)
         assert found == [leader, rival][:fronts], "a set of more causes is no rival"
         assert search._fronts(large) == [large], "at the floor nothing else is tried"
-
-
-def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_less() -> None:
-    """A law without its peak is Coulomb friction: the ranking leaves it out, so its minimum must not be lost."""
-    experiment = rubbing()
-    base, wrong = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.15))
-    flat = BASE + StribeckFriction(0.29, 0.29, 0.05)
-    peakless = refine(experiment, frozenset(flat.effect_names), flat, base.initial)
-    assert peakless.chi < 0.1 * wrong.chi
-    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (base, wrong, peakless)}
-    search._simplify([peakless.causes])
-    assert np.isclose(search.sets[wrong.causes].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
-    better = search.sets[wrong.causes]
-    search._simplify([peakless.causes])
-    assert search.sets[wrong.causes] is better, "it is fitted once"
 
 
 def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() -> None:
