@@ -256,18 +256,10 @@ class Search:
             self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
-        """A set's best fit so far.
-
-        Larger sets were begun from it. Where it leaves far less than it did, those that leave more than it does ended
-        in a wrong minimum: they may be tried again.
-        """
+        """A set's best fit so far."""
         before = self.sets.get(fitted.causes)
-        if before is not None and fitted.chi >= before.chi:
-            return
-        self.sets[fitted.causes] = fitted
-        if before is not None and fitted.chi < MOST_OF * before.chi:
-            larger = {causes for causes in self.tried if causes > fitted.causes}
-            self.tried -= {one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi}
+        if before is None or fitted.chi < before.chi:
+            self.sets[fitted.causes] = fitted
 
     def scale(self) -> NoiseScale:
         """Noise scale that follows from the best set."""

@@ -110,20 +110,6 @@ def test_laws_that_are_linear_in_their_parameters_are_paired_however_much_each_l
     assert not any("backlash" in pair or "cogging" in pair for pair in found)
 
 
-def test_larger_sets_are_tried_again_when_what_they_began_from_was_wrong() -> None:
-    data = steps()
-    stop, both = BASE + Backlash(1e-3), BASE + Backlash(1e-3) + CubicSpring(1e6)
-    good = BASE + Backlash(1e-3) + CoulombFriction(0.1)
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    for model, left in ((stop, 1000.0), (both, 900.0), (good, 10.0)):
-        search._keep(fitted(data, model, left))
-        search.tried.add(frozenset(model.effect_names))
-    search._keep(fitted(data, stop, 600.0))
-    assert len(search.tried) == 3, "a little better: nothing is forgotten"
-    search._keep(fitted(data, stop, 200.0))
-    assert search.tried == {frozenset(stop.effect_names), frozenset(good.effect_names)}, "this one leaves less"
-
-
 def test_a_set_that_leads_is_fitted_to_the_end() -> None:
     experiment = rubbing()
     base, near = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.25))
