@@ -27,7 +27,6 @@ _STRONGER = tuned(
     chosen="on cogging (`python -m bench.blind`, seeds 170355 and 176245): found with it, not without: first fits end "
     "at 0.68 and 0.61 of the amplitude",
 )
-_KICK = tuned(0.6, unit="rad", why="change of a phase that may lead to another minimum", chosen="by hand")
 _FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
 _ASIDE = tuned(
     6.0,
@@ -134,9 +133,9 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
 def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     """A few steps down from other starts, which may lead to another minimum.
 
-    One start on either side of a harmonic law's phase: where the cart sticks at the ripples, the error has several
-    minima within a cycle. And one from the first readings, if the fit begins far from them: a smaller model makes up
-    for missing laws with a shifted start, and with friction a larger model that starts from there keeps the shift.
+    One with stronger harmonic laws. And one from the first readings, if the fit begins far from them: a smaller model
+    makes up for missing laws with a shifted start, and with friction a larger model that starts from there keeps the
+    shift.
     """
     weighting = weigh(fitted.problem, experiment.readings)
     found = []
@@ -144,13 +143,6 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
         found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
-    for entry, parameter in enumerate(fitted.problem.parameters):
-        if not parameter.is_phase:
-            continue
-        for turn in (-_KICK, _KICK):
-            point = fitted.point.copy()
-            point[entry] += turn
-            found.append(_down(experiment, fitted, weighting, point))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
