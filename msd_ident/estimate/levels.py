@@ -12,8 +12,6 @@ from msd_ident.tuning import fixed, tuned
 CONFIDENCE = fixed(0.95, "interface", "all intervals are 95 % intervals, as the documents and the JSON contract say")
 #: Half width of an interval of that level, in standard deviations of a normal distribution.
 TWO_SIDED = float(ndtri(0.5 * (1.0 + CONFIDENCE)))
-#: Standard deviation of a normal distribution over its median absolute deviation.
-MAD = 1.0 / float(ndtri(0.75))
 
 NEGLIGIBLE = tuned(
     0.01,

@@ -19,6 +19,7 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
 from msd_ident.estimate.levels import ALIKE
+from msd_ident.quantity import MAD
 from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
 
@@ -188,4 +189,4 @@ def _noise(record: Record, group: float, step: float) -> float:
 def scatter(record: Record) -> float:
     """Noise [m] of a record without rest or encoder step: deviation of samples from a cubic through neighbours."""
     fourth = np.diff(record.position, 4) / math.sqrt(70.0)
-    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
+    return MAD * float(np.median(np.abs(fourth - np.median(fourth))))
