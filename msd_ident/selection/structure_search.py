@@ -317,7 +317,7 @@ class Search:
         if self.at_floor(leads):
             if leads.causes & set(HOLDING_COULOMB):
                 resolved = [starts for starts in group if _rubs_and_is_linear(starts[0])]
-            group = [starts for starts in group if any(start.worth(reach) or _plain(start) for start in starts)]
+            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
         begun = self._each(partial(self._begin, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
@@ -373,23 +373,12 @@ class Search:
         return worth + plain + [known[twin] for twin in twins if twin in known]
 
 
-def _linear(causes: Causes) -> bool:
-    """Whether all parameters of all causes enter the equation of motion linearly."""
-    return all(by_name(name).is_linear() for name in causes)
-
-
-def _plain(start: StartingPoint) -> bool:
-    """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
-    causes = start.fitted.causes
-    return len(causes) == 1 and _linear(causes) and start.least < (1.0 - TENTH) * start.beside
-
-
 def _rubs_and_is_linear(start: StartingPoint) -> bool:
     """Whether a set is Coulomb friction beside linear laws, which a law that holds Coulomb friction may imitate.
 
     It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
     """
-    return COULOMB in start.fitted.causes and _linear(start.fitted.causes)
+    return COULOMB in start.fitted.causes and all(by_name(name).is_linear() for name in start.fitted.causes)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
