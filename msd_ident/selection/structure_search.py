@@ -319,11 +319,11 @@ class Search:
                 resolved = [starts for starts in group if _rubs_and_is_linear(starts[0])]
             group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
-        begun = self._each(partial(self._begin, reach), group, share)
+        begun = self._each(lambda starts: begin(self.experiment, starts, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):
-            for fitted in self._each(partial(self._finish, least), tries, share):
+            for fitted in self._each(partial(finish, self.experiment, least=least), tries, share):
                 least = min(least, self._converged(fitted, least).chi)
         # A set that ends in a wrong minimum would be what larger ones are begun from.
         for starts in resolved:
@@ -351,12 +351,6 @@ class Search:
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self._parents(causes))
-
-    def _begin(self, reach: float, found: list[StartingPoint]) -> list[Hypothesis]:
-        return begin(self.experiment, found, reach)
-
-    def _finish(self, least: float, begun: list[Hypothesis]) -> Hypothesis:
-        return finish(self.experiment, begun, least)
 
     def _parents(self, causes: Causes) -> list[Hypothesis]:
         """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
