@@ -38,6 +38,15 @@ NATURAL_RANGE = tuned(
 FEWEST = tuned(
     10, unit="samples", why="fewest members from which a statistic is taken, or a rest is told", chosen="by hand"
 )
+LAGS = tuned(
+    20,
+    unit="samples",
+    why="lags at which a residual is compared with itself, and largest order of its autoregression (chosen by BIC)",
+    chosen="by hand",
+)
+BLOCKS = tuned(
+    (16, 64), unit="samples", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
+)
 BEYOND_DOUBT = tuned(
     10.0,
     unit="standard deviations",
