@@ -11,12 +11,13 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting, descend
 from msd_ident.estimate.effort import LOOK, THOROUGH
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.ranking import ROUGH
 from msd_ident.tuning import fixed, tuned
 
 _FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
@@ -27,27 +28,11 @@ _STRONGER = tuned(
     chosen="on cogging (`python -m bench.blind`, seeds 170355 and 176245): found with it, not without: first fits end "
     "at 0.68 and 0.61 of the amplitude",
 )
-_FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
-_ASIDE = tuned(
-    6.0,
-    unit="standard deviations",
-    why="distance between the first reading and the fitted start that is not the noise's",
-    chosen="by hand",
-)
-FAR = tuned(
-    25.0,
-    unit="chi² for each piece of evidence",
-    why="far from the noise: what is left is the model's, not the data's",
-    chosen="by hand",
-)
 COMPARABLE = tuned(
     4.0,
     unit="1",
     why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
     chosen="by hand",
-)
-_HOPELESS_FAR = tuned(
-    1.5, unit="factor", why="chi² of another set far from the noise: with more, a set is not refined", chosen="by hand"
 )
 REACH = tuned(
     10.0,
@@ -57,12 +42,8 @@ REACH = tuned(
     chosen="by hand",
 )
 SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
-_SLACK = tuned(
-    1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
-)
-LEAST_FALL = tuned(
-    0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
-)
+#: Fall of chi² that is not worth a simulation: a negligible part of one piece of evidence.
+LEAST_FALL = NEGLIGIBLE
 
 
 @dataclass(frozen=True)
@@ -121,7 +102,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
     for _ in range(LOOK):
-        if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+        if not ALIKE**2 * experiment.evidence < best.chi < _hopeless(experiment, least):
             break
         kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
         before, best = best, min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -178,7 +159,7 @@ def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
         if nuisance.kind == "initial position":
             part = experiment.readings[nuisance.record]
             first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
-            if abs(point[entry] - first) > _ASIDE * part.noise:
+            if abs(point[entry] - first) > BEYOND_DOUBT * part.noise:
                 point[entry] = first
     return np.asarray(np.clip(point, problem.lower, problem.upper))
 
@@ -209,14 +190,14 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
     Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
     """
-    if least > FAR * experiment.evidence:
-        return least * _HOPELESS_FAR
+    if least > ROUGH**2 * experiment.evidence:
+        return least * ALIKE**2
     return experiment.worse(least, COMPARABLE)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
-    return LEAST_FALL + _SLACK * max(fitted.chi - experiment.evidence, 0.0)
+    return LEAST_FALL + SAME * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
