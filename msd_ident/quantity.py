@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 #: Two-sided 95 % quantile of the normal distribution.
 Z95 = 1.959963984540054
+#: Standard deviation of a normal distribution over its median absolute deviation.
+MAD = 1.482602218505602
 
 
 @dataclass(frozen=True)

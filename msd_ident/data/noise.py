@@ -10,11 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.quantity import MAD
 
 #: Standard deviation of a uniform error one step wide, in steps.
 _UNIFORM = 1.0 / math.sqrt(12.0)
-#: From the median of absolute values to the standard deviation of a normal distribution.
-_MAD = 1.482602218505602
 #: Neighbours on each side from which a sample is interpolated.
 _REACH = 4
 #: Part of the spectrum that counts as its end, samples that it needs, and the part of what an interpolation leaves
@@ -136,5 +135,5 @@ def _interpolated(time: FloatArray, position: FloatArray, step: float) -> tuple[
 
 def _variance(residual: FloatArray, quantisation: float) -> float:
     """Mean square without outliers; their limit stands on the median, and on the step where most values are 0."""
-    limit = 4.0 * max(_MAD * float(np.median(np.abs(residual))), quantisation)
+    limit = 4.0 * max(MAD * float(np.median(np.abs(residual))), quantisation)
     return float(np.mean(residual[np.abs(residual) <= limit] ** 2))

@@ -17,16 +17,8 @@ import numpy as np
 
 from msd_ident.data import compiled
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import FEWEST
+from msd_ident.estimate.levels import FEWEST, LAGS
 from msd_ident.estimate.windows import breadths
-from msd_ident.tuning import tuned
-
-_MAX_ORDER = tuned(
-    30,
-    unit="samples",
-    why="largest order of the autoregression of a residual; its order is chosen by BIC",
-    chosen="by hand",
-)
 
 
 @dataclass(frozen=True)
@@ -109,7 +101,7 @@ def evidence(sensed: Linearisation) -> Evidence:
     if rests:
         white = float(np.var(np.diff(residual))) / 2.0
         common = rounding_variance(step, np.sqrt(max(white - step**2 / 12.0, 0.0)))
-    if common < 1e-3 * step**2 or np.count_nonzero(moving) < 5 * _MAX_ORDER:
+    if common < 1e-3 * step**2 or np.count_nonzero(moving) < 5 * LAGS:
         moving[:] = True
     size = _local_size(residual)
     coefficients, variance = autoregression(np.where(moving, residual / size, 0.0), int(np.count_nonzero(moving)))
@@ -142,7 +134,7 @@ def autoregression(values: FloatArray, count: int) -> tuple[FloatArray, float]:
     Returns:
         The coefficients ``[1, a1, …]`` of the prediction-error filter, and the variance of the innovation.
     """
-    top = min(_MAX_ORDER, values.size // 10)
+    top = min(LAGS, values.size // 10)
     covariance = np.array([values[: values.size - lag] @ values[lag:] for lag in range(top + 1)]) / max(count, 1)
     best = (np.ones(1), float(covariance[0]))
     if covariance[0] <= 0.0:

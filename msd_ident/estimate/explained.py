@@ -8,16 +8,12 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import DataError
-from msd_ident.tuning import tuned
+from msd_ident.estimate.levels import MOST_OF
 
-LEAST = tuned(
-    0.5,
-    unit="1",
-    why="part of the position's variance below which a model's parameters mean nothing",
-    chosen="the joint fit (m, b, k, Fc) explains 0.977 or more of measured rigs, 0.62 or more of drawn ones with "
-    "one effect at up to three times the usual strength (0.21 and 0.18 with a second mode that swings alone under a "
-    "step or a release), 0.005 to 0.53 of 15 joints in 16 that a hand moved",
-)
+#: Part of the variance below which parameters mean nothing. The joint fit (m, b, k, Fc) explains 0.977 or more
+#: of measured rigs, 0.62 or more of drawn ones with one effect at up to three times the usual strength (0.21 and 0.18
+#: with a second mode that swings alone under a step or a release), 0.005 to 0.53 of 15 joints in 16 that a hand moved.
+LEAST = MOST_OF
 
 
 def explained_variance(residuals: Sequence[FloatArray], records: Sequence[Record]) -> float:

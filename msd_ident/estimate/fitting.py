@@ -29,6 +29,7 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.result import FitResult
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model
+from msd_ident.quantity import MAD
 
 Search = Literal["wide", "near"]
 
@@ -108,5 +109,5 @@ def _near(problem: Problem, models: Sequence[Model], initial: Sequence[Initial])
 def _softness(problem: Problem, outcome: Solution, floor: float) -> float:
     """1.5 robust standard deviations of the residual, never below the noise floor."""
     residual = np.concatenate([problem.residual(outcome.point, r) for r in range(len(problem.records))])
-    spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
+    spread = MAD * float(np.median(np.abs(residual - np.median(residual))))
     return 1.5 * max(spread, floor if math.isfinite(floor) else 0.0, 1e-12 * problem.typical.length)

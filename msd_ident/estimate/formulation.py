@@ -8,22 +8,20 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+from scipy.special import ndtri
 
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
-from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, TENTH
+from msd_ident.estimate.levels import CONFIDENCE, MOST_OF, NATURAL_RANGE, TENTH
 from msd_ident.estimate.objective import SquaredError
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
 from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
 from msd_ident.model import Model
 from msd_ident.model.declarations import PLACE
 from msd_ident.model.effects.base import PLAY, Effect
-from msd_ident.tuning import tuned
 
 Zero = Literal["free", "known"]
-
-_WIDEST_NOISE = tuned(7.0, unit="standard deviations", why="range of noise, of up to 200 readings", chosen="by hand")
 
 
 def formulate(
@@ -148,7 +146,8 @@ def starts_at_rest(record: Record) -> bool:
     time = record.time[:count] - record.time[:count].mean()
     slope = float(time @ head) / float(time @ time)
     scatter = float(np.std(np.diff(head, 2))) / math.sqrt(6.0)
-    if spread > _WIDEST_NOISE * scatter + 2.0 * quality.encoder_step(record):
+    widest = 2.0 * float(ndtri(1.0 - 0.5 * (1.0 - CONFIDENCE) / count))  # range of so many readings of a noise of 1
+    if spread > widest * scatter + 2.0 * quality.encoder_step(record):
         return False
     bend = float(np.mean(head[: count // 2]) - np.mean(head[count // 2 :]))
     return abs(slope) < 2.0 * scatter / math.sqrt(float(time @ time)) and abs(bend) < 4.0 * scatter / math.sqrt(count)

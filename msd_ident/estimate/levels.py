@@ -12,8 +12,6 @@ from msd_ident.tuning import fixed, tuned
 CONFIDENCE = fixed(0.95, "interface", "all intervals are 95 % intervals, as the documents and the JSON contract say")
 #: Half width of an interval of that level, in standard deviations of a normal distribution.
 TWO_SIDED = float(ndtri(0.5 * (1.0 + CONFIDENCE)))
-#: Standard deviation of a normal distribution over its median absolute deviation.
-MAD = 1.0 / float(ndtri(0.75))
 
 NEGLIGIBLE = tuned(
     0.01,
@@ -39,6 +37,15 @@ NATURAL_RANGE = tuned(
 )
 FEWEST = tuned(
     10, unit="samples", why="fewest members from which a statistic is taken, or a rest is told", chosen="by hand"
+)
+LAGS = tuned(
+    20,
+    unit="samples",
+    why="lags at which a residual is compared with itself, and largest order of its autoregression (chosen by BIC)",
+    chosen="by hand",
+)
+BLOCKS = tuned(
+    (16, 64), unit="samples", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
 )
 BEYOND_DOUBT = tuned(
     10.0,

@@ -21,23 +21,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, LONG, SHORT, THOROUGH
+from msd_ident.estimate.effort import KEPT, LONG, LOOK, SAMPLES, SHORT, THOROUGH
 from msd_ident.estimate.least_squares import Solution, SolverOptions, minimise
-from msd_ident.estimate.levels import NEGLIGIBLE
+from msd_ident.estimate.levels import ALIKE, BLOCKS, NEGLIGIBLE
 from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 from msd_ident.tuning import tuned
 
-_FIRST = tuned(6, unit="steps", why="first look at a start", chosen="by hand")
-_EXPLORED = tuned(25, unit="steps", why="how far a minimum is followed that may not be the lowest", chosen="by hand")
 _WORTH = tuned(1e-5, unit="1", why="fall of the error, as a part of it, that is worth a step there", chosen="by hand")
-_ENOUGH = tuned(5_000, unit="samples", why="enough to distinguish local minima, all records together", chosen="by hand")
-_AT_FLOOR = tuned(
-    1.3, unit="noise floors", why="what the right minimum of the right model leaves at most", chosen="by hand"
-)
-_BLOCKS = tuned(
-    (8, 32), unit="samples", why="lengths of the blocks whose sums tell a pattern from noise", chosen="by hand"
-)
 _COARSE = tuned(
     100.0,
     unit="1",
@@ -47,20 +38,12 @@ _COARSE = tuned(
 _SLIPPED = tuned(
     0.2, unit="1", why="part of the motion's spread that is left where phase has slipped somewhere", chosen="by hand"
 )
-_HORIZONS = tuned(
-    (0.03, 0.06, 0.12, 0.25, 0.5),
-    unit="1",
-    why="parts of the records over which a fit grows: the first holds a swing or so",
-    chosen="by hand",
-)
-_DECIDED = tuned(0.12, unit="1", why="horizon from which on only the best starts are followed", chosen="by hand")
-_JUMPS = tuned(
-    (0.55, 0.8, 1.25, 1.8),
-    unit="1",
-    why="factors by which a jump tries the other minima of a kinked parameter",
-    chosen="by hand",
-)
-_MOST_HOPS = tuned(4, unit="minima", why="neighbouring minima that are tried in turn, at most", chosen="by hand")
+
+
+#: Parts of the records over which a fit grows, each twice the one before: the first holds a swing or so.
+_HORIZONS = tuple(0.5**n for n in range(LOOK, 0, -1))
+#: Factors by which a jump tries the other minima of a kinked parameter: the next one either way, and one farther.
+_JUMPS = (ALIKE**-3, 1.0 / ALIKE, ALIKE, ALIKE**3)
 
 
 def limits(problem: Problem, iterations: int = LONG) -> SolverOptions:
@@ -109,7 +92,7 @@ class Valleys:
         """
         own = [min(variants, key=self.weighted.cost) for variants in given]
         likely = sorted([*starts, *own], key=self.weighted.cost)[:KEPT]
-        first = best = self._explore(likely[0], limits(self.problem, _EXPLORED))
+        first = best = self._explore(likely[0], limits(self.problem, THOROUGH))
         if not self.at_floor(best):
             others = [*likely[1:], *(vector for vector in own if all(vector is not one for one in likely))]
             best = self._deepest_of(best, [*others, *guesses(best.point)])
@@ -131,11 +114,11 @@ class Valleys:
         return best
 
     def _roughly(self) -> SolverOptions:
-        return replace(limits(self.problem, _EXPLORED), cost_tolerance=_WORTH)
+        return replace(limits(self.problem, THOROUGH), cost_tolerance=_WORTH)
 
     def _race(self, starts: Sequence[FloatArray]) -> list[Solution]:
         """A few iterations from every start; the ``KEPT`` best are returned."""
-        outcomes = [minimise(self.rough, start, limits(self.problem, _FIRST)) for start in starts]
+        outcomes = [minimise(self.rough, start, limits(self.problem, LOOK)) for start in starts]
         return sorted(outcomes, key=_cost)[:KEPT]
 
     def _explore(self, start: FloatArray, until: SolverOptions) -> Solution:
@@ -145,7 +128,7 @@ class Valleys:
 
     def at_floor(self, outcome: Solution) -> bool:
         """Whether the residual is measurement noise: as small as the noise floor, and without a slow pattern."""
-        if not (math.isfinite(self.floor) and self._spread(outcome) <= _AT_FLOOR * self.floor):
+        if not (math.isfinite(self.floor) and self._spread(outcome) <= ALIKE * self.floor):
             return False
         weights = self.weighted.weights or tuple(np.ones(record.samples) for record in self.problem.records)
         moving = (self.problem.residual(outcome.point, r)[weight == 1.0] for r, weight in enumerate(weights))
@@ -170,7 +153,7 @@ class Valleys:
 
     def _hop(self, best: Solution, neighbours: Callable[[FloatArray], Sequence[FloatArray]]) -> Solution:
         """Try neighbouring minima as long as the error decreases and is above the noise floor."""
-        for _ in range(_MOST_HOPS):
+        for _ in range(KEPT):
             before, near = best.cost, neighbours(best.point)
             if not near or self.at_floor(best):
                 break
@@ -196,13 +179,12 @@ class Valleys:
         return best
 
     def _grow(self, starts: Sequence[FloatArray]) -> Solution:
-        """Fit the first swings from every start, then go on with the two best over more and more of the records."""
+        """Fit the first swings from every start, then go on with the best over more and more of the records."""
         points = list(starts)
         for horizon in _HORIZONS:
             part = SquaredError(self.rough.problem.shortened(horizon), coarse=_COARSE)
-            outcomes = [minimise(part, point, limits(self.problem, _FIRST)) for point in points]
-            kept = 2 if horizon >= _DECIDED else len(points)
-            points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:kept]]
+            outcomes = [minimise(part, point, limits(self.problem, LOOK)) for point in points]
+            points = [outcome.point for outcome in sorted(outcomes, key=_cost)[:KEPT]]
         best = self._explore(points[0], self._roughly())
         for point in [] if self.at_floor(best) else points[1:]:
             best = _deeper(best, self._explore(point, self._roughly()))
@@ -224,7 +206,7 @@ def _rounding(residual: FloatArray, step: float) -> bool:
 def _patternless(residual: FloatArray) -> bool:
     """Whether block sums of a residual scatter like those of independent samples (within four standard deviations)."""
     variance = float(residual @ residual) / max(residual.size, 1)
-    for block in _BLOCKS:
+    for block in BLOCKS:
         count = residual.size // block
         if count < 4 or variance == 0.0:
             continue
@@ -251,7 +233,7 @@ def valleys(problem: Problem, floor: float) -> Valleys:
     """
     steps = problem.encoder_steps  # those of the thinned records too: they were read by the same encoders
     plain, weighted = SquaredError(problem), _weighted(problem, steps)
-    thin = problem.thinned(_ENOUGH)
+    thin = problem.thinned(SAMPLES)
     return Valleys(problem, plain, weighted, weighted if thin is problem else _weighted(thin, steps), floor)
 
 

@@ -18,6 +18,7 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
+from msd_ident.estimate.effort import FEWEST_READINGS
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
@@ -37,7 +38,6 @@ LONG_RECORD = fixed(
 _FEWEST_A_SWING = tuned(
     100, unit="samples", why="fewest samples of a swing that a thinned record keeps", chosen="by hand"
 )
-_FEWEST_SAMPLES = tuned(400, unit="samples", why="fewest samples that a thinned record keeps", chosen="by hand")
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 
@@ -254,7 +254,7 @@ class Problem:
         held, each kept sample gets the mean force of the samples that it stands for. Other records are not thinned.
 
         Args:
-            enough: samples of all records together that should remain. A record keeps at least ``_FEWEST_SAMPLES``
+            enough: samples of all records together that should remain. A record keeps at least ``FEWEST_READINGS``
                 samples and about ``_FEWEST_A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
@@ -345,7 +345,7 @@ class Problem:
 def _thinned(record: Record, every: int) -> Record:
     """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
     count = record.samples // every if every > 1 else 0
-    if count < _FEWEST_SAMPLES:
+    if count < FEWEST_READINGS:
         return record
     stop = count * every
     time, position = record.time[:stop:every], record.position[:stop:every]

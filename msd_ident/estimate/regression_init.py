@@ -21,7 +21,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.levels import NEGLIGIBLE
+from msd_ident.estimate.effort import SAMPLES
+from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.windows import breadths
 from msd_ident.model.base_model import OFFSET_FORCE, PLANT
 from msd_ident.model.parameters import PARAMETERS
@@ -59,15 +60,6 @@ WIDTHS = tuned(
     unit="samples",
     why="half widths of the bump, from little to much smoothing",
     chosen="by hand",
-)
-_MOST_PLACES = tuned(
-    2000,
-    unit="places",
-    why="places of the bump in a record, at most: more of them overlap and say the same",
-    chosen="by hand",
-)
-_MOVING = tuned(
-    0.7, unit="1", why="part of the bump over which the cart moves in a place that counts", chosen="by hand"
 )
 
 
@@ -204,9 +196,9 @@ class Means:
         padded = np.concatenate(([0.0], bump, [0.0]))
         slope = (padded[2:] - padded[:-2]) / (2.0 * period)
         bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
-        self._stride = max(half // 2, -(-position.size // _MOST_PLACES))
+        self._stride = max(half // 2, -(-position.size // SAMPLES))
         # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > _MOVING * float(bump.sum())
+        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > MOST_OF * float(bump.sum())
         motion = self._over(position, bend, -slope, bump)[self._moving]
         self.constant = np.full(motion.shape[0], float(bump.sum()))
         self.force = self._over(grid.force, bump)[self._moving, 0]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.quantity import MAD
 
 #: A step must be at least this part of the force's whole range.
 _SMALLEST_JUMP = 0.05
@@ -88,7 +89,7 @@ def _noise(force: FloatArray) -> float:
     """Standard deviation of a measured force's noise, from its differences; 0 for commands."""
     if force.size < _MEASURED:
         return 0.0
-    return 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(np.diff(force))))
+    return MAD / math.sqrt(2.0) * float(np.median(np.abs(np.diff(force))))
 
 
 def _level_end(record: Record, stamps: FloatArray, last: int) -> float:

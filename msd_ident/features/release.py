@@ -16,6 +16,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.features.swings import Extreme
+from msd_ident.quantity import MAD
 
 #: A hand carries at least this part of the force that the spring has at the greatest energy. Decays of measured rigs
 #: depart from their own law by 0.02 to 0.06 of it, hands by 0.3 to 1.
@@ -140,7 +141,7 @@ def _free(time: FloatArray, position: FloatArray, half: int, turns: tuple[Extrem
         energy=(x - middle) ** 2 + v**2 / square,
         departure=departure,
         swing=abs(turns[1].value - middle),
-        scatter=1.4826 * float(np.median(later)),
+        scatter=MAD * float(np.median(later)),
         usual=float(np.quantile(later, 0.9)),
     )
 
@@ -162,5 +163,5 @@ def _regressed(columns: FloatArray, values: FloatArray) -> FloatArray | None:
             return None
         law = np.asarray(np.linalg.lstsq(columns[kept], values[kept], rcond=None)[0], dtype=np.float64)
         error = np.abs(values - columns @ law)
-        kept = error <= 3.0 * 1.4826 * max(float(np.median(error)), math.ulp(1.0))
+        kept = error <= 3.0 * MAD * max(float(np.median(error)), math.ulp(1.0))
     return law

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
+from msd_ident.quantity import MAD
 
 IntArray = npt.NDArray[np.intp]
 
@@ -93,7 +94,7 @@ def _moved_somehow(values: FloatArray, regressors: FloatArray) -> list[FloatArra
     for _ in range(3):
         slope = np.asarray(np.linalg.lstsq(by[keep], steps[keep], rcond=1e-10)[0])
         left = np.abs(steps - by @ slope)
-        keep = left <= 3.0 * 1.4826 * max(float(np.median(left)), 1e-300)
+        keep = left <= 3.0 * MAD * max(float(np.median(left)), 1e-300)
     return [nothing, whole, np.asarray((regressors - regressors.mean(axis=0)) @ slope)]
 
 
@@ -125,7 +126,7 @@ def _scatter(level: FloatArray, places: list[int]) -> float:
     steps = np.diff(level)
     off = np.sort(np.abs(steps - np.median(steps)))
     most = 1.25 * float(off[: max(int(_TRUSTED * off.size), 1)].mean())  # where more than half of the steps are equal
-    robust = max(1.4826 * float(np.median(off)), 0.7 * most) / math.sqrt(2.0)
+    robust = max(MAD * float(np.median(off)), 0.7 * most) / math.sqrt(2.0)
     parts = np.split(level, places)
     freedom = level.size - len(parts)
     within = math.sqrt(sum(float(np.sum((part - part.mean()) ** 2)) for part in parts) / max(freedom, 1))

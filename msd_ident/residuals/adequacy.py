@@ -16,16 +16,12 @@ import numpy as np
 from scipy import special
 
 from msd_ident.data.record import FloatArray
-from msd_ident.residuals.noise_model import Readings
+from msd_ident.estimate.levels import BLOCKS, LAGS
+from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.tuning import tuned
 
 LEVEL = tuned(
     1e-5, unit="1", why="probability of calling a right model wrong, for each of the three questions", chosen="by hand"
-)
-_FLOOR_ERROR = tuned(0.04, unit="1", why="relative error that the noise floor itself may have", chosen="by hand")
-_LAGS = tuned(20, unit="samples", why="lags at which a residual is compared with itself", chosen="by hand")
-_BLOCKS = tuned(
-    (16, 64), unit="runs", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
 )
 
 
@@ -78,7 +74,7 @@ def judge(residuals: Sequence[FloatArray], readings: Sequence[Readings]) -> Adeq
 
 def _size(chi: float, pieces: float) -> float:
     """Probability that noise alone leaves at least this chi² in so many pieces of evidence."""
-    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), _FLOOR_ERROR)
+    excess = (math.sqrt(chi / pieces) - 1.0) / math.hypot(math.sqrt(0.5 / pieces), 0.5 * NOISE_ERROR)
     return float(special.ndtr(-excess))
 
 
@@ -88,16 +84,16 @@ def _whiteness(values: FloatArray, rounded: bool) -> float:
     Rounding errors of a smooth motion beat from one run to the next, so neighbouring lags say nothing where they rule.
     """
     count = values.size
-    if count < 5 * _LAGS:
+    if count < 5 * LAGS:
         return 1.0
     centred = values - values.mean()
     variance = float(centred @ centred)
     if variance == 0.0:
         return 1.0
-    lags = np.array([float(centred[lag:] @ centred[:-lag]) for lag in range(1, _LAGS + 1)]) / variance
-    box = count * (count + 2.0) * float(np.sum(lags**2 / (count - np.arange(1, _LAGS + 1))))
-    found = [1.0 if rounded else float(special.chdtrc(_LAGS, box))]
-    for block in _BLOCKS:
+    lags = np.array([float(centred[lag:] @ centred[:-lag]) for lag in range(1, LAGS + 1)]) / variance
+    box = count * (count + 2.0) * float(np.sum(lags**2 / (count - np.arange(1, LAGS + 1))))
+    found = [1.0 if rounded else float(special.chdtrc(LAGS, box))]
+    for block in BLOCKS:
         blocks = count // block
         if blocks < 8:
             continue

@@ -19,14 +19,12 @@ import scipy.optimize
 from numba import njit
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.levels import NATURAL_RANGE
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
 #: Range of the walk's strength that is searched, in decades either side of its natural size: a force squared.
 _DECADES = 2.0 * math.log10(NATURAL_RANGE)
-_EVALUATIONS = tuned(
-    9, unit="trials", why="strengths of the walk that are tried in a search for the likeliest", chosen="by hand"
-)
 _SETTLED = fixed(
     1e-9,
     "accuracy",
@@ -124,7 +122,7 @@ def missing_force(
         return -float(_filter(readings, law(decade), states, work))
 
     found = scipy.optimize.minimize_scalar(
-        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": _EVALUATIONS, "xatol": 0.1}
+        unlikely, bounds=(-_DECADES, _DECADES), method="bounded", options={"maxiter": SHORT, "xatol": 0.1}
     )
     likeliest = law(float(found.x))
     _filter(readings, likeliest, states, work)

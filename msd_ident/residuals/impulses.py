@@ -18,6 +18,7 @@ from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
 from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
+from msd_ident.quantity import MAD
 from msd_ident.residuals.disturbance import missing_force
 from msd_ident.tuning import tuned
 
@@ -53,7 +54,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     found = missing_force(record, plant, noise, zero)
     friction = friction_force(model) * np.sign(found.velocity)
     unexplained = friction - found.force
-    usual = 1.4826 * float(np.median(np.abs(unexplained)))
+    usual = MAD * float(np.median(np.abs(unexplained)))
     limit = BEYOND_DOUBT * np.maximum(usual, found.std) + 2.0 * np.max(np.abs(friction))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(unexplained) > limit, [False]]).astype(np.int8)))
     spans = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -19,16 +19,16 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
 from msd_ident.estimate.levels import ALIKE
+from msd_ident.quantity import MAD
 from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
 
 _EXACT = fixed(2e-6, "accuracy", "part of the motion: no solver and no clock is better")
-_ALL_ROUNDING = tuned(
-    0.35,
-    unit="encoder steps",
-    why="noise below which there is hardly more than rounding (0.289): nothing dithers it",
-    chosen="by hand",
+NOISE_ERROR = tuned(
+    0.1, unit="1", why="relative error that the estimate of the noise's variance may have", chosen="by hand"
 )
+#: Noise [encoder steps] that is hardly more than that of rounding: nothing dithers it.
+_ALL_ROUNDING = ALIKE / math.sqrt(12.0)
 _TURNS = tuned(
     100,
     unit="crossings",
@@ -188,4 +188,4 @@ def _noise(record: Record, group: float, step: float) -> float:
 def scatter(record: Record) -> float:
     """Noise [m] of a record without rest or encoder step: deviation of samples from a cubic through neighbours."""
     fourth = np.diff(record.position, 4) / math.sqrt(70.0)
-    return 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
+    return MAD * float(np.median(np.abs(fourth - np.median(fourth))))

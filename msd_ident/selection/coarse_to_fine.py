@@ -12,9 +12,10 @@ from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
+from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.cause_assessment import noted
 from msd_ident.selection.evidence import LEAST_SPREAD
-from msd_ident.selection.experiment import NOISE_ERROR, Experiment
+from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import REACH, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking

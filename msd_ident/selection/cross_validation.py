@@ -33,9 +33,6 @@ from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
 _SEGMENTS = 2 * FOLDS
-_BLOCKS = tuned(
-    6, unit="blocks", why="blocks that a segment is cut into at most, however fast the plant forgets", chosen="by hand"
-)
 _WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it is as good as infinite")
 
 
@@ -168,7 +165,7 @@ def _blocks(
     for record, one, other, cut in zip(experiment.records, *errors, cuts, strict=True):
         for number in np.unique(cut):
             inside = np.flatnonzero(cut == number)
-            count = int(np.clip(inside.size * record.period / memory, 1, _BLOCKS))
+            count = max(int(inside.size * record.period / memory), 1)
             for block in np.array_split(inside, count):
                 base, extended = one[block], other[block]
                 found.append((base @ base, extended @ extended, extended @ (base - extended)))

@@ -32,10 +32,9 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE
 from msd_ident.model.effects import by_name
-from msd_ident.residuals.noise_model import Readings
+from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.residuals.octaves import OCTAVE_SHAPES
-from msd_ident.selection.experiment import NOISE_ERROR
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import tuned
 

@@ -17,14 +17,11 @@ from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.residuals.noise_model import Readings
+from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.tuning import tuned
 
 SOUGHT = tuned(
     40.0, unit="1", why="features of a model's error that are counted while a search goes on", chosen="by hand"
-)
-NOISE_ERROR = tuned(
-    0.1, unit="1", why="relative error that the estimate of the noise's variance may have", chosen="by hand"
 )
 
 

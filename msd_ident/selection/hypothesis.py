@@ -86,11 +86,6 @@ class Hypothesis:
         """State and zero of each record."""
         return self.problem.initials(self.point)
 
-    @property
-    def free_parameters(self) -> int:
-        """Number of fitted parameters, without those of single records."""
-        return len(self.problem.free)
-
     @cached_property
     def _residuals(self) -> tuple[FloatArray, ...]:
         return tuple(self.problem.residual(self.point, r) for r in range(len(self.problem.records)))

@@ -11,12 +11,13 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting, descend
 from msd_ident.estimate.effort import LOOK, THOROUGH
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.ranking import ROUGH
 from msd_ident.tuning import fixed, tuned
 
 _FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
@@ -27,28 +28,11 @@ _STRONGER = tuned(
     chosen="on cogging (`python -m bench.blind`, seeds 170355 and 176245): found with it, not without: first fits end "
     "at 0.68 and 0.61 of the amplitude",
 )
-_KICK = tuned(0.6, unit="rad", why="change of a phase that may lead to another minimum", chosen="by hand")
-_FLOOR = tuned(1.5, unit="noise floors", why="what a set leaves from which on such turns are tried", chosen="by hand")
-_ASIDE = tuned(
-    6.0,
-    unit="standard deviations",
-    why="distance between the first reading and the fitted start that is not the noise's",
-    chosen="by hand",
-)
-FAR = tuned(
-    25.0,
-    unit="chi² for each piece of evidence",
-    why="far from the noise: what is left is the model's, not the data's",
-    chosen="by hand",
-)
 COMPARABLE = tuned(
     4.0,
     unit="1",
     why="times the variance, or the chi², of another set: with more, a set is not refined, begun again or started from",
     chosen="by hand",
-)
-_HOPELESS_FAR = tuned(
-    1.5, unit="factor", why="chi² of another set far from the noise: with more, a set is not refined", chosen="by hand"
 )
 REACH = tuned(
     10.0,
@@ -58,12 +42,8 @@ REACH = tuned(
     chosen="by hand",
 )
 SAME = fixed(1e-3, "accuracy", "relative difference of the chi² of two starts or ends that are one")
-_SLACK = tuned(
-    1e-3, unit="1", why="part of what is left above the noise whose fall is not worth a simulation", chosen="by hand"
-)
-LEAST_FALL = tuned(
-    0.02, unit="chi²", why="fall that is not worth a simulation: far below one piece of evidence", chosen="by hand"
-)
+#: Fall of chi² that is not worth a simulation: a negligible part of one piece of evidence.
+LEAST_FALL = NEGLIGIBLE
 
 
 @dataclass(frozen=True)
@@ -85,12 +65,6 @@ class StartingPoint:
     fitted: Hypothesis
     beside: float
     least: float = math.inf
-
-    @property
-    def turn(self) -> float:
-        """Key by which starts are ordered, the smallest first: those that promise the largest reduction of chi²."""
-        promise = max(self.promise, 0.0)  # a step that takes all away may promise less than nothing by rounding
-        return promise * math.sqrt(promise / max(self.beside, 1e-300))
 
     def worth(self, reach: float) -> bool:
         """Whether to follow the start.
@@ -128,7 +102,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
     for _ in range(LOOK):
-        if not _FLOOR * experiment.evidence < best.chi < _hopeless(experiment, least):
+        if not ALIKE**2 * experiment.evidence < best.chi < _hopeless(experiment, least):
             break
         kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
         before, best = best, min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -140,9 +114,9 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
 def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     """A few steps down from other starts, which may lead to another minimum.
 
-    One start on either side of a harmonic law's phase: where the cart sticks at the ripples, the error has several
-    minima within a cycle. And one from the first readings, if the fit begins far from them: a smaller model makes up
-    for missing laws with a shifted start, and with friction a larger model that starts from there keeps the shift.
+    One with stronger harmonic laws. And one from the first readings, if the fit begins far from them: a smaller model
+    makes up for missing laws with a shifted start, and with friction a larger model that starts from there keeps the
+    shift.
     """
     weighting = weigh(fitted.problem, experiment.readings)
     found = []
@@ -150,13 +124,6 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
         found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
-    for entry, parameter in enumerate(fitted.problem.parameters):
-        if not parameter.is_phase:
-            continue
-        for turn in (-_KICK, _KICK):
-            point = fitted.point.copy()
-            point[entry] += turn
-            found.append(_down(experiment, fitted, weighting, point))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
@@ -192,7 +159,7 @@ def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
         if nuisance.kind == "initial position":
             part = experiment.readings[nuisance.record]
             first = float(part.record.position[0]) - fitted.initial[nuisance.record].zero
-            if abs(point[entry] - first) > _ASIDE * part.noise:
+            if abs(point[entry] - first) > BEYOND_DOUBT * part.noise:
                 point[entry] = first
     return np.asarray(np.clip(point, problem.lower, problem.upper))
 
@@ -223,14 +190,14 @@ def _hopeless(experiment: Experiment, least: float) -> float:
 
     Far from the noise no model is right, and there a factor of a few in chi² is a large difference in evidence.
     """
-    if least > FAR * experiment.evidence:
-        return least * _HOPELESS_FAR
+    if least > ROUGH**2 * experiment.evidence:
+        return least * ALIKE**2
     return experiment.worse(least, COMPARABLE)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:
     """Decrease of chi² that is not worth a simulation: far below one piece of evidence, or a small part of the chi²."""
-    return LEAST_FALL + _SLACK * max(fitted.chi - experiment.evidence, 0.0)
+    return LEAST_FALL + SAME * max(fitted.chi - experiment.evidence, 0.0)
 
 
 def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:

@@ -14,8 +14,8 @@ import numpy as np
 
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import Effect, by_name
+from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import LEAST_SPREAD, SHAPES, NoiseScale, log_evidence, log_prior
-from msd_ident.selection.experiment import NOISE_ERROR
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
 from msd_ident.selection.simpler_sets import equal_to
 from msd_ident.tuning import tuned

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import THOROUGH
+from msd_ident.estimate.effort import KEPT, THOROUGH
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.effects import typical
@@ -36,9 +36,6 @@ _RATIOS = tuned(
 )
 _FASTEST = fixed(
     0.5, "mathematics", "rad a sample period: up to it the trapezoidal rule shifts a frequency by 2 % or less"
-)
-_PEAKS = tuned(
-    2, unit="frequencies", why="frequencies that a search begins from, those that explain most", chosen="by hand"
 )
 
 
@@ -118,7 +115,7 @@ def _peaks(gain: FloatArray) -> list[int]:
     """Where a gain (n,) has its highest peaks, the highest first."""
     padded = np.concatenate(([-math.inf], gain, [-math.inf]))
     peaks = np.flatnonzero((gain > 0.0) & (gain >= padded[:-2]) & (gain >= padded[2:]))
-    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:_PEAKS]]
+    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:KEPT]]
 
 
 def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: float, ratio: float) -> list[SecondMass]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting, extended, step
-from msd_ident.estimate.effort import KEPT
+from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
 from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
@@ -22,7 +22,7 @@ from msd_ident.model.effects.base import SECOND_MASS
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
-from msd_ident.selection.ranking import FAINT
+from msd_ident.selection.ranking import FAINT, ROUGH
 from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
 from msd_ident.tuning import tuned
@@ -31,13 +31,6 @@ _WEAK = tuned(
     0.05,
     unit="1",
     why="part of a guess's strength that is tried where the whole of it makes the fit worse",
-    chosen="by hand",
-)
-_PLACINGS = tuned(4, unit="steps", why="steps that place each record's start before a set is fitted", chosen="by hand")
-_FAR_ASTRAY = tuned(
-    30.0,
-    unit="noise floors",
-    why="what a set leaves beyond which its neighbours are started from a regression with inner parameters too",
     chosen="by hand",
 )
 
@@ -200,9 +193,9 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
     ripples = {name for cause in causes if (law := by_name(cause).ripple()) for name in law.names}
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
-        for bent in _with_stops(experiment, model) if left > _FAR_ASTRAY else [model]:
+        for bent in _with_stops(experiment, model) if left > ROUGH else [model]:
             inner = {n: v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR}
-            if len(bent.names) > 3 + len(inner) and (left > _FAR_ASTRAY or set(inner) <= ripples):
+            if len(bent.names) > 3 + len(inner) and (left > ROUGH or set(inner) <= ripples):
                 tried.setdefault(tuple(inner.values()), bent)
     found = []
     for model in tried.values():
@@ -228,7 +221,7 @@ def _placed(
     others = frozenset(model.names) - {"mass", "stiffness"}
     bare, units, place = formulated(experiment, model, problem.initials(point), others)
     chi, best = math.inf, place
-    for _ in range(_PLACINGS):
+    for _ in range(LOOK):
         state = units.exact(place, units.steps(None))
         if not state.chi < chi:
             break

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.estimate.effort import KEPT, THOROUGH
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -22,10 +23,6 @@ from msd_ident.tuning import fixed, tuned
 #: Amplitude [N], frequency [rad/s] or pitch [m], and phase [rad] of a harmonic term.
 Term = tuple[float, float, float]
 
-_LINES = tuned(4, unit="terms", why="harmonic terms that a search begins from, the strongest", chosen="by hand")
-_RATES = tuned(
-    60, unit="trials", why="values of b/m tried for a plain axis, evenly spaced in their logarithm", chosen="by hand"
-)
 _FAINT = fixed(
     1e-12,
     "accuracy",
@@ -120,7 +117,7 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
         noise: standard deviation of a reading [m].
 
     Returns:
-        At most ``_LINES`` triples of amplitude [N], pitch [m] and phase [rad].
+        At most ``KEPT`` triples of amplitude [N], pitch [m] and phase [rad].
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
     force = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
@@ -141,7 +138,7 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
     gain = np.einsum("pi,pi->p", solution, right)
     padded = np.concatenate(([-np.inf], gain, [-np.inf]))
     peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:_LINES]
+    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
     phases = np.angle((solution @ (1.0, 1j)) * np.exp(-2j * np.pi * float(x.min()) / pitches))
     return [(max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(phases[i])) for i in best]
 
@@ -179,8 +176,8 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
         residual: (n,) model − data [m].
 
     Returns:
-        Triples of amplitude [N], angular frequency [rad/s] and phase [rad]: ``_LINES`` of the largest motion, and half
-        as many that stand out most of the force around them.
+        Triples of amplitude [N], angular frequency [rad/s] and phase [rad]: ``KEPT`` of the largest motion, and half
+        as many, rounded down, that stand out most of the force around them.
     """
     period = record.duration / (record.samples - 1)
     time = record.time[0] + period * np.arange(record.samples)
@@ -196,7 +193,7 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
     outside = (omega < 4.0 * np.pi / record.duration) | (omega > 0.5 * np.pi / period)
     power[outside], prominent[outside] = 0.0, 0.0
     found: list[Term] = []
-    for count, by in ((_LINES, power), (_LINES // 2, prominent)):
+    for count, by in ((KEPT, power), (KEPT // 2, prominent)):
         for _ in range(count):
             strongest = int(np.argmax(by))
             if by[strongest] == 0.0:
@@ -220,7 +217,7 @@ def plain_axes(records: Sequence[Record]) -> list[tuple[Model, tuple[Initial, ..
     """
     duration = max(record.duration for record in records)
     found = []
-    for rate in np.geomspace(0.02 / duration, 500.0 / duration, _RATES):
+    for rate in np.geomspace(0.02 / duration, 500.0 / duration, THOROUGH):
         solved = _regressed(records, float(rate))
         if solved is not None:
             found.append(solved)

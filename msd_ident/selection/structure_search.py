@@ -30,9 +30,9 @@ from msd_ident.selection.hypothesis import (
     Hypothesis,
     causes_that_fit,
 )
-from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
-from msd_ident.selection.simpler_sets import equal_to, reduced
+from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.ranking import LEADERS, NEAR, ROUGH, Ranking, rank
+from msd_ident.selection.simpler_sets import reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 
@@ -49,12 +49,6 @@ NOTHING: Causes = frozenset()
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 #: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
 _ROUNDS_FAR = LOOK // 2
-_AHEAD = tuned(
-    (4, 12),
-    unit="sets",
-    why="sets of a round that are fitted before the others, and those that follow them",
-    chosen="by hand",
-)
 
 
 @dataclass
@@ -180,7 +174,7 @@ class Search:
         """Move to the best neighbouring set until no neighbour has more evidence."""
         for turn in range(LOOK):
             best = self._pruned(self._leader())
-            if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
+            if turn >= _ROUNDS_FAR and best.chi > ROUGH**2 * self.experiment.evidence:
                 break
             if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
@@ -262,18 +256,10 @@ class Search:
             self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
-        """A set's best fit so far.
-
-        Larger sets were begun from it. Where it leaves far less than it did, those that leave more than it does ended
-        in a wrong minimum: they may be tried again.
-        """
+        """A set's best fit so far."""
         before = self.sets.get(fitted.causes)
-        if before is not None and fitted.chi >= before.chi:
-            return
-        self.sets[fitted.causes] = fitted
-        if before is not None and fitted.chi < MOST_OF * before.chi:
-            larger = {causes for causes in self.tried if causes > fitted.causes}
-            self.tried -= {one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi}
+        if before is None or fitted.chi < before.chi:
+            self.sets[fitted.causes] = fitted
 
     def scale(self) -> NoiseScale:
         """Noise scale that follows from the best set."""
@@ -329,26 +315,9 @@ class Search:
         return bool(new)
 
     def _fit_new(self, new: Sequence[Causes], start: float, end: float) -> None:
-        near, middle = start + 0.3 * (end - start), 0.5 * (start + end)
+        near = start + 0.3 * (end - start)
         found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
-        found.sort(key=lambda starts: starts[0].turn)
-        # The most promising sets go first: when they leave nothing but noise, starts that promise much more can wait.
-        few, some = _AHEAD
-        shares = (near, near + 0.3 * (middle - near)), (near + 0.3 * (middle - near), middle), (middle, end)
-        for group, share in zip((found[:few], found[few:some], found[some:]), shares, strict=True):
-            self._fit_group(group, share)
-        self._simplify(new)
-
-    def _simplify(self, new: Iterable[Causes]) -> None:
-        """Fit a simpler set again where a set that turned out to be equal to it leaves less.
-
-        The ranking leaves out a set that is equal to a simpler one, so what it found must not be lost.
-        """
-        for fitted in [self.sets[causes] for causes in new if causes in self.sets]:
-            worse = {one for one in equal_to(fitted) & set(self.sets) if fitted.chi < self.sets[one].chi}
-            for start in reduced(fitted, self.experiment.library) if worse else ():
-                if start[0] in worse:
-                    self._look_again(*start)
+        self._fit_group(found, (near, end))
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
@@ -357,13 +326,13 @@ class Search:
         if self.at_floor(leads):
             if leads.causes & set(HOLDING_COULOMB):
                 resolved = [starts for starts in group if _rubs_and_is_linear(starts[0])]
-            group = [starts for starts in group if any(start.worth(reach) or _plain(start) for start in starts)]
+            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
-        begun = self._each(partial(self._begin, reach), group, share)
+        begun = self._each(lambda starts: begin(self.experiment, starts, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):
-            for fitted in self._each(partial(self._finish, least), tries, share):
+            for fitted in self._each(partial(finish, self.experiment, least=least), tries, share):
                 least = min(least, self._converged(fitted, least).chi)
         # A set that ends in a wrong minimum would be what larger ones are begun from.
         for starts in resolved:
@@ -392,12 +361,6 @@ class Search:
     def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self._parents(causes))
 
-    def _begin(self, reach: float, found: list[StartingPoint]) -> list[Hypothesis]:
-        return begin(self.experiment, found, reach)
-
-    def _finish(self, least: float, begun: list[Hypothesis]) -> Hypothesis:
-        return finish(self.experiment, begun, least)
-
     def _parents(self, causes: Causes) -> list[Hypothesis]:
         """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
         the base; and those that have Coulomb friction in place of a law that holds it as a limit. A set with a ripple
@@ -419,23 +382,12 @@ def _with_coulomb(causes: Causes) -> list[Causes]:
     return [causes - {name} | {COULOMB} for name in laws if COULOMB not in causes]
 
 
-def _linear(causes: Causes) -> bool:
-    """Whether all parameters of all causes enter the equation of motion linearly."""
-    return all(by_name(name).is_linear() for name in causes)
-
-
-def _plain(start: StartingPoint) -> bool:
-    """Whether a start of a single linear law promises a change: along a weak direction it is found by a fit alone."""
-    causes = start.fitted.causes
-    return len(causes) == 1 and _linear(causes) and start.least < (1.0 - TENTH) * start.beside
-
-
 def _rubs_and_is_linear(start: StartingPoint) -> bool:
     """Whether a set is Coulomb friction beside linear laws, which a law that holds Coulomb friction may imitate.
 
     It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
     """
-    return COULOMB in start.fitted.causes and _linear(start.fitted.causes)
+    return COULOMB in start.fitted.causes and all(by_name(name).is_linear() for name in start.fitted.causes)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

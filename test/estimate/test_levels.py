@@ -10,8 +10,9 @@ import pytest
 from fitrigs import DEMO, measured
 
 from msd_ident.estimate.formulation import formulate
-from msd_ident.estimate.levels import CONFIDENCE, MAD, NULL, STUCK, TWO_SIDED
+from msd_ident.estimate.levels import CONFIDENCE, NULL, STUCK, TWO_SIDED
 from msd_ident.estimate.problem import Initial
+from msd_ident.quantity import MAD
 
 
 def test_an_interval_holds_its_share_of_normal_errors() -> None:

@@ -15,7 +15,8 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
-from msd_ident.selection.experiment import NOISE_ERROR, SOUGHT, Experiment, formulated, switched_off, weigh
+from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.selection.experiment import SOUGHT, Experiment, formulated, switched_off, weigh
 
 
 def test_what_is_hopeless_is_counted_from_the_noise() -> None:

@@ -24,7 +24,6 @@ from msd_ident.model.effects.modulated_disturbance import ModulatedDisturbance
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
@@ -77,22 +76,6 @@ def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_trie
         found = search._fronts(leader)
         assert found == [leader, rival][:fronts], "a set of more causes is no rival"
         assert search._fronts(large) == [large], "at the floor nothing else is tried"
-
-
-def test_a_simpler_set_is_fitted_again_where_a_set_that_is_equal_to_it_leaves_less() -> None:
-    """A law without its peak is Coulomb friction: the ranking leaves it out, so its minimum must not be lost."""
-    experiment = rubbing()
-    base, wrong = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.15))
-    flat = BASE + StribeckFriction(0.29, 0.29, 0.05)
-    peakless = refine(experiment, frozenset(flat.effect_names), flat, base.initial)
-    assert peakless.chi < 0.1 * wrong.chi
-    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (base, wrong, peakless)}
-    search._simplify([peakless.causes])
-    assert np.isclose(search.sets[wrong.causes].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
-    better = search.sets[wrong.causes]
-    search._simplify([peakless.causes])
-    assert search.sets[wrong.causes] is better, "it is fitted once"
 
 
 def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() -> None:
@@ -163,20 +146,6 @@ def test_laws_that_are_linear_in_their_parameters_are_paired_however_much_each_l
     found = search._pairs()
     assert frozenset({"cubic_spring", "asymmetric_spring"}) in found
     assert not any("backlash" in pair or "cogging" in pair for pair in found)
-
-
-def test_larger_sets_are_tried_again_when_what_they_began_from_was_wrong() -> None:
-    data = steps()
-    stop, both = BASE + Backlash(1e-3), BASE + Backlash(1e-3) + CubicSpring(1e6)
-    good = BASE + Backlash(1e-3) + CoulombFriction(0.1)
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    for model, left in ((stop, 1000.0), (both, 900.0), (good, 10.0)):
-        search._keep(fitted(data, model, left))
-        search.tried.add(frozenset(model.effect_names))
-    search._keep(fitted(data, stop, 600.0))
-    assert len(search.tried) == 3, "a little better: nothing is forgotten"
-    search._keep(fitted(data, stop, 200.0))
-    assert search.tried == {frozenset(stop.effect_names), frozenset(good.effect_names)}, "this one leaves less"
 
 
 def test_a_set_that_leads_is_fitted_to_the_end() -> None:

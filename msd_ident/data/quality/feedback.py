@@ -15,6 +15,7 @@ from msd_ident.data.motion import Motion
 from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.quantity import MAD
 
 #: Fewest changes of force and reading, and what a regression on the readings must explain of the force's changes. Of a
 #: cart under a position controller it explains 0.999; of open loops, and of an axis with a moving setpoint < 0.07.
@@ -23,8 +24,6 @@ _FEWEST, _EXPLAINED = 50, 0.99
 _RESTING, _WITH_IT = 0.2, 0.95
 #: Or: the rest must be below this part of what the readings' noise alone would leave.
 _BELOW_NOISE = 0.5
-#: From median absolute deviation to standard deviation.
-_MAD = 1.4826
 
 
 def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -42,7 +41,7 @@ def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
     for _ in range(3):  # a new setpoint is a jump of the force without any of the readings
         weights = np.linalg.lstsq(columns[kept], now[kept], rcond=None)[0]
         rest = now - columns @ weights
-        kept = np.abs(rest) <= 6.0 * max(_MAD * float(np.median(np.abs(rest))), 1e-300)
+        kept = np.abs(rest) <= 6.0 * max(MAD * float(np.median(np.abs(rest))), 1e-300)
     left, noise = float(np.std(rest[kept])), max(noise_floor(record), encoder_step(record) / np.sqrt(12.0))
     follows = float(weights.sum()) < 0.0 and left**2 < (1.0 - _EXPLAINED) * float(np.var(now[kept]))
     if follows and (_rests_with(force, steps) or left < _BELOW_NOISE * float(np.linalg.norm(weights)) * noise):
