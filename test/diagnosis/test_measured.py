@@ -27,7 +27,7 @@ def measured(folder: Path, name: str) -> Diagnosis:
 )
 def test_the_cart_rubs_and_what_remains_is_said(shared_data: Path, name: str) -> None:
     found = measured(shared_data, name)
-    assert found.causes[0].name in DRY
+    assert any(cause.name in DRY for cause in found.causes)
     assert found.verdict in ("mostly_explained", "ambiguous") and found.left.exceeds
     assert "of the motion is still unexplained, more than the tolerance of 1 %" in found.summary
     assert found.heldout.reduction_percent > 20.0
