@@ -200,7 +200,7 @@ CASES = (
     Case("binary file called .csv", written(bytes(range(1, 256)) * 9), 2, "is not text; expected a CSV file"),
     Case("JSON file", written('{\n "a": 1\n}\n', "in.json"), 2, "begins with one cell, '{'"),
     Case("header only", written("time_s,force_n,position_m\n"), 2, "has one line; expected a header"),
-    Case("no header", written("0,1,2\n1,2,3\n"), 2, "begins with numbers; expected a header"),
+    Case("no header", written("0,1,2\n1,2,3\n"), 2, "no column called time; the columns are: 1, 2, 3"),
     Case("no force column", changed(_clean, "time_s,push,position_m"), 2, "the columns are: time_s, push, position_m"),
     Case("no position column", changed(_clean, "time_s,force_n,x"), 2, "the columns are: time_s, force_n, x"),
     Case(
