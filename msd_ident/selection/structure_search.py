@@ -30,8 +30,8 @@ from msd_ident.selection.hypothesis import (
     Hypothesis,
     causes_that_fit,
 )
-from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, NEAR, ROUGH, Ranking, rank
+from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
 from msd_ident.selection.simpler_sets import reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
@@ -174,7 +174,7 @@ class Search:
         """Move to the best neighbouring set until no neighbour has more evidence."""
         for turn in range(LOOK):
             best = self._pruned(self._leader())
-            if turn >= _ROUNDS_FAR and best.chi > ROUGH**2 * self.experiment.evidence:
+            if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
             if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
