@@ -166,7 +166,7 @@ class Table:
         expected = "expected a header like time_s,force_n,position_m and numbers"
         if not texts:
             raise DataError(f"{self._path} is empty; {expected}")
-        self._names(texts[0], "")
+        self._names(texts[0], texts[0])  # refuses text that is no header
         said = "one line" if len(texts) == 1 else "no line of numbers"
         raise DataError(f"{self._path} has {said}; {expected}")
 

@@ -138,6 +138,7 @@ def changed(line: int, text: str) -> str:
         ("", ["is empty", "time_s,force_n,position_m"]),
         ("\n\n# nothing\n", ["is empty"]),
         ("time_s,force_n,position_m\n", ["has one line"]),
+        ("time_s force_n position_m\n", ["has one line"]),
         (table().split("\n", 1)[1], ["has no column called time; the columns are: 1, 2, 3", "--time COLUMN"]),
         ("Voltage, ChA, Run #1\nno numbers\n", ["has no line of numbers", "time_s,force_n,position_m"]),
         (changed(7, "0.05,1.5"), ["line 7 has 2 cells", "expected 3", "time_s, force_n, position_m"]),
