@@ -43,6 +43,7 @@ from msd_ident.selection import (
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
 from msd_ident.selection.cause_assessment import assess, noted
+from msd_ident.selection.cross_validation import predict
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
@@ -197,10 +198,13 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         if (ranking := naming.leading(ranking)).best is not best:
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
     progress("verdict", 0.97, "")
-    base, shown = _resting(experiment, base), _resting(experiment, best)
     scale = scale_from(list(ranking.sets), experiment.readings)
-    heard, left = _heard(experiment, scale.other_noise, (base, shown))
     alike = gain_laws.alike(experiment, best, scale)
+    if (law := gain_laws.leading(best, alike, scale)) is not best:
+        alike = [one for one in (best, *alike) if one is not law]
+        ranking, best, heldout = ranking.with_law(law), law, predict(experiment, base, law)
+    base, shown = _resting(experiment, base), _resting(experiment, best)
+    heard, left = _heard(experiment, scale.other_noise, (base, shown))
     rivals = _beside(experiment, best, ranking, alike, scale)
     extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended

@@ -14,7 +14,7 @@ from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, switched_off
 from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit, without
 from msd_ident.selection.hypothesis_fit import REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import DECISIVE
+from msd_ident.selection.ranking import CALLED, DECISIVE
 from msd_ident.selection.starting_points import proposals
 
 
@@ -36,6 +36,22 @@ def alike(experiment: Experiment, best: Hypothesis, scale: NoiseScale) -> list[H
             if causes_that_fit(causes):
                 found += _fitted(experiment, causes, bare, best)
     return [one for one in found if scale.of(one) > scale.of(best) - DECISIVE]
+
+
+def leading(best: Hypothesis, laws: Sequence[Hypothesis], scale: NoiseScale) -> Hypothesis:
+    """The law of the gain that leads where several fit alike.
+
+    The commands are calibrated forces, so a law comes first that keeps their gain over a range (a dead zone, a limit):
+    a law that changes the gain at every command moves mass, damping and stiffness away from this calibration.
+
+    Args:
+        best: the leading set.
+        laws: result of ``alike``.
+        scale: how likelihoods are read there.
+    """
+    near = [one for one in laws if scale.of(one) > scale.of(best) - CALLED]
+    keeping = [one for one in (best, *near) if all(effect.keeps_gain() for effect in one.model.effects)]
+    return best if best in keeping else max(keeping, key=scale.of, default=best)
 
 
 def shares(

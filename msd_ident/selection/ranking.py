@@ -121,6 +121,16 @@ class Ranking:
             probability=tuple(self.probability[i] for i in order),
         )
 
+    def with_law(self, law: Hypothesis) -> Ranking:
+        """The same with another law of one cause of the leading set, which the data does not tell from this one."""
+        old, new = self.best.causes, law.causes
+        renamed = {
+            name: {new if one == old else one: part for one, part in getattr(self, name).items()}
+            for name in ("left", "further", "leaves", "clear")
+        }
+        exact = frozenset(new if one == old else one for one in self.exact)
+        return replace(self, sets=(law, *self.sets[1:]), exact=exact, **renamed)
+
     def of_set(self, causes: Causes) -> float:
         """Probability of a set; 0 if it is not ranked."""
         return next((p for p, one in zip(self.probability, self.sets, strict=True) if one.causes == causes), 0.0)

@@ -9,21 +9,22 @@ import pytest
 from setrigs import BASE, fitted, steps
 
 from msd_ident.data.record import Record
+from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.selection.evidence import NoiseScale
-from msd_ident.selection.gain_laws import shares
+from msd_ident.selection.gain_laws import leading, shares
 from msd_ident.workflow import pipeline
 from msd_sim import api
 
 MASS = 1.3
 
 
-def stepped(sizes: tuple[float, ...]) -> Record:
-    """Steps of these sizes on a drive that gives 7 N at most."""
+def stepped(sizes: tuple[float, ...], limit: float = 7.0) -> Record:
+    """Steps of these sizes on a drive that gives this much [N] at most."""
     at = np.arange(len(sizes)) * 0.8
     made = api.simulate(
         {"mass": MASS, "damping": 8.0, "stiffness": 700.0, "friction_coefficient": 0.0, "seed": 4,
-         "effects": {"force_gain_nonlinearity": {"gain_slope": 0.0, "force_limit": 7.0}},
+         "effects": {"force_gain_nonlinearity": {"gain_slope": 0.0, "force_limit": limit}},
          "encoder": {"counts_per_metre": 0.0, "noise": 5e-6}, "rate": 500.0, "duration": 0.8 * len(sizes),
          "force_time": at.tolist(), "force": list(sizes)}
     )  # fmt: skip
@@ -59,3 +60,32 @@ def test_the_probability_of_the_leading_set_is_shared_by_likelihood() -> None:
     odds = math.exp(scale.of(worse) - scale.of(best))
     assert 0.0 < odds < 1.0 and (p, q) == pytest.approx((0.8 / (2.0 + odds), 0.8 * odds / (2.0 + odds)))
     assert shares([], best, scale, 0.8) == []
+
+
+def test_of_laws_that_fit_alike_one_leads_that_keeps_the_calibrated_gain() -> None:
+    data, scale = steps(), NoiseScale(6000.0)
+    slope, limit = ForceGainNonlinearity(0.01, math.inf), ForceGainNonlinearity(0.0, 7.0)
+    best, dead, limited = (fitted(data, BASE + law, chi) for law, chi in
+                           ((slope, 6000.0), (ForceDeadZone(0.5), 6002.0), (limit, 6001.0)))  # fmt: skip
+    assert leading(best, [dead], scale) is dead
+    assert leading(best, [dead, limited], scale) is limited, "the likelier one of those that keep it"
+    assert leading(dead, [best, limited], scale) is dead, "it keeps the gain already"
+    assert leading(best, [], scale) is best
+    worse = fitted(data, BASE + ForceDeadZone(0.5), 9000.0)
+    assert scale.of(worse) < scale.of(best) - 1.0 and leading(best, [worse], scale) is best
+    other = fitted(data, BASE + ForceGainNonlinearity(0.02, math.inf), 6000.0)
+    assert leading(best, [other], scale) is best
+
+
+@pytest.mark.parametrize("zone", [0.6, 1.5])
+def test_of_two_sizes_of_force_a_dead_zone_has_the_mass(zone: float) -> None:
+    sizes = (5.0, 0.0, 10.0, 0.0, -5.0, 0.0, -10.0, 0.0)
+    made = stepped(tuple(math.copysign(max(abs(size) - zone, 0.0), size) for size in sizes), limit=math.inf)
+    asked = Record(made.time, made.position, made.force_time, np.asarray(sizes))
+    found = pipeline.diagnose([asked])
+    assert [cause.name for cause in found.causes] == ["force_dead_zone"]
+    assert abs(found.extended.quantities["mass"].value / MASS - 1.0) < 0.005
+    assert found.causes[0].parameters["dead_zone"].value == pytest.approx(zone, rel=0.01)
+    assert found.heldout.better
+    low, high = found.spread["mass"]
+    assert low < 1.001 * MASS and high > 1.02 * MASS, "a slope of the gain says another mass"

@@ -193,6 +193,10 @@ class Effect:
         """Force [N] by which the cart may stand off the balance of all others."""
         return sum(value for parameter, value in zip(self.parameters, self.values, strict=True) if parameter.holds)
 
+    def keeps_gain(self) -> bool:
+        """Whether some range of commands acts on the plant with a gain of 1, change for change."""
+        return True
+
     def idle(self) -> frozenset[str]:
         """Parameters that are not to be fitted: they state something, or stand for the absence of a part of the effect
         (a limit at infinity).

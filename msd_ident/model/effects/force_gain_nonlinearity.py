@@ -54,6 +54,10 @@ class ForceGainNonlinearity(Effect):
         off = super().idle()
         return off | {"gain_slope"} if self.gain_slope == 0.0 and "force_limit" not in off else off
 
+    def keeps_gain(self) -> bool:
+        """A limit does; a slope changes the gain at every command."""
+        return self.gain_slope == 0.0
+
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
