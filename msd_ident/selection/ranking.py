@@ -157,7 +157,7 @@ class Ranking:
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         if causes in self.leaves:
-            odds = min(odds, _uncertain(by_name(law)))
+            odds = min(odds, _uncertain(by_name(law)), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = self.clear.get(causes, {}).get(law, math.inf)
             clear *= max(min(clear, _usual(by_name(law))), 1.0)
@@ -351,7 +351,7 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
     its place, or one with another effect that it is equal to. Nor is it if a cause adds nothing to the likelihood: less
     than ``TENTH`` of a nat.
     """
-    if equal_to(sets[causes]) & set(sets):
+    if not set(sets).isdisjoint(equal_to(sets[causes])):
         return False
     if scale.shapes <= SHAPES and (_within_law_error(causes, sets, scale.noise) or _adds_nothing(causes, sets, scale)):
         return False
