@@ -20,14 +20,17 @@ from msd_ident.selection.hypothesis import (
 )
 
 
-def equal_to(fitted: Hypothesis) -> set[Causes]:
-    """Simpler sets that the fitted model is equal to: an effect without strength, or Coulomb friction alone."""
-    model, found = fitted.model, set()
-    for name in fitted.causes:
+def equal_to(fitted: Hypothesis) -> dict[Causes, Model]:
+    """Simpler sets that the fitted model is equal to, each with its model: an effect without strength, or Coulomb
+    friction alone.
+    """
+    model, found = fitted.model, {}
+    for name in sorted(fitted.causes):
+        rest = replace(model, effects=tuple(e for e in model.effects if e.name != name))
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
-            found.add(fitted.causes - {name})
+            found[fitted.causes - {name}] = rest
         if model.effect(name).is_dry_friction():
-            found.add(fitted.causes - {name} | {COULOMB})
+            found[fitted.causes - {name} | {COULOMB}] = rest + DryFriction(model[HOLDING_COULOMB[name]])
     return found
 
 

@@ -32,7 +32,7 @@ from msd_ident.selection.hypothesis import (
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
-from msd_ident.selection.simpler_sets import reduced
+from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
 
@@ -183,14 +183,15 @@ class Search:
         return self.ranking()
 
     def _named_grown(self) -> None:
-        """Fit the sets with one cause more than the likeliest one, until none is new.
+        """Fit the sets that differ from the likeliest one by a cause, until none is new.
 
         The walk is led by an evidence that counts more features of the error. Far from the noise a flexible law may
         lead it, e.g. a disturbance, to which the ranking gives little: then these sets are not among its neighbours.
         """
         for _ in range(_ROUNDS_FAR):
             likeliest = self.ranking().likeliest
-            if self.at_floor(likeliest) or not self._fit(self._grown(likeliest.causes), 0.85, 0.86):
+            near = self._swapped(likeliest.causes) + self._grown(likeliest.causes)
+            if self.at_floor(likeliest) or not self._fit(near, 0.85, 0.86):
                 break
 
     def _fronts(self, best: Hypothesis) -> list[Hypothesis]:
@@ -256,10 +257,14 @@ class Search:
             self._keep(refine(self.experiment, causes, model, initial))
 
     def _keep(self, fitted: Hypothesis) -> None:
-        """A set's best fit so far."""
+        """A set's best fit so far, also of simpler sets that it is equal to."""
         before = self.sets.get(fitted.causes)
-        if before is None or fitted.chi < before.chi:
-            self.sets[fitted.causes] = fitted
+        if before is not None and before.chi <= fitted.chi:
+            return
+        self.sets[fitted.causes] = fitted
+        for causes, model in equal_to(fitted).items():
+            if causes in self.sets and fitted.chi < MOST_OF * self.sets[causes].chi:
+                self._keep(refine(self.experiment, causes, model, fitted.initial))
 
     def scale(self) -> NoiseScale:
         """Noise scale that follows from the best set."""

@@ -274,3 +274,34 @@ def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_wal
     found = diagnose_records([from_samples(time, force, np.round(motion))])
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "drive_damping", "time_offset"}
     assert found.extended.see < 0.5
+
+
+def test_a_set_whose_further_effect_ends_without_strength_is_a_fit_of_the_set_without_it() -> None:
+    experiment = rubbing()
+    wrong = stood(experiment, BASE + CoulombFriction(0.15))
+    right = BASE + CoulombFriction(0.03 * 9.81)
+    search = Search(experiment, lambda fitted: True, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (stood(experiment, BASE), wrong)}
+    search._keep(stood(experiment, right + QuadraticDrag(0.0)))
+    assert np.isclose(search.sets[wrong.causes].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
+    assert search.sets[wrong.causes].chi < 0.1 * wrong.chi
+
+
+def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cogging and drag beside Coulomb friction come near a friction that falls with speed beside cogging."""
+    data = steps()
+    pair = BASE + Cogging(1.0, 0.01, 0.0) + CoulombFriction(0.1)
+    sets = [fitted(data, BASE, 9e7), fitted(data, BASE + CoulombFriction(0.1), 9e6), fitted(data, pair, 5e5)]
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in sets}
+    asked: list[frozenset[str]] = []
+
+    def fit(wanted: Sequence[frozenset[str]], start: float, end: float) -> bool:
+        asked.extend(wanted)
+        return False
+
+    monkeypatch.setattr(search, "_fit", fit)
+    assert search.ranking().likeliest.causes == {"cogging", "coulomb_friction"}
+    search._named_grown()
+    assert frozenset({"cogging", "stribeck_friction"}) in asked, "another law in place of one"
+    assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"
