@@ -4,7 +4,7 @@ python -m bench.blind [--rounds 8] [--seed 1000] [--jobs 2] [--json FILE] [--onl
 python -m bench.blind --variants [--rounds 2] …: foreign laws that the library does not have
 python -m bench.blind --forms [--rounds 2] …: other forms of known causes, on the simulated rig of this project
 python -m bench.blind --mujoco [--rounds 20] …: rigs that MuJoCo simulates, ten a round
-python -m bench.blind --score FILE... [--docs DIR]
+python -m bench.blind --score FILE... [--docs DIR]: of one study, or the calibration over several
 """
 
 from __future__ import annotations
@@ -82,6 +82,24 @@ special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagno
 {tables}
 """,
     ),
+    "several": (
+        "calibration.md",
+        """# Calibration
+
+Made by `python -m bench.blind --score FILE... --docs docs` from the outcomes (`--json`) of the
+[blind study](blind-study.md), of the [laws that the library does not have](blind-variants.md) and of
+[MuJoCo's rigs](blind-mujoco.md).
+
+A stated probability is right if causes that are named with it are right as often. A lab's rig does not follow the laws
+of a library exactly, so the probabilities allow for other forms of the laws. On rigs that do follow the library they
+are too low; on others they must not be too high.
+
+- *Named causes*: each with the probability that stands on the page, whatever the verdict.
+- *Right*: the cause acts, or it is of the family of a law that acts (`bench/blind/truth.py`).
+
+{tables}
+""",
+    ),
     "mujoco": (
         "blind-mujoco.md",
         """# Rigs of a second author
@@ -153,12 +171,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 #: Tables of each study.
-_TOLD = {"study": told.report, "variants": told.variants, "forms": told.variants, "mujoco": told.second_author}
+_TOLD = {
+    "study": told.report,
+    "variants": told.variants,
+    "forms": told.variants,
+    "mujoco": told.second_author,
+    "several": told.calibration,
+}
 
 
 def _kind(outcomes: Sequence[Outcome]) -> str:
     """Which study these are of."""
     authors = {outcome.case.author for outcome in outcomes}
+    if len(authors) > 1:
+        return "several"
     if authors == {"own"}:
         return "forms" if all(outcome.case.kind == "variant" for outcome in outcomes) else "study"
     return "mujoco" if authors == {"mujoco"} else "variants"

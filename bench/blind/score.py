@@ -153,35 +153,72 @@ def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
     is right when it itself acts; that another one tied with it does, does not count. What no experiment can tell from
     the truth is neither right nor wrong.
     """
-    bins = []
-    for low, high, inside in _binned(outcomes):
-        stated = float(np.mean([p for p, _ in inside]))
-        bins.append(Bin(low, min(high, 1.0), len(inside), stated, sum(right for _, right in inside)))
-    return bins
+    return _bins(_stated(outcomes))
 
 
-def _binned(outcomes: Sequence[Outcome]) -> list[tuple[float, float, list[tuple[float, bool]]]]:
-    """Ends of each bin that is not empty, and of each cause in it the stated probability and whether it acts."""
-    pairs = [
+def named_reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
+    """Bins of the named causes alone, oddities and laws that the library lacks included.
+
+    A named cause is right when it is not false: it acts, or it is of the family of a law that acts.
+    """
+    return _bins(_named(outcomes))
+
+
+#: Stated probability of a cause, and whether it is right.
+_Pair = tuple[float, bool]
+
+
+def _stated(outcomes: Sequence[Outcome]) -> list[_Pair]:
+    return [
         (p, name in o.truth)
         for o in outcomes
         if not o.odd
         for name, p in (*((name, p) for name, p, _ in o.named), *o.beside)
         if p >= NEGLIGIBLE and name not in undecidable(frozenset(o.truth))
     ]
+
+
+def _named(outcomes: Sequence[Outcome]) -> list[_Pair]:
+    return [(p, (name, p) not in o.false) for o in outcomes for name, p, _ in o.named]
+
+
+def _binned(pairs: Sequence[_Pair]) -> list[tuple[float, float, list[_Pair]]]:
+    """Ends of each bin that is not empty, and what is in it."""
     bins = [(low, high, [(p, right) for p, right in pairs if low <= p < high]) for low, high in pairwise(BINS)]
     return [one for one in bins if one[2]]
 
 
-def miscalibration(outcomes: Sequence[Outcome]) -> float:
+def _bins(pairs: Sequence[_Pair]) -> list[Bin]:
+    bins = []
+    for low, high, inside in _binned(pairs):
+        stated = float(np.mean([p for p, _ in inside]))
+        bins.append(Bin(low, min(high, 1.0), len(inside), stated, sum(right for _, right in inside)))
+    return bins
+
+
+def largest_gap(bins: Sequence[Bin]) -> float:
     """Largest difference of stated and observed in a populated bin."""
-    return max((abs(b.stated - b.observed) for b in reliability(outcomes) if b.count >= POPULATED), default=math.nan)
+    return max((abs(b.stated - b.observed) for b in bins if b.count >= POPULATED), default=math.nan)
+
+
+def miscalibration(outcomes: Sequence[Outcome]) -> float:
+    """``largest_gap`` over all causes that a diagnosis states a probability for (``reliability``)."""
+    return largest_gap(reliability(outcomes))
 
 
 def by_chance(outcomes: Sequence[Outcome]) -> tuple[float, float]:
-    """The same if each cause acted by a lot of its stated probability: median and 95th percentile."""
+    """``miscalibration`` if each cause acted by a lot of its stated probability: median and 95th percentile."""
+    return _chance_gap(_stated(outcomes))
+
+
+def named_by_chance(outcomes: Sequence[Outcome]) -> tuple[float, float]:
+    """The same of the named causes alone (``named_reliability``)."""
+    return _chance_gap(_named(outcomes))
+
+
+def _chance_gap(pairs: Sequence[_Pair]) -> tuple[float, float]:
     rng = np.random.default_rng(0)
-    stated = [np.array([p for p, _ in inside]) for _, _, inside in _binned(outcomes) if len(inside) >= POPULATED]
+    stated = [np.array([p for p, _ in inside]) for _, _, inside in _binned(pairs) if len(inside) >= POPULATED]
     if not stated:
         return math.nan, math.nan
     gaps = [np.abs(np.mean(rng.random((_STUDIES, p.size)) < p, axis=1) - np.mean(p)) for p in stated]

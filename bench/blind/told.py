@@ -147,14 +147,33 @@ def _reliability(outcomes: Sequence[Outcome]) -> list[str]:
     """Of the figures' own cases, and of all experiments and sizes together, where more is open."""
     main = score.visible(score.main_experiment(outcomes))
     return [
-        "Calibration over all cases without an unknown law:", "", *_bins(outcomes), "",
-        "Calibration over visible effects, steps at 1 kHz:", "", *_bins(main),
+        "Calibration over all cases without an unknown law:", "", *_bins(score.reliability(outcomes)), "",
+        "Calibration over visible effects, steps at 1 kHz:", "", *_bins(score.reliability(main)),
     ]  # fmt: skip
 
 
-def _bins(outcomes: Sequence[Outcome]) -> list[str]:
+def calibration(outcomes: Sequence[Outcome]) -> list[str]:
+    """Named causes of all studies together, then of each rig's author: stated probability and share that is right."""
+    authors = {
+        "All rigs": outcomes,
+        "Simulated rigs with laws of the library": [o for o in outcomes if o.case.author == "own" and not o.odd],
+        "Simulated rigs with other laws": [o for o in outcomes if o.case.author == "foreign" or o.odd],
+        "MuJoCo's rigs": [o for o in outcomes if o.case.author == "mujoco"],
+    }
+    lines = []
+    for name, chosen in authors.items():
+        if chosen:
+            median, most = score.named_by_chance(chosen)
+            bins = score.named_reliability(chosen)
+            gap = f"largest difference {score.largest_gap(bins):.3f} in bins with at least {score.POPULATED} causes"
+            chance = f"by chance {median:.3f} (95 % below {most:.3f}) if every stated probability were right"
+            lines += [f"{name}, {len(chosen)} cases: {gap}; {chance}.", "", *_bins(bins), ""]
+    return lines[:-1]
+
+
+def _bins(bins: Sequence[score.Bin]) -> list[str]:
     lines = ["| stated probability | causes | mean stated | share that acts | 95 % interval |", "|---|---|---|---|---|"]
-    for b in score.reliability(outcomes):
+    for b in bins:
         low, high = b.range
         shares = f"{b.stated:.3f} | {b.observed:.3f} | {low:.2f} to {high:.2f}"
         lines.append(f"| {b.low:.2f} to {b.high:.2f} | {b.count} | {shares} |")

@@ -56,6 +56,26 @@ def test_right_probabilities_are_off_by_chance_too() -> None:
     assert "if every stated probability were right: median (95 % below) | 0.100 (0.300)" in "\n".join(told.report(ten))
 
 
+def test_named_causes_of_several_studies_are_calibrated_together(tmp_path: Path) -> None:
+    """On rigs of other laws a cause of the law's family is right; what a rival set holds does not count."""
+    own = outcome((("backlash", 0.7),), beside=(("cogging", 0.3),))
+    law = Case(2, "soft_play", False, author="foreign")
+    family = outcome((("end_stop", 0.7),), truth=("soft_play",), case=law)
+    false = outcome((("cogging", 0.7),), truth=("soft_play",), case=law)
+    pooled = [*[own] * 5, *[family] * 3, *[false] * 2]
+    assert [(b.count, b.right) for b in score.named_reliability(pooled)] == [(10, 8)]
+    assert score.largest_gap(score.named_reliability(pooled)) == pytest.approx(0.1)
+    assert score.named_by_chance(pooled) == pytest.approx((0.1, 0.3))
+    files = [tmp_path / "own.json", tmp_path / "foreign.json"]
+    for path, part in zip(files, (pooled[:5], pooled[5:]), strict=True):
+        path.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in part))
+    assert main(["--score", *map(str, files), "--docs", str(tmp_path)]) == 0
+    page = (tmp_path / "calibration.md").read_text()
+    assert "All rigs, 10 cases: largest difference 0.100 in bins with at least 10 causes; by chance 0.100" in page
+    assert "Simulated rigs with other laws, 5 cases: largest difference nan" in page
+    assert "| 0.60 to 0.80 | 10 | 0.700 | 0.800 |" in page and "MuJoCo's rigs, " not in page
+
+
 def test_stops_off_the_middle_are_stops_beside_an_offset_but_not_the_other_way_round() -> None:
     """docs/identities.md: one end stop may stand for both, an offset that does not act is false."""
     both, one = ("end_stop", "force_offset"), ("end_stop",)
