@@ -191,6 +191,11 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         "not certain."
         for name, part in _unclear(ranking).items()
     ]
+    if not ranking.rich and any(by_name(name).ages_spring() for name in named):
+        said.append(
+            "in this motion the amplitude changes with time, so a stiffness that changes with time may be one that "
+            "changes with the amplitude: it is not certain. Push again later in the record, with the same force."
+        )
     if ranking.foretold:
         said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)

@@ -154,3 +154,15 @@ def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
     found, best, heldout = naming.predicting(asked, base, replace(given, sets=sets))
     assert best.causes == (both if ripples else frozenset()) and heldout.better is ripples
     assert all(found.of_cause(name) <= CERTAIN for name in best.causes)
+
+
+@pytest.mark.parametrize(("name", "rich", "sure"), [
+    ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
+    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0),
+])  # fmt: skip
+def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str, rich: bool, sure: float) -> None:
+    """A spring that bends does the same: the amplitude falls with time."""
+    found = replace(ranking({(name,): 1.0}), rich=rich, exact=frozenset({frozenset({name})}))
+    assert found.of_cause(name) == pytest.approx(sure)
+    said = any("may be one that changes with the amplitude" in one for one in naming.other_forms(found))
+    assert said is (sure < 1.0)

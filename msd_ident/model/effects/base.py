@@ -197,6 +197,11 @@ class Effect:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
 
+    @classmethod
+    def ages_spring(cls) -> bool:
+        """Whether it changes the linear spring with time."""
+        return cls.needs_spring and not cls.steady
+
     def idle(self) -> frozenset[str]:
         """Parameters that are not to be fitted: they state something, or stand for the absence of a part of the effect
         (a limit at infinity).
