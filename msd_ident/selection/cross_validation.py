@@ -1,6 +1,6 @@
 """Prediction of left-out data by base and extended model.
 
-The records are cut where the force steps, or else into equal parts, and dealt into folds. For each fold both models are
+The records are cut where the force steps, or else into parts of equal travel, and dealt into folds. For each fold both models are
 refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them. No
 sample of a left-out segment enters, except those at the start of a record, which determine its initial state.
 
@@ -33,6 +33,7 @@ from msd_ident.tuning import fixed, tuned
 
 FOLDS = tuned(4, unit="folds", why="parts of the data that are left out in turn", chosen="by hand")
 _SEGMENTS = 2 * FOLDS
+_LOOKS = fixed(20, "accuracy", "distances in a segment that its travel is summed from: each is long beside the noise")
 _WORST = fixed(50.0, "accuracy", "logarithm of a ratio of errors beyond which it is as good as infinite")
 
 
@@ -74,12 +75,20 @@ class _Blocks:
 
 
 def segments(record: Record) -> FloatArray:
-    """Segment number (n,) of each sample: from force step to force step, or equal parts where the steps do not suit."""
+    """Segment number (n,) of each sample: from force step to force step, or parts of equal travel where the steps do not
+    suit.
+
+    After one push the cart is soon at rest, and of equal times the first part would hold nearly all that there is to
+    fit.
+    """
     changes = record.force_time[1:][np.diff(record.force) != 0.0]
     changes = changes[(changes > record.time[0]) & (changes < record.time[-1])]
     if FOLDS <= changes.size + 1 <= 40 and np.min(np.diff(changes), initial=np.inf) > record.duration / 80.0:
         return np.asarray(np.searchsorted(changes, record.time, side="right"))
-    return np.minimum(np.arange(record.samples) * _SEGMENTS // record.samples, _SEGMENTS - 1)
+    lag = max(record.samples // (_LOOKS * _SEGMENTS), 1)
+    way = np.abs(record.position[lag:] - record.position[:-lag])
+    travelled = np.cumsum(np.pad(way, (lag // 2, lag - lag // 2), mode="edge"))
+    return np.minimum((travelled / max(travelled[-1], 1e-300) * _SEGMENTS).astype(np.intp), _SEGMENTS - 1)
 
 
 def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:

@@ -24,6 +24,9 @@ from msd_sim.api import simulate
 
 RIG = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
 
+#: One push and a long rest.
+PUSH = {"damping": 8.0, "experiment": {"name": "step", "start": 0.1, "hold": 8.0}}
+
 
 def experiment(**more: object) -> Experiment:
     spec = {**RIG, "encoder": {"counts_per_metre": 0.0, "noise": 2e-5}, "experiment": {"name": "steps", "hold": 0.5}}
@@ -42,6 +45,27 @@ def test_segments_run_from_step_to_step() -> None:
     assert np.unique(cut).size == 8
     assert np.flatnonzero(np.diff(cut))[0] == 499
     assert FOLDS <= 8
+
+
+def test_without_steps_each_segment_has_its_part_of_the_motion() -> None:
+    """Of equal times of one push and a long rest, the first would hold all that there is to fit."""
+    record = experiment(**PUSH, encoder={"counts_per_metre": 0.0, "noise": 0.0}).records[0]
+    cut = segments(record)
+    assert list(np.unique(cut)) == list(range(8)) and np.all(np.diff(cut) >= 0)
+    travel = np.abs(np.diff(record.position))
+    way = [float(travel[cut[1:] == number].sum()) for number in range(8)]
+    assert min(way) > 0.5 * max(way)
+    assert np.flatnonzero(cut == 6)[-1] < record.samples // 4, "the rest is the end of the last one"
+    still = replace(record, position=np.zeros(record.samples))
+    assert np.unique(segments(still)).size == 1
+
+
+def test_friction_that_one_push_shows_predicts_the_motion_that_was_left_out() -> None:
+    data = experiment(**PUSH, effects={"coulomb_friction": {"coulomb_force": 1.0}})
+    right = refine(data, frozenset({"coulomb_friction"}), Plant(1.0, 8.0, 600.0) + CoulombFriction(1.0), (Initial(),))
+    found = predict(data, base_of(data), right)
+    assert found.better and found.interval_percent[0] > 80.0
+    assert found.see_extended < 2.0 * 2e-5
 
 
 def test_the_right_cause_predicts_and_the_interval_says_so() -> None:
