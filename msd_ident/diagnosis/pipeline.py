@@ -46,7 +46,8 @@ from msd_ident.selection.cause_assessment import assess, noted
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
 from msd_ident.tuning import fixed
 

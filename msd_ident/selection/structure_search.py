@@ -31,7 +31,8 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.simpler_sets import reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned

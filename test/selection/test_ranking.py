@@ -26,7 +26,8 @@ from msd_ident.selection import evidence, naming
 from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, FAINT, alternatives, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, FAINT, alternatives
 
 
 @pytest.fixture
