@@ -171,6 +171,12 @@ class Problem:
         """Indices of the vector's entries that this record depends on."""
         return self._entries[record]
 
+    def simulated(self, record: int) -> npt.NDArray[np.intp]:
+        """``entries`` but for a free zero, the last of its record, with which the residual moves alike."""
+        entries = self._entries[record]
+        last = int(entries[-1]) - len(self.free)
+        return entries[:-1] if last >= 0 and self.nuisances[last].kind == "zero" else entries
+
     @cached_property
     def _entries(self) -> tuple[npt.NDArray[np.intp], ...]:
         """``entries`` of each record."""
@@ -198,20 +204,18 @@ class Problem:
             Residual (n,) and Jacobian (q, n) for the q entries that the record depends on (``entries``). The Jacobian
             is the simulation's own buffer, so that a million samples need it only once.
         """
-        entries = self.entries(record)
-        points = np.repeat(vector[None, :], 1 + entries.size, axis=0)
-        places = np.arange(entries.size)
-        points[1 + places, entries] += steps[entries]
-        zero = entries[-1] >= len(self.free) and self.nuisances[entries[-1] - len(self.free)].kind == "zero"
-        if zero:  # the last entry of its record where it is free; it needs no simulation but a row of its own
-            points[-1] = vector
+        moved = self.simulated(record)
+        points = np.repeat(vector[None, :], moved.size + 1, axis=0)
+        points[np.arange(moved.size), moved] += steps[moved]
         rows = self.residuals(points, record)
-        jacobian = rows[1:]
-        jacobian -= rows[0]
-        jacobian /= steps[entries][:, None]
-        if zero:
-            jacobian[-1] = 1.0
-        return rows[0], jacobian
+        jacobian, residual = rows[:-1], rows[-1]
+        if moved.size < self.entries(record).size:  # the last row becomes that of the zero
+            jacobian, residual = rows, residual.copy()
+        rows[:-1] -= residual
+        rows[:-1] /= steps[moved][:, None]
+        if jacobian is rows:
+            rows[-1] = 1.0
+        return residual, jacobian
 
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual and Jacobian of one record by central differences.

@@ -216,10 +216,10 @@ def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
     if fitted.state.exact:
         return fitted
     weighting = weigh(fitted.problem, experiment.readings)
-    state = weighting.exact(fitted.point, weighting.steps(fitted.state))
+    state = weighting.renewed(fitted.state)
     state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
     if not state.exact:
-        state = weighting.exact(state.point, weighting.steps(state))
+        state = weighting.renewed(state)
     return _at(experiment, fitted.causes, fitted.problem, state)
 
 
@@ -234,7 +234,7 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
     """
     problem, weighting, point = formulated(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
-    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, LEAST_FALL)
+    state = descend(weighting, weighting.renewed(state), THOROUGH, LEAST_FALL)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 

@@ -135,7 +135,7 @@ def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -
         trial = np.clip(state.point + move @ basis, problem.lower, problem.upper)
         residual = weighting.residual(trial)
         if float(residual @ residual) < state.chi:
-            state, damping = weighting.exact(trial, weighting.steps(state)), 0.1 * damping
+            state, damping = weighting.exact(trial, weighting.steps(state), residual), 0.1 * damping
         else:
             damping *= 10.0
     return state.chi, state.point
