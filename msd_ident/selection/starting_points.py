@@ -24,7 +24,7 @@ from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hyp
 from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
 from msd_ident.selection.ranking import FAINT, ROUGH
 from msd_ident.selection.second_masses import SecondMass, second_masses
-from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
+from msd_ident.selection.starting_values import FittedRecord, guesses
 from msd_ident.tuning import tuned
 
 _WEAK = tuned(
@@ -193,10 +193,9 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
     ripples = {name for cause in causes if (law := by_name(cause).ripple()) for name in law.names}
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
-        for bent in _with_stops(experiment, model) if left > ROUGH else [model]:
-            inner = {n: v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR}
-            if len(bent.names) > 3 + len(inner) and (left > ROUGH or set(inner) <= ripples):
-                tried.setdefault(tuple(inner.values()), bent)
+        inner = {n: v for n, v in zip(model.names, model.values.tolist(), strict=True) if n not in LINEAR}
+        if len(model.names) > 3 + len(inner) and (left > ROUGH or set(inner) <= ripples):
+            tried.setdefault(tuple(inner.values()), model)
     found = []
     for model in tried.values():
         for start in regressed(experiment.problem(model), counted=True):
@@ -232,15 +231,6 @@ def _placed(
         place = np.clip(place + move, bare.lower, bare.upper)
     values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
     return problem, weighting, problem.vector(values, bare.initials(best))
-
-
-def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
-    """The model with its end stops at several places within reach; the model itself if it has none."""
-    places = [parameter.name for parameter in model.parameters if parameter.within_reach]
-    if not places:
-        return [model]
-    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values(dict.fromkeys(places, share * reach)) for share in STOPS]
 
 
 def _exact_start(

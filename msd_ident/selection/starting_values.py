@@ -31,12 +31,6 @@ _FAINT = fixed(
 _PADDED = fixed(8, "accuracy", "times the length of a record to which it is padded for a finer spectrum")
 _CELLS = fixed(1024, "accuracy", "cells of the travel: twenty to the shortest ripple that is looked for")
 _AROUND = fixed(40, "accuracy", "lines around a line whose median it is compared with")
-STOPS = tuned(
-    (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
-    unit="1",
-    why="places of an end stop that are tried far from the noise, in parts of the reach",
-    chosen="by hand",
-)
 _SATURATED = tuned(
     (0.95, 0.75),
     unit="1",
