@@ -18,12 +18,12 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
-from msd_ident.estimate.effort import FEWEST_READINGS
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
@@ -34,9 +34,6 @@ LONG_RECORD = fixed(
     200_000,
     "resources",
     "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
-)
-_FEWEST_A_SWING = tuned(
-    100, unit="samples", why="fewest samples of a swing that a thinned record keeps", chosen="by hand"
 )
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
@@ -259,7 +256,7 @@ class Problem:
 
         Args:
             enough: samples of all records together that should remain. A record keeps at least ``FEWEST_READINGS``
-                samples and about ``_FEWEST_A_SWING`` samples in each swing.
+                samples and about ``A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
         records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
@@ -269,8 +266,8 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def _spare(self, record: Record) -> int:
-        """Samples of a record within a hundredth of a swing."""
-        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
+        """Samples of a record of which a thinned one keeps one."""
+        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""

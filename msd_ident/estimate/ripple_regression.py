@@ -16,19 +16,14 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
+from msd_ident.estimate.levels import KNOTS
 from msd_ident.estimate.regression_init import WIDTHS, Means, uniform
 from msd_ident.model.effects import typical
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
 #: Amplitude [N], pitch [m] and phase [rad] of a ripple.
 Ripple = tuple[float, float, float]
 
-_BENDS = tuned(
-    6,
-    unit="bends",
-    why="of a spring of any shape that is left out of the ripples; more would follow the longest of them",
-    chosen="by hand",
-)
 _FINE = fixed(9, "accuracy", "trials around a pitch that the scan found, within one step of it on either side")
 
 
@@ -78,7 +73,7 @@ def _scanned(record: Record) -> list[Found]:
     grid = uniform(few, level)
     pushed = bool(np.ptp(grid.force) > 0.0)
     span = max(float(np.ptp(grid.position)), 1e-9)
-    bends = np.linspace(grid.position.min(), grid.position.max(), _BENDS + 2)[1:-1]
+    bends = np.linspace(grid.position.min(), grid.position.max(), 2 * KNOTS - 1)[1:-1]
     spring = np.maximum(grid.position - bends[:, None], 0.0)
     waves = 1.0 / typical.pitches(span)
     pairs = _signals(waves, grid.position)

@@ -19,7 +19,6 @@ from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
-_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
 _STRONGER = tuned(
     1.5,
     unit="factor",
@@ -93,7 +92,7 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
         The sets as they are after these steps, by rising chi².
     """
     kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
-    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
+    ahead = [_lower(experiment, fitted, LOOK) for fitted in kept]
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -129,7 +128,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
@@ -155,7 +154,7 @@ def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, poin
     """A few steps down from another point, with the set's present Jacobian."""
     known = fitted.state
     state = State(point, weighting.residual(point), known.jacobian, known.normal, False)
-    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
+    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK)
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:

@@ -12,7 +12,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting, extended, step
 from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
-from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
+from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE, TENTH
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
@@ -25,14 +25,6 @@ from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
 from msd_ident.selection.ranking import FAINT, ROUGH
 from msd_ident.selection.second_masses import SecondMass, second_masses
 from msd_ident.selection.starting_values import FittedRecord, guesses
-from msd_ident.tuning import tuned
-
-_WEAK = tuned(
-    0.05,
-    unit="1",
-    why="part of a guess's strength that is tried where the whole of it makes the fit worse",
-    chosen="by hand",
-)
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
@@ -167,7 +159,7 @@ def _weakened(model: Model, names: Causes) -> Model:
     weak = {}
     for effect in map(by_name, names):
         kinked = any(parameter.kinked for parameter in effect.parameters)
-        part = 0.0 if effect.is_linear() and not kinked else _WEAK
+        part = 0.0 if effect.is_linear() and not kinked else TENTH
         for name, neutral in effect.neutral:
             if math.isfinite(neutral) and math.isfinite(values[name]):
                 weak[name] = neutral + part * (values[name] - neutral)
