@@ -86,13 +86,16 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     Args:
         experiment: readings with their weights.
         found: starts by rising ``promise``; the first one is always followed.
-        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``).
+        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``), if it is also below
+            what the starts before it have reached.
 
     Returns:
         The sets as they are after these steps, by rising chi².
     """
-    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
-    ahead = [_lower(experiment, fitted, LOOK) for fitted in kept]
+    ahead: list[Hypothesis] = []
+    for start in found:
+        if not ahead or start.worth(min(reach, *(fitted.chi for fitted in ahead))):
+            ahead.append(_lower(experiment, start.fitted, LOOK))
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
