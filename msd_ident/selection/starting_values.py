@@ -12,6 +12,7 @@ from scipy.ndimage import median_filter
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, THOROUGH
+from msd_ident.estimate.peaks import highest
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -130,9 +131,7 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
     gram = own.transpose(2, 0, 1) - shared @ shared.transpose(0, 2, 1) + 1e-9 * x.size * np.eye(2)
     solution = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
     gain = np.einsum("pi,pi->p", solution, right)
-    padded = np.concatenate(([-np.inf], gain, [-np.inf]))
-    peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
+    best = highest(gain)
     phases = np.angle((solution @ (1.0, 1j)) * np.exp(-2j * np.pi * float(x.min()) / pitches))
     return [(max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(phases[i])) for i in best]
 
