@@ -17,6 +17,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting
+from msd_ident.estimate.damped_step import damped_step
 from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Effect
@@ -124,9 +125,8 @@ def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -
         if together:
             basis = np.vstack([basis, np.where(np.isin(np.arange(point.size), together), state.point, 0.0)])
         rows = basis @ state.jacobian
-        normal, gradient = rows @ rows.T, rows @ state.residual
-        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        move = np.linalg.solve(normal / np.outer(size, size) + damping * np.eye(size.size), -gradient / size) / size
+        normal, gradient, free = rows @ rows.T, rows @ state.residual, np.full(len(rows), np.inf)
+        move = damped_step(normal, gradient, damping, -free, free)[0]
         trial = np.clip(state.point + move @ basis, problem.lower, problem.upper)
         residual = weighting.residual(trial)
         if float(residual @ residual) < state.chi:
