@@ -17,7 +17,8 @@ from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import Ranking
 from msd_sim.api import simulate
 
 BASE = Plant(1.0, 2.0, 400.0)

@@ -41,13 +41,15 @@ from msd_ident.selection import (
     spread,
 )
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
+from msd_ident.selection.calibration import Calibration
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
 from msd_ident.selection.cause_assessment import assess, noted
-from msd_ident.selection.cross_validation import predict
+from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
 from msd_ident.tuning import fixed
 
@@ -188,21 +190,42 @@ class _Search:
     shared: Shared
 
 
-def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
-    base, ranking, shared = search.base, search.ranking, search.shared
+@dataclass(frozen=True)
+class _Choice:
+    """The chosen set: the ranking that it leads, its prediction of left-out data, what copies of the record showed, and
+    other laws of the force's gain that fit alike.
+    """
+
+    ranking: Ranking
+    best: Hypothesis
+    heldout: HeldOut
+    matrix: Calibration | None
+    scale: NoiseScale
+    alike: Sequence[Hypothesis]
+
+
+def _chosen(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> _Choice:
+    base = search.base
     progress("prediction of left-out data", 0.88, "")
-    ranking, best, heldout = naming.predicting(experiment, base, ranking)
+    ranking, best, heldout = naming.predicting(experiment, base, search.ranking)
     matrix = None
     if best.causes:
         ranking, matrix = replication.checked(experiment, base, ranking, task.calibrate, progress)
         if (ranking := naming.leading(ranking)).best is not best:
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
-    progress("verdict", 0.97, "")
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)
     if (law := gain_laws.leading(best, alike, scale)) is not best:
         alike = [one for one in (best, *alike) if one is not law]
         ranking, best, heldout = ranking.with_law(law), law, predict(experiment, base, law)
+    return _Choice(ranking, best, heldout, matrix, scale, alike)
+
+
+def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
+    base, shared = search.base, search.shared
+    choice = _chosen(task, experiment, search, progress)
+    ranking, best, scale, alike = choice.ranking, choice.best, choice.scale, choice.alike
+    progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
     heard, left = _heard(experiment, scale.other_noise, (base, shown))
     rivals = _beside(experiment, best, ranking, alike, scale)
@@ -222,18 +245,18 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]], best.causes in ranking.exact)
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:
-        said += naming.other_forms(ranking) + replication.left_unchecked(ranking, matrix)
+        said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     return Diagnosis(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, lacks, heldout, dependence.sentence(still)),
+        summary=verdict.summary(decision, causes, lacks, choice.heldout, dependence.sentence(still)),
         causes=causes,
         base=fits[0],
         extended=fits[1],
         see_reduction_percent=see_reduction(fits[0].see, fits[1].see),
-        heldout=heldout,
+        heldout=choice.heldout,
         noise_floor=_floor(heard),
         base_adequacy=left[0],
         adequacy=left[1],
@@ -244,7 +267,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         characteristics=characteristics,
         spread=moved,
         rivals=_rivals(ranking, best, experiment),
-        calibration=matrix,
+        calibration=choice.matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=_read(task.ring_down, causes),
         contenders=of_ranking(ranking, scale, experiment.readings),

@@ -75,24 +75,36 @@ class Weighting:
         parts = [root * self.problem.residual(point, r) for r, root in enumerate(self.roots)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
-    def exact(self, point: FloatArray, steps: FloatArray) -> State:
+    def exact(self, point: FloatArray, steps: FloatArray, residual: FloatArray | None = None) -> State:
         """Residual and Jacobian at a point by forward differences.
 
         Args:
             point: (p,) vector of the problem.
             steps: (p,) positive finite-difference steps. A step is enlarged where rounding would swallow it, and its
                 sign is changed where it would leave the upper bound.
+            residual: (n,) weighted residual at the point; simulated if None.
         """
+        residual = self.residual(point) if residual is None else residual
         steps = self._safe(point, steps)
-        residuals, jacobian = [], np.zeros((point.size, sum(root.size for root in self.roots)))
+        jacobian = np.zeros((point.size, residual.size))
         begin = 0
         for r, root in enumerate(self.roots):
-            residual, columns = self.problem.linearised(point, r, steps)
-            columns *= root
-            jacobian[self.problem.entries(r), begin : begin + root.size] = columns
-            residuals.append(root * residual)
-            begin += root.size
-        return State.at(point, np.concatenate(residuals), jacobian, exact=True)
+            inside = slice(begin, begin + root.size)
+            moved = self.problem.simulated(r)
+            points = np.repeat(point[None, :], moved.size, axis=0)
+            points[np.arange(moved.size), moved] += steps[moved]
+            rows = self.problem.residuals(points, r)
+            rows *= root
+            rows -= residual[inside]
+            rows /= steps[moved][:, None]
+            jacobian[self.problem.entries(r)[moved.size :], inside] = root  # of a zero
+            jacobian[moved, inside] = rows
+            begin = inside.stop
+        return State.at(point, residual, jacobian, exact=True)
+
+    def renewed(self, state: State) -> State:
+        """The same point with its Jacobian computed there, by steps that follow from the last Jacobian."""
+        return self.exact(state.point, self.steps(state), state.residual)
 
     def columns(
         self, point: FloatArray, entries: npt.NDArray[np.intp], steps: FloatArray
@@ -165,7 +177,7 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
         if promised < least_gain:
             if state.exact:
                 break
-            state = weighting.exact(state.point, weighting.steps(state))
+            state = weighting.renewed(state)
             continue
         point = np.minimum(np.maximum(state.point + move, weighting.problem.lower), weighting.problem.upper)
         residual = weighting.residual(point)
@@ -175,9 +187,9 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
             damping, growth = max(damping * (0.2 if gain > 0.5 * promised else 1.0), 1e-9), 4.0
             taken += 1
             if gain < 0.3 * promised:
-                state = weighting.exact(state.point, weighting.steps(state))
+                state = weighting.renewed(state)
         elif not state.exact:
-            state = weighting.exact(state.point, weighting.steps(state))
+            state = weighting.renewed(state)
         else:
             damping, growth = damping * growth, growth * 2.0
     return state

@@ -5,6 +5,7 @@ Work is counted and never timed, so that a record has the same answer on any mac
 
 from __future__ import annotations
 
+from msd_ident.estimate.levels import FEWEST
 from msd_ident.tuning import tuned
 
 LOOK = tuned(5, unit="steps", why="first look at a start: enough to sort starts, not to finish any", chosen="by hand")
@@ -16,12 +17,11 @@ KEPT = tuned(3, unit="starts", why="the best few of many starts, sets or lines, 
 SAMPLES = tuned(
     1500, unit="samples", why="samples that a search uses; its leaders are refined and judged on all", chosen="by hand"
 )
-FEWEST_READINGS = tuned(
-    200, unit="samples", why="fewest samples that a thinned record or a prediction keeps", chosen="by hand"
-)
 A_SWING = tuned(
     20.0,
     unit="samples",
     why="samples of a swing that a thinned record keeps: with one or two, no law shows",
     chosen="by hand",
 )
+#: Fewest samples that a thinned record or a prediction keeps: those of the fewest swings that make a statistic.
+FEWEST_READINGS = round(FEWEST * A_SWING)

@@ -17,6 +17,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.effort import KEPT, THOROUGH
 from msd_ident.estimate.least_squares import SolverOptions, minimise
 from msd_ident.estimate.objective import SquaredError
+from msd_ident.estimate.peaks import highest
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.declarations import PLACE, TIME
 from msd_ident.model.effects import typical
@@ -108,10 +109,8 @@ def _scan(problem: Problem, base: FloatArray, term: _Term, trials: FloatArray) -
         vector[term.phase] = math.atan2(solution[1], solution[0])
         found.append((float(solution @ target), np.clip(vector, problem.lower, problem.upper)))
     gains = np.array([gain for gain, _ in found])
-    padded = np.concatenate(([-np.inf], gains, [-np.inf]))
-    local = (gains >= padded[:-2]) & (gains >= padded[2:]) if term_is_ordered(trials) else np.ones(gains.size, bool)
-    order = [int(i) for i in np.argsort(gains)[::-1] if local[i]]
-    return [found[i][1] for i in order[:KEPT]]
+    best = highest(gains) if term_is_ordered(trials) else np.argsort(gains)[::-1][:KEPT]
+    return [found[i][1] for i in best]
 
 
 def term_is_ordered(trials: FloatArray) -> bool:

@@ -47,6 +47,12 @@ LAGS = tuned(
 BLOCKS = tuned(
     (16, 64), unit="samples", why="lengths of the blocks whose sums tell a slow pattern from noise", chosen="by hand"
 )
+KNOTS = tuned(
+    5,
+    unit="knots",
+    why="of a curve of any shape on each side of rest: of a spring or of a damper; with more it would follow ripples",
+    chosen="by hand",
+)
 BEYOND_DOUBT = tuned(
     10.0,
     unit="standard deviations",

@@ -28,7 +28,8 @@ from msd_ident.estimate.objective import SquaredError, motion_weights
 from msd_ident.estimate.problem import Problem
 from msd_ident.tuning import tuned
 
-_WORTH = tuned(1e-5, unit="1", why="fall of the error, as a part of it, that is worth a step there", chosen="by hand")
+#: Fall of the error, as a part of it, that is worth a step there: of a negligible part of one sample at the noise.
+_WORTH = NEGLIGIBLE / SAMPLES
 _COARSE = tuned(
     100.0,
     unit="1",

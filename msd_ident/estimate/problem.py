@@ -18,12 +18,12 @@ from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.bounds import bounds
-from msd_ident.estimate.effort import FEWEST_READINGS
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.levels import NATURAL_RANGE
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
@@ -34,9 +34,6 @@ LONG_RECORD = fixed(
     200_000,
     "resources",
     "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
-)
-_FEWEST_A_SWING = tuned(
-    100, unit="samples", why="fewest samples of a swing that a thinned record keeps", chosen="by hand"
 )
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
@@ -171,6 +168,12 @@ class Problem:
         """Indices of the vector's entries that this record depends on."""
         return self._entries[record]
 
+    def simulated(self, record: int) -> npt.NDArray[np.intp]:
+        """``entries`` but for a free zero, the last of its record, with which the residual moves alike."""
+        entries = self._entries[record]
+        last = int(entries[-1]) - len(self.free)
+        return entries[:-1] if last >= 0 and self.nuisances[last].kind == "zero" else entries
+
     @cached_property
     def _entries(self) -> tuple[npt.NDArray[np.intp], ...]:
         """``entries`` of each record."""
@@ -198,20 +201,18 @@ class Problem:
             Residual (n,) and Jacobian (q, n) for the q entries that the record depends on (``entries``). The Jacobian
             is the simulation's own buffer, so that a million samples need it only once.
         """
-        entries = self.entries(record)
-        points = np.repeat(vector[None, :], 1 + entries.size, axis=0)
-        places = np.arange(entries.size)
-        points[1 + places, entries] += steps[entries]
-        zero = entries[-1] >= len(self.free) and self.nuisances[entries[-1] - len(self.free)].kind == "zero"
-        if zero:  # the last entry of its record where it is free; it needs no simulation but a row of its own
-            points[-1] = vector
+        moved = self.simulated(record)
+        points = np.repeat(vector[None, :], moved.size + 1, axis=0)
+        points[np.arange(moved.size), moved] += steps[moved]
         rows = self.residuals(points, record)
-        jacobian = rows[1:]
-        jacobian -= rows[0]
-        jacobian /= steps[entries][:, None]
-        if zero:
-            jacobian[-1] = 1.0
-        return rows[0], jacobian
+        jacobian, residual = rows[:-1], rows[-1]
+        if moved.size < self.entries(record).size:  # the last row becomes that of the zero
+            jacobian, residual = rows, residual.copy()
+        rows[:-1] -= residual
+        rows[:-1] /= steps[moved][:, None]
+        if jacobian is rows:
+            rows[-1] = 1.0
+        return residual, jacobian
 
     def central(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual and Jacobian of one record by central differences.
@@ -255,7 +256,7 @@ class Problem:
 
         Args:
             enough: samples of all records together that should remain. A record keeps at least ``FEWEST_READINGS``
-                samples and about ``_FEWEST_A_SWING`` samples in each swing.
+                samples and about ``A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
         records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
@@ -265,8 +266,8 @@ class Problem:
         return replace(self, records=records, simulators=simulators)
 
     def _spare(self, record: Record) -> int:
-        """Samples of a record within a hundredth of a swing."""
-        return int(2.0 * np.pi * self.typical.time / (_FEWEST_A_SWING * record.period))
+        """Samples of a record of which a thinned one keeps one."""
+        return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps before anything is known about the Jacobian."""

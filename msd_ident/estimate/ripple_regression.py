@@ -16,19 +16,15 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
+from msd_ident.estimate.levels import KNOTS
+from msd_ident.estimate.peaks import highest
 from msd_ident.estimate.regression_init import WIDTHS, Means, uniform
 from msd_ident.model.effects import typical
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
 #: Amplitude [N], pitch [m] and phase [rad] of a ripple.
 Ripple = tuple[float, float, float]
 
-_BENDS = tuned(
-    6,
-    unit="bends",
-    why="of a spring of any shape that is left out of the ripples; more would follow the longest of them",
-    chosen="by hand",
-)
 _FINE = fixed(9, "accuracy", "trials around a pitch that the scan found, within one step of it on either side")
 
 
@@ -78,7 +74,7 @@ def _scanned(record: Record) -> list[Found]:
     grid = uniform(few, level)
     pushed = bool(np.ptp(grid.force) > 0.0)
     span = max(float(np.ptp(grid.position)), 1e-9)
-    bends = np.linspace(grid.position.min(), grid.position.max(), _BENDS + 2)[1:-1]
+    bends = np.linspace(grid.position.min(), grid.position.max(), 2 * KNOTS - 1)[1:-1]
     spring = np.maximum(grid.position - bends[:, None], 0.0)
     waves = 1.0 / typical.pitches(span)
     pairs = _signals(waves, grid.position)
@@ -91,7 +87,7 @@ def _scanned(record: Record) -> list[Found]:
         left = _left(means, spring, pushed)
         if left is None:
             continue
-        for peak in _peaks(_gain(means, left, pairs)[0]):
+        for peak in highest(_gain(means, left, pairs)[0]):
             near = waves[peak] + fine
             gain, s, c = _gain(means, left, _signals(near, grid.position))
             i = int(np.argmax(gain))
@@ -138,13 +134,6 @@ def _gain(means: Means, left: _Left, signals: FloatArray) -> tuple[FloatArray, F
     size = np.maximum(ss * cc - sc**2, 1e-12 * (ss + cc) ** 2 + 1e-300)
     s, c = (cc * rs - sc * rc) / size, (ss * rc - sc * rs) / size
     return s * rs + c * rc, s, c
-
-
-def _peaks(gain: FloatArray) -> list[int]:
-    """Places of the highest local maxima, the highest first; at most ``KEPT``."""
-    padded = np.concatenate(([-np.inf], gain, [-np.inf]))
-    peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:KEPT]]
 
 
 def _distinct(found: list[Found], span: float) -> list[Found]:

@@ -54,7 +54,6 @@ class Parameter:
         holds: a force [N] by which the cart may stand off the balance of all others.
         kinked: the error over it has a valley for every number of half-swings.
         multistable: it gives the cart many places to rest in, so that a small error sends it to another one.
-        within_reach: a distance [m] from zero that the motion reaches at its ends or not at all.
         least, most: smallest and largest size that a record of the motion could tell, as factors of the size that its
             unit has on the rig (``estimate.parameter_units.Magnitudes``).
         ceiling: largest size that a record could tell, in its unit, from duration and sample period [s]; in place of
@@ -80,7 +79,6 @@ class Parameter:
     holds: bool = False
     kinked: bool = False
     multistable: bool = False
-    within_reach: bool = False
     least: float = -math.inf
     most: float = math.inf
     ceiling: Callable[[float, float], float] | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,9 +11,6 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import TENTH
 from msd_ident.residuals.disturbance import DisturbanceEstimate
-from msd_ident.tuning import tuned
-
-_BINS = tuned(16, unit="bins", why="bins over a signal's range in which a force is averaged", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -37,20 +35,17 @@ def dependences(missing: Sequence[DisturbanceEstimate]) -> tuple[Dependence, ...
 
 
 def _share(signal: FloatArray, force: FloatArray) -> float:
-    """Variance between bins of the signal over all variance, corrected for the number of bins."""
-    levels = np.unique(signal)
-    if levels.size < 2:
+    """Variance between bins of the signal over all variance, corrected for the number of bins (Rice's rule)."""
+    if not np.ptp(signal) > 0.0 or not np.ptp(force) > 0.0:
         return 0.0
-    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, _BINS + 1)[1:-1]))
+    bins = 2 * math.ceil(force.size ** (1.0 / 3.0))
+    edges = np.unique(np.quantile(signal, np.linspace(0.0, 1.0, bins + 1)[1:-1]))
     place = np.searchsorted(edges, signal, side="right")
     count = np.bincount(place)
     mean = np.bincount(place, weights=force) / np.maximum(count, 1)
     inside = force - mean[place]
-    total = float(np.var(force))
-    if total == 0.0:
-        return 0.0
     loss = float(np.mean(inside**2)) * force.size / max(force.size - count.size, 1)
-    return min(max(1.0 - loss / total, 0.0), 1.0)
+    return min(max(1.0 - loss / float(np.var(force)), 0.0), 1.0)
 
 
 def sentence(missing: Sequence[DisturbanceEstimate]) -> str:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
@@ -23,7 +24,6 @@ from msd_ident.residuals.disturbance import missing_force
 from msd_ident.tuning import tuned
 
 _MOST = tuned(2, unit="pushes", why="pushes that are named, at most: there are few of them", chosen="by hand")
-_GAP = tuned(5.0, unit="sample periods", why="time without a reading that makes a gap", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
 
 def _is_seen(record: Record, begin: int, end: int) -> bool:
     """Whether the readings follow each other around it: what happened in a gap is no push."""
-    return float(np.max(np.diff(record.time[max(begin - 5, 0) : end + 5]))) < _GAP * record.period
+    return float(np.max(np.diff(record.time[max(begin - 5, 0) : end + 5]))) < SHORT_GAP * record.period
 
 
 def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
-from msd_ident.estimate.levels import ALIKE
+from msd_ident.estimate.levels import ALIKE, TENTH
 from msd_ident.quantity import MAD
 from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
@@ -29,12 +29,9 @@ NOISE_ERROR = tuned(
 )
 #: Noise [encoder steps] that is hardly more than that of rounding: nothing dithers it.
 _ALL_ROUNDING = ALIKE / math.sqrt(12.0)
-_TURNS = tuned(
-    100,
-    unit="crossings",
-    why="a stretch stands for the whole record where the force crosses its mean so often",
-    chosen="by hand",
-)
+#: Crossings of its mean by the force from which on a stretch stands for the whole record: the mean of so many
+#: independent pieces is known to a tenth of their spread.
+_TURNS = round(1.0 / TENTH**2)
 
 
 @dataclass(frozen=True)

@@ -21,14 +21,11 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
-from msd_ident.estimate.levels import NATURAL_RANGE
+from msd_ident.estimate.levels import KNOTS, NATURAL_RANGE
 from msd_ident.estimate.problem import RELATIVE_STEP
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.noise_model import Readings
-from msd_ident.tuning import tuned
-
-_KNOTS = tuned(5, unit="knots", why="of the damper's and the spring's curve on each side of rest", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -188,13 +185,13 @@ def _pose(
     readings: tuple[Readings, ...], records: tuple[Record, ...], model: Model, initial: Sequence[Initial]
 ) -> tuple[_Curves, FloatArray]:
     low, high = min(float(r.position.min()) for r in records), max(float(r.position.max()) for r in records)
-    places = np.linspace(low, high, 2 * _KNOTS - 1)
+    places = np.linspace(low, high, 2 * KNOTS - 1)
     top = max(_top_speed(record) for record in records)
     friction = friction_force(model)
     step = max(record.period for record in records)
     # Dry friction as a steep line: no steeper than the integration step can follow.
     rest = max(0.003 * top, 2.0 * friction * step / model.mass)
-    positive = np.concatenate(([rest], np.linspace(max(0.1 * top, 2.0 * rest), top, _KNOTS)))
+    positive = np.concatenate(([rest], np.linspace(max(0.1 * top, 2.0 * rest), top, KNOTS)))
     speeds = np.concatenate((-positive[::-1], positive))
     zero = initial[0].zero
     spring = model.stiffness * (places - zero)

@@ -28,9 +28,6 @@ _FAR = tuned(
     why="a set that leaves more will not be explained to the noise: the search may use mean forces",
     chosen="by hand",
 )
-_BLURRED = tuned(
-    0.3, unit="1", why="part of what a set leaves at which the change by mean forces hides it", chosen="by hand"
-)
 
 
 def search(
@@ -135,7 +132,7 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
     """
     coarse = thin.with_mean_force()
     if left > _FAR**2 and _change(thin, coarse, friction) < LEAST_SPREAD**2 * left * thin.evidence:
-        return coarse, lambda fitted: _change(thin, coarse, fitted) > _BLURRED**2 * fitted.chi
+        return coarse, lambda fitted: _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
     return thin, lambda fitted: False
 
 

@@ -1,8 +1,9 @@
 """Prediction of left-out data by base and extended model.
 
-The records are cut where the force steps, or else into parts of equal travel, and dealt into folds. For each fold both models are
-refitted without its segments (starting from the full fit, whose Jacobian is known there) and simulated through them. No
-sample of a left-out segment enters, except those at the start of a record, which determine its initial state.
+The records are cut where the force steps, or else into parts equal in travel and time together, and dealt into folds.
+For each fold both models are refitted without its segments (starting from the full fit, whose Jacobian is known there)
+and simulated through them. No sample of a left-out segment enters, except those at the start of a record, which
+determine its initial state.
 
 A useless parameter improves the fit of the training data and, on average, makes the prediction worse; by chance it
 makes it better in one of six cases. The gain therefore has an interval, from the errors that the extension leaves on
@@ -75,11 +76,10 @@ class _Blocks:
 
 
 def segments(record: Record) -> FloatArray:
-    """Segment number (n,) of each sample: from force step to force step, or parts of equal travel where the steps do not
-    suit.
+    """Segment number (n,) of each sample: from step to step of the force, or parts equal in travel and time together.
 
     After one push the cart is soon at rest, and of equal times the first part would hold nearly all that there is to
-    fit.
+    fit; of equal travel the last part would hold nearly all samples.
     """
     changes = record.force_time[1:][np.diff(record.force) != 0.0]
     changes = changes[(changes > record.time[0]) & (changes < record.time[-1])]
@@ -88,7 +88,8 @@ def segments(record: Record) -> FloatArray:
     lag = max(record.samples // (_LOOKS * _SEGMENTS), 1)
     way = np.abs(record.position[lag:] - record.position[:-lag])
     travelled = np.cumsum(np.pad(way, (lag // 2, lag - lag // 2), mode="edge"))
-    return np.minimum((travelled / max(travelled[-1], 1e-300) * _SEGMENTS).astype(np.intp), _SEGMENTS - 1)
+    share = 0.5 * (travelled / max(travelled[-1], 1e-300) + np.arange(record.samples) / record.samples)
+    return np.minimum((share * _SEGMENTS).astype(np.intp), _SEGMENTS - 1)
 
 
 def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:

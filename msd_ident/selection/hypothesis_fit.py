@@ -19,7 +19,6 @@ from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
-_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
 _STRONGER = tuned(
     1.5,
     unit="factor",
@@ -87,13 +86,16 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     Args:
         experiment: readings with their weights.
         found: starts by rising ``promise``; the first one is always followed.
-        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``).
+        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``), if it is also below
+            what the starts before it have reached.
 
     Returns:
         The sets as they are after these steps, by rising chi².
     """
-    kept = [start.fitted for i, start in enumerate(found) if i == 0 or start.worth(reach)]
-    ahead = [_lower(experiment, fitted, _FIRST) for fitted in kept]
+    ahead: list[Hypothesis] = []
+    for start in found:
+        if not ahead or start.worth(min(reach, *(fitted.chi for fitted in ahead))):
+            ahead.append(_lower(experiment, start.fitted, LOOK))
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -129,7 +131,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
@@ -155,7 +157,7 @@ def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, poin
     """A few steps down from another point, with the set's present Jacobian."""
     known = fitted.state
     state = State(point, weighting.residual(point), known.jacobian, known.normal, False)
-    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
+    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK)
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
@@ -216,10 +218,10 @@ def exactly(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
     if fitted.state.exact:
         return fitted
     weighting = weigh(fitted.problem, experiment.readings)
-    state = weighting.exact(fitted.point, weighting.steps(fitted.state))
+    state = weighting.renewed(fitted.state)
     state = descend(weighting, state, 2, _settled_gain(experiment, fitted))
     if not state.exact:
-        state = weighting.exact(state.point, weighting.steps(state))
+        state = weighting.renewed(state)
     return _at(experiment, fitted.causes, fitted.problem, state)
 
 
@@ -234,7 +236,7 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
     """
     problem, weighting, point = formulated(experiment, model, initial)
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
-    state = descend(weighting, weighting.exact(state.point, weighting.steps(state)), THOROUGH, LEAST_FALL)
+    state = descend(weighting, weighting.renewed(state), THOROUGH, LEAST_FALL)
     return exactly(experiment, _at(experiment, causes, problem, state))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from msd_ident import parallel, seeds
 from msd_ident.data.record import Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
+from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
@@ -33,15 +34,14 @@ COPIES = tuned(
     why="of each fitted explanation; twice as many of one whose strengths are drawn by lot",
     chosen="by hand",
 )
-_ENOUGH = tuned(20, unit="copies", why="copies without a cause that a certain name needs at least", chosen="by hand")
+#: Copies without a cause that a certain name needs at least: from so many on, Laplace's rule (N + 1)/(N + 2), which
+#: limits what they allow, does not fall below the level of all intervals.
+_ENOUGH = math.ceil((2.0 * CONFIDENCE - 1.0) / (1.0 - CONFIDENCE))
 _CHEAP = tuned(
     1e7,
     unit="samples × sets",
     why="cost up to which copies are made unasked",
     chosen="measured at 3 to 40 s of processor time",
-)
-_OVERHEAD = tuned(
-    2000, unit="samples", why="samples whose simulation costs as much as what is done around it", chosen="by hand"
 )
 
 
@@ -247,7 +247,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
     """Estimated work of the searches of all copies: samples simulated for each trial of a set, times number of sets.
 
     A search tries each cause alone and beside the leading ones, which is about the square of the number of causes asked
-    about.
+    about. It simulates ``SAMPLES`` samples while it searches, and all for the leading sets.
 
     Args:
         experiment: the measured records.
@@ -255,7 +255,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
         counts: copies of each.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
-    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
+    samples = SAMPLES + sum(part.record.samples for part in experiment.readings)
     return float(samples * sum(counts) * max(asked, 1) ** 2)
 
 

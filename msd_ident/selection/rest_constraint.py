@@ -14,6 +14,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.broyden import State, Weighting
+from msd_ident.estimate.damped_step import damped_step
 from msd_ident.estimate.effort import SHORT, THOROUGH
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.levels import NATURAL_RANGE
@@ -78,11 +79,6 @@ def _pull(problem: Problem, point: FloatArray, known: Sequence[RestConstraint]) 
     return sum((problem.imbalance(point, balance)[0] / balance.spread) ** 2 for balance in known)
 
 
-def _cost(weighting: Weighting, point: FloatArray, known: Sequence[RestConstraint]) -> float:
-    residual = weighting.residual(point)
-    return float(residual @ residual) + _pull(weighting.problem, point, known)
-
-
 def _rescaled(fitted: Hypothesis, known: Sequence[RestConstraint]) -> FloatArray:
     """The vector (p,) with all forces scaled so that the first constrained record starts at the relaxed spring."""
     problem = fitted.problem
@@ -122,14 +118,13 @@ def _descend(weighting: Weighting, state: State, known: Sequence[RestConstraint]
         for balance in known:
             left, gradient = problem.imbalance(state.point, balance)
             slope = slope + gradient * left / balance.spread**2
-        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        scaled = normal / np.outer(size, size) + damping * np.eye(size.size)
-        move = -np.linalg.solve(scaled, slope / size) / size
+        move = damped_step(normal, slope, damping, problem.lower - state.point, problem.upper - state.point)[0]
         point = _with_peak(problem, np.clip(state.point + move, problem.lower, problem.upper))
-        reached = _cost(weighting, point, known)
+        residual = weighting.residual(point)
+        reached = float(residual @ residual) + _pull(problem, point, known)
         if reached < cost:
             worth = cost - reached > LEAST_FALL
-            state = weighting.exact(point, weighting.steps(state))
+            state = weighting.exact(point, weighting.steps(state), residual)
             cost, damping, taken = reached, max(0.1 * damping, 1e-9), taken + 1
             if not worth or taken >= SHORT:
                 break

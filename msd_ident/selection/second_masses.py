@@ -12,15 +12,15 @@ so each trial of ω and ζ is one linear regression, without a simulation (varia
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.effort import KEPT, THOROUGH
+from msd_ident.estimate.effort import THOROUGH
 from msd_ident.estimate.levels import TENTH
+from msd_ident.estimate.peaks import highest
 from msd_ident.model import Model
 from msd_ident.model.effects import typical
 from msd_ident.tuning import fixed, tuned
@@ -68,8 +68,8 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     free = [name not in fixed for name in ("mass", "damping", "stiffness")]
     rows = np.column_stack([moved[:, free], common])
     frame = np.linalg.qr(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))[0]
-    own, (lowest, highest) = typical.natural_frequency(record, plant), _FREQUENCIES
-    frequencies = np.geomspace(lowest * own, max(min(highest * own, _FASTEST / period), own), THOROUGH)
+    own, (slow, fast) = typical.natural_frequency(record, plant), _FREQUENCIES
+    frequencies = np.geomspace(slow * own, max(min(fast * own, _FASTEST / period), own), THOROUGH)
     trials = [(float(w), ratio) for w in frequencies for ratio in _RATIOS]
     hung = np.column_stack([_filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
                             for w, z in trials])  # fmt: skip
@@ -77,7 +77,7 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     along = beyond.T @ (left - frame @ (frame.T @ left))
     gain = np.where(along > 0.0, along**2 / np.maximum(np.sum(beyond**2, axis=0), 1e-300), 0.0).reshape(THOROUGH, -1)
     found = []
-    for peak in _peaks(gain.max(axis=1)):
+    for peak in highest(gain.max(axis=1)):
         trial = peak * len(_RATIOS) + int(np.argmax(gain[peak]))
         columns = np.column_stack([moved[:, free], hung[:, trial], common])
         size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
@@ -109,13 +109,6 @@ def _filtered(
     from scipy.signal import lfilter  # imported here: it takes a quarter of a second
 
     return np.asarray(lfilter(upper, lower, signal), dtype=np.float64)
-
-
-def _peaks(gain: FloatArray) -> list[int]:
-    """Where a gain (n,) has its highest peaks, the highest first."""
-    padded = np.concatenate(([-math.inf], gain, [-math.inf]))
-    peaks = np.flatnonzero((gain > 0.0) & (gain >= padded[:-2]) & (gain >= padded[2:]))
-    return [int(i) for i in peaks[np.argsort(gain[peaks])[::-1]][:KEPT]]
 
 
 def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: float, ratio: float) -> list[SecondMass]:

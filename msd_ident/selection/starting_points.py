@@ -12,7 +12,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting, extended, step
 from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
-from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE
+from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE, TENTH
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.regression_init import LINEAR
 from msd_ident.model import Model
@@ -24,15 +24,7 @@ from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hyp
 from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
 from msd_ident.selection.ranking import FAINT, ROUGH
 from msd_ident.selection.second_masses import SecondMass, second_masses
-from msd_ident.selection.starting_values import STOPS, FittedRecord, guesses
-from msd_ident.tuning import tuned
-
-_WEAK = tuned(
-    0.05,
-    unit="1",
-    why="part of a guess's strength that is tried where the whole of it makes the fit worse",
-    chosen="by hand",
-)
+from msd_ident.selection.starting_values import FittedRecord, guesses
 
 
 def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[Model]:
@@ -167,7 +159,7 @@ def _weakened(model: Model, names: Causes) -> Model:
     weak = {}
     for effect in map(by_name, names):
         kinked = any(parameter.kinked for parameter in effect.parameters)
-        part = 0.0 if effect.is_linear() and not kinked else _WEAK
+        part = 0.0 if effect.is_linear() and not kinked else TENTH
         for name, neutral in effect.neutral:
             if math.isfinite(neutral) and math.isfinite(values[name]):
                 weak[name] = neutral + part * (values[name] - neutral)
@@ -193,10 +185,9 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
     ripples = {name for cause in causes if (law := by_name(cause).ripple()) for name in law.names}
     tried: dict[tuple[float, ...], Model] = {}
     for model in models:
-        for bent in _with_stops(experiment, model) if left > ROUGH else [model]:
-            inner = {n: v for n, v in zip(bent.names, bent.values.tolist(), strict=True) if n not in LINEAR}
-            if len(bent.names) > 3 + len(inner) and (left > ROUGH or set(inner) <= ripples):
-                tried.setdefault(tuple(inner.values()), bent)
+        inner = {n: v for n, v in zip(model.names, model.values.tolist(), strict=True) if n not in LINEAR}
+        if len(model.names) > 3 + len(inner) and (left > ROUGH or set(inner) <= ripples):
+            tried.setdefault(tuple(inner.values()), model)
     found = []
     for model in tried.values():
         for start in regressed(experiment.problem(model), counted=True):
@@ -232,15 +223,6 @@ def _placed(
         place = np.clip(place + move, bare.lower, bare.upper)
     values = dict(zip(bare.model.names, bare.values(best).tolist(), strict=True))
     return problem, weighting, problem.vector(values, bare.initials(best))
-
-
-def _with_stops(experiment: Experiment, model: Model) -> list[Model]:
-    """The model with its end stops at several places within reach; the model itself if it has none."""
-    places = [parameter.name for parameter in model.parameters if parameter.within_reach]
-    if not places:
-        return [model]
-    reach = max(float(np.max(np.abs(record.position))) for record in experiment.records)
-    return [model.with_values(dict.fromkeys(places, share * reach)) for share in STOPS]
 
 
 def _exact_start(

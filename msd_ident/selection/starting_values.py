@@ -12,6 +12,7 @@ from scipy.ndimage import median_filter
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, THOROUGH
+from msd_ident.estimate.peaks import highest
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import ripples
 from msd_ident.model import Effect, Model, Plant, Simulator
@@ -31,12 +32,6 @@ _FAINT = fixed(
 _PADDED = fixed(8, "accuracy", "times the length of a record to which it is padded for a finer spectrum")
 _CELLS = fixed(1024, "accuracy", "cells of the travel: twenty to the shortest ripple that is looked for")
 _AROUND = fixed(40, "accuracy", "lines around a line whose median it is compared with")
-STOPS = tuned(
-    (0.95, 0.88, 0.81, 0.74, 0.67, 0.6, 0.5),
-    unit="1",
-    why="places of an end stop that are tried far from the noise, in parts of the reach",
-    chosen="by hand",
-)
 _SATURATED = tuned(
     (0.95, 0.75),
     unit="1",
@@ -136,9 +131,7 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
     gram = own.transpose(2, 0, 1) - shared @ shared.transpose(0, 2, 1) + 1e-9 * x.size * np.eye(2)
     solution = np.linalg.solve(gram, right[:, :, None])[:, :, 0]
     gain = np.einsum("pi,pi->p", solution, right)
-    padded = np.concatenate(([-np.inf], gain, [-np.inf]))
-    peaks = np.flatnonzero((gain >= padded[:-2]) & (gain >= padded[2:]))
-    best = peaks[np.argsort(gain[peaks])[::-1]][:KEPT]
+    best = highest(gain)
     phases = np.angle((solution @ (1.0, 1j)) * np.exp(-2j * np.pi * float(x.min()) / pitches))
     return [(max(float(np.hypot(*solution[i])), _FAINT), float(pitches[i]), float(phases[i])) for i in best]
 

@@ -31,7 +31,8 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.ranking import LEADERS, NEAR, Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
 from msd_ident.tuning import tuned
@@ -85,15 +86,13 @@ class Search:
         Returns:
             All fitted sets by evidence.
         """
-        for fitted in (base, *known):
-            self.sets[fitted.causes] = fitted
-            self.tried.add(fitted.causes)
+        self._know((base, *known))
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
         leader = self._leader()
         if not self.at_floor(leader):
-            explain = [leader.causes, *self._explain()]
+            explain = [leader.causes, *self._explaining()]
             self._fit([other for causes in explain for other in self._reformed(causes)], 0.35, 0.36)
             leader = self._leader()
         if not self.at_floor(leader):
@@ -101,16 +100,16 @@ class Search:
             fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
             self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
-        for pairs in (self._pairs, self._grown_alone):
-            if not self.at_floor(self._leader()):
-                self._fit(pairs(), 0.55, 0.6)
+        if not self.at_floor(self._leader()):
+            self._fit(self._pairs(), 0.55, 0.6)
+        if not self.at_floor(self._leader()):
+            # A cause may explain nothing until another one is there.
+            self._fit([pair for one in self._explaining() for pair in self._grown(one)], 0.55, 0.6)
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Continue from sets that were found on part of the data and are fitted to all of it."""
-        for fitted in sets:
-            self.sets[fitted.causes] = fitted
-            self.tried.add(fitted.causes)
+        self._know(sets)
         return self._walk()
 
     def compared(self, sets: Sequence[Hypothesis]) -> Ranking:
@@ -119,12 +118,17 @@ class Search:
         Sets simpler than the leading one are fitted again, starting from its parameters, because their own fits may
         have ended in a local minimum.
         """
-        for fitted in sets:
-            self.sets[fitted.causes] = fitted
+        self._know(sets)
         best = self.ranking().best
         for causes, model, initial in reduced(best, self.experiment.library):
             self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
+
+    def _know(self, sets: Iterable[Hypothesis]) -> None:
+        """Take over sets that are fitted to all of the experiment."""
+        for fitted in sets:
+            self.sets[fitted.causes] = fitted
+            self.tried.add(fitted.causes)
 
     @cached_property
     def _rippled(self) -> Causes:
@@ -136,15 +140,16 @@ class Search:
         shown = any(one.share > 1.0 - TENTH for one in found)
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
-    def _explain(self) -> list[Causes]:
-        """The causes that leave least by themselves, and less than the base model does.
+    def _explaining(self) -> list[Causes]:
+        """The simple laws that leave least by themselves, and less than the base model does.
 
         Evidence counts features of the error: a law that takes most of one feature away may lose it to no law at all,
-        where another form of it takes all away.
+        where another form of it takes all away. And a third law that acts like two of them may leave far less than each
+        alone.
         """
-        known = self.sets[NOTHING]
-        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
-        return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * known.chi]
+        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
+        alone.sort(key=lambda fitted: fitted.chi)
+        return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * self.sets[NOTHING].chi]
 
     def _pairs(self) -> list[Causes]:
         """Pairs of the causes that leave least by themselves, of the likeliest ones, and of laws that are linear in
@@ -160,16 +165,6 @@ class Search:
         plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
         return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]
 
-    def _grown_alone(self) -> list[Causes]:
-        """Pairs with each of the simple laws that leave least by themselves.
-
-        A cause may explain nothing until another one is there, and a third one that acts like both, or another form of
-        its law, may leave far less than each alone.
-        """
-        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
-        alone.sort(key=lambda fitted: fitted.chi)
-        return [pair for one in alone[:KEPT] for pair in self._grown(one.causes)]
-
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""
         for turn in range(LOOK):
@@ -179,7 +174,8 @@ class Search:
             if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
         self._named_grown()
-        self._rejoined(self._leader())
+        if self.at_floor(leader := self._leader()):
+            self._rejoined(leader)
         return self.ranking()
 
     def _named_grown(self) -> None:
@@ -212,8 +208,8 @@ class Search:
     def _rejoined(self, best: Hypothesis) -> None:
         """Fit sets that differ from the leading one in one cause again, from the parameters that both share.
 
-        The leading set determines these better than when the rivals were tried first: with too much friction the cart
-        sticks at other turning points, and the fit does not get away from there.
+        A leading set that leaves only noise determines these better than when the rivals were tried first: with too
+        much friction the cart sticks at other turning points, and the fit does not get away from there.
         """
         rivals = [
             one.causes

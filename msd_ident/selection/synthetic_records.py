@@ -17,6 +17,8 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.broyden import Weighting
+from msd_ident.estimate.damped_step import damped_step
+from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Effect
 from msd_ident.model.effects import by_name
@@ -25,14 +27,8 @@ from msd_ident.residuals.noise_model import Readings
 from msd_ident.selection.evidence import NoiseScale, prior_widths
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
-_STEPS = tuned(
-    15,
-    unit="steps",
-    why="steps down that bring the other parameters to the record when one law is given",
-    chosen="by hand",
-)
 _UNIFORM = fixed(1.0 / 12.0, "mathematics", "variance of a rounding error, in steps squared")
 
 
@@ -124,18 +120,17 @@ def _brought(weighting: Weighting, point: FloatArray, together: Sequence[int]) -
     """Chi² and point (p,) after a few Levenberg–Marquardt steps in which some entries keep their ratios."""
     problem, state, damping = weighting.problem, weighting.exact(point, weighting.steps(None)), 1e-3
     alone = [entry for entry in range(point.size) if entry not in together]
-    for _ in range(_STEPS):
+    for _ in range(SHORT):
         basis = np.eye(point.size)[alone]
         if together:
             basis = np.vstack([basis, np.where(np.isin(np.arange(point.size), together), state.point, 0.0)])
         rows = basis @ state.jacobian
-        normal, gradient = rows @ rows.T, rows @ state.residual
-        size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        move = np.linalg.solve(normal / np.outer(size, size) + damping * np.eye(size.size), -gradient / size) / size
+        normal, gradient, free = rows @ rows.T, rows @ state.residual, np.full(len(rows), np.inf)
+        move = damped_step(normal, gradient, damping, -free, free)[0]
         trial = np.clip(state.point + move @ basis, problem.lower, problem.upper)
         residual = weighting.residual(trial)
         if float(residual @ residual) < state.chi:
-            state, damping = weighting.exact(trial, weighting.steps(state)), 0.1 * damping
+            state, damping = weighting.exact(trial, weighting.steps(state), residual), 0.1 * damping
         else:
             damping *= 10.0
     return state.chi, state.point

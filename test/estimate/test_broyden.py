@@ -73,6 +73,20 @@ def test_a_step_that_rounding_would_swallow_is_a_larger_one(experiment: Experime
     assert np.isfinite(state.jacobian).all() and np.isfinite(row).all()
 
 
+def test_a_jacobian_needs_no_second_simulation_of_a_known_residual(experiment: Experiment) -> None:
+    """The row of a zero, with which the reading moves alike, is the weight of each sample."""
+    problem = experiment.problem(Plant(1.1, 3.0, 650.0) + CubicSpring(5e4))
+    weighting = weigh(problem, experiment.readings)
+    point = problem.vector({"mass": 1.1, "damping": 3.0, "stiffness": 650.0, "cubic_stiffness": 5e4}, (Initial(),))
+    whole = weighting.exact(point, weighting.steps(None))
+    known = weighting.exact(point, weighting.steps(None), whole.residual)
+    assert known.residual is whole.residual and np.array_equal(known.jacobian, whole.jacobian)
+    assert problem.nuisances[-1].kind == "zero" and np.array_equal(whole.jacobian[-1], weighting.roots[0])
+    moved = weighting.renewed(whole)
+    assert moved.exact and np.array_equal(moved.point, point)
+    assert np.allclose(moved.normal.diagonal(), whole.normal.diagonal(), rtol=1e-3)
+
+
 def test_bounds_hold(experiment: Experiment) -> None:
     problem = experiment.problem(Plant(1.0, 2.0, 600.0) + CubicSpring(5e4))
     lower = problem.lower.copy()

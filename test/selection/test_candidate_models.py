@@ -19,7 +19,8 @@ from msd_ident.selection.candidate_models import marginal, of_ranking
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.ranking import NEAR, Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import NEAR, Ranking
 
 RUB, DRAG = CoulombFriction(0.3), QuadraticDrag(0.5)
 

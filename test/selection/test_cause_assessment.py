@@ -19,7 +19,8 @@ from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.ranking import Ranking, rank
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import Ranking
 
 RUB, DRAG = CoulombFriction(0.3), QuadraticDrag(0.5)
 MODELS = (BASE, BASE + RUB, BASE + DRAG, BASE + RUB + DRAG)

@@ -54,6 +54,14 @@ def test_the_first_start_is_followed_and_others_where_they_promise_enough() -> N
         assert begun[0].chi < max(one.chi for one in sets)
 
 
+def test_a_start_that_promises_more_than_those_before_it_have_reached_is_not_followed() -> None:
+    data = pushed(RUB)
+    near, far = (stood(data, BASE + CoulombFriction(force)) for force in (0.2, 0.6))
+    (reached,) = begin(data, [StartingPoint(1.0, near, beside=1.0)], np.inf)
+    for promise, followed in ((1.1 * reached.chi, 1), (0.9 * reached.chi, 2)):
+        assert len(begin(data, [StartingPoint(1.0, near, 1.0), StartingPoint(promise, far, 1.0)], np.inf)) == followed
+
+
 def test_the_best_beginning_is_finished() -> None:
     data = pushed(RUB)
     begun = begin(data, [StartingPoint(1.0, stood(data, BASE + CoulombFriction(f)), 1.0) for f in (0.5, 0.1)], 10.0)

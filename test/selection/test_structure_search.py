@@ -248,7 +248,7 @@ def test_causes_that_a_third_one_imitates_are_paired_although_it_leaves_far_less
     search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
     search.sets = {one.causes: one for one in (fitted(data, BASE, 1200.0), *alone)}
     pair = frozenset({"backlash", "cubic_spring"})
-    assert pair not in search._pairs() and pair in search._grown_alone()
+    assert pair not in search._pairs() and frozenset({"backlash"}) in search._explaining()
 
 
 def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> None:

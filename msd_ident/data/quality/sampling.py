@@ -14,6 +14,8 @@ from msd_ident.data.record import FloatArray, Record
 _REGULAR = 0.25
 #: Jitter of the stamps, relative to the period, from which it is reported, and from which it is a warning.
 _JITTER_TOLD, _JITTER_BAD = 0.05, 0.2
+#: Interval, in sampling periods, up to which lost samples hide little of the motion.
+SHORT_GAP = 5.5
 
 
 def sampling(record: Record) -> Iterator[Finding]:
@@ -48,7 +50,7 @@ def _gaps(record: Record, intervals: FloatArray, period: float) -> Iterator[Find
     share = missing / (missing + record.samples)
     where = f"the longest {intervals[longest]:.4g} s at {record.time[longest]:.3f} s"
     count = f"{gaps.size} gap, {where}" if gaps.size == 1 else f"{gaps.size} gaps, {where}"
-    small = share < 1e-3 and intervals[longest] < 5.5 * period
+    small = share < 1e-3 and intervals[longest] < SHORT_GAP * period
     yield Finding(
         "info" if small else "warning",
         "missing_samples",

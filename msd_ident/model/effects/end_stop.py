@@ -33,7 +33,7 @@ class EndStop(Effect):
     parameters = (
         Parameter(
             "stop_position", "xs", "m", 0.0, math.inf, "distance of the stops from zero",
-            advice="drive it into the stop", kinked=True, within_reach=True,
+            advice="drive it into the stop", kinked=True,
         ),
         Parameter(
             "stop_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the stops",

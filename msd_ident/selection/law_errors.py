@@ -1,0 +1,124 @@
+"""What a cause explains beyond the others, beside what an error of their laws could: no law is exact.
+
+What a set leaves may be another form of its laws and not a further cause.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from msd_ident.model.effects import by_name
+from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
+from msd_ident.selection.ranking import CERTAIN_ODDS, FAINT, FORM_PART, ROUGH
+
+
+def further_parts(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> dict[str, float]:
+    """What each cause of a set explains beyond the other causes, as a part of what these explain.
+
+    For a set S and a cause c it is √((χ²(S − c) − χ²(S)) / (χ²(base) − χ²(S − c))). A cause is left out if S − c
+    (``_fitted``) explains no more than the base model does.
+
+    Args:
+        causes: the set.
+        sets: all fitted sets by their causes.
+    """
+    found = {name: _part_beyond(_fitted(causes - {name}, sets), causes, sets) for name in causes}
+    return {name: part for name, part in found.items() if math.isfinite(part)}
+
+
+def _fitted(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> Causes:
+    """The fitted set of these causes; if they were not worth a fit, that of some of them which leaves least."""
+    if causes in sets:
+        return causes
+    return min((one for one in sets if one < causes), key=lambda one: sets[one].chi, default=causes)
+
+
+def _part_beyond(limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> float:
+    """What a set explains beyond a simpler one, as a part of what that one explains; infinite where the simpler one was
+    not fitted or explains nothing.
+    """
+    base, simple = sets.get(frozenset()), sets.get(limit)
+    if base is None or simple is None or simple.chi >= base.chi:
+        return math.inf
+    return math.sqrt(max(simple.chi - sets[causes].chi, 0.0) / (base.chi - simple.chi))
+
+
+def within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> bool:
+    """Whether one of the causes explains no more than an error of the other laws could.
+
+    No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
+    explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
+    left without it. Where the set leaves only noise, no error of a law is seen: every cause counts, and
+    ``other_forms`` limits its probability.
+    """
+    exact = leaves_noise(sets[causes], noise)
+    for name, part in further_parts(causes, sets).items():
+        smaller = sets.get(causes - {name})
+        if exact or smaller is None:
+            continue
+        if part <= (FORM_PART if smaller.chi < FAINT**2 * noise else LEAST_SPREAD):
+            return True
+    return False
+
+
+def leaves_noise(fitted: Hypothesis, noise: float) -> bool:
+    """Whether a set leaves only noise."""
+    return fitted.chi < (1.0 + NOISE_ERROR) * noise
+
+
+def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> dict[str, float]:
+    """Causes of a set that may be another form of its other laws, with what they explain beyond these, as a part of
+    what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
+
+    Where the set leaves more than noise, each spring beside the one that explains most may be an error of its shape,
+    whatever it explains: two curves over the position come near any third one.
+    """
+    parts = further_parts(causes, sets)
+    found = {
+        name: part
+        for name, part in parts.items()
+        if part <= (FORM_PART if sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise else LEAST_SPREAD)
+    }
+    if not leaves_noise(sets[causes], noise):
+        springs = [name for name in sorted(causes) if by_name(name).is_spring()]
+        springs.sort(key=lambda name: -parts.get(name, math.inf))  # a set that was not worth a fit explains little
+        found |= {name: parts[name] for name in springs[1:] if name in parts}
+    for name in causes & set(HOLDING_COULOMB):
+        limit = causes - {name} | {COULOMB}
+        part = _part_beyond(limit, causes, sets)
+        if part <= LEAST_SPREAD or (part <= FORM_PART and sets[limit].chi < FAINT**2 * noise):
+            found[name] = min(part, found.get(name, part))
+    return found
+
+
+def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, float]:
+    """How clearly a set needs each of its causes: what the cause explains, in units of what the set leaves.
+
+    It is (χ²(S − c) − χ²(S)) / max(χ²(S) − N, δN). Where the set leaves only noise, it leaves what the noise can hide,
+    whose variance is known to δ = ``NOISE_ERROR``. If only the set's own residual tells of this noise, an error of its
+    laws may be a part of it: then no cause is certain that may be one. A law that holds Coulomb friction as a limit is
+    compared with Coulomb friction in its place too. Causes without a fitted smaller set are left out.
+    """
+    found, left, most = {}, sets[causes].chi - scale.noise, math.inf
+    if leaves_noise(sets[causes], scale.noise):
+        left, most = NOISE_ERROR * scale.noise, CERTAIN_ODDS if scale.other_noise else math.inf
+    for name in causes:
+        limits = [_fitted(causes - {name}, sets), causes - {name} | {COULOMB}][: 1 + (name in HOLDING_COULOMB)]
+        gains = [sets[limit].chi - sets[causes].chi for limit in limits if limit in sets]
+        if gains:
+            found[name] = min(max(min(gains), 0.0) / left, most)
+    return found
+
+
+def left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> float:
+    """What a set leaves above the noise, as a part of what it explains (rms of the position); 0 if unknown.
+
+    It is √((χ² − N) / (χ²(base) − χ²)), where the noise N may be larger than estimated by ``NOISE_ERROR``.
+    """
+    base, chi = sets.get(frozenset()), sets[causes].chi
+    if base is None or base.chi <= chi:
+        return 0.0
+    return math.sqrt(max(chi - (1.0 + NOISE_ERROR) * noise, 0.0) / (base.chi - chi))

@@ -1,0 +1,159 @@
+"""What another form of the laws of a set would explain is no further cause, or none that is certain."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from setrigs import BASE, fitted, ranked, steps
+
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.residuals.noise_spectrum import NoiseSpectrum
+from msd_ident.selection import naming
+from msd_ident.selection.evidence import scale_from
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.ordering import rank
+from msd_ident.selection.ranking import CERTAIN, FAINT
+
+
+@pytest.fixture
+def experiment() -> Experiment:
+    return steps()
+
+
+@pytest.mark.parametrize(
+    ("without", "both", "called"),
+    [
+        (100.0, 1.0, True),  # a tenth of what friction explains, and its form is seen
+        (20.0, 1.5, False),  # a fiftieth: another form of the friction would do
+        (2.9, 1.2, False),  # fainter than its form can be seen, and less than a fifth
+        (2.9, 2.8, False),
+        (2.9, 1.0, True),  # nothing is left of which another form could be the cause
+    ],
+)
+def test_what_another_form_of_the_law_would_explain_is_no_cause(
+    experiment: Experiment, without: float, both: float, called: bool
+) -> None:
+    """``without`` and ``both`` are what friction alone and with drag leaves, in noise floors."""
+    nothing = 1000.0 if without > FAINT else 20.0
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0 * both**2),
+        }
+    )
+    assert ("quadratic_drag" in found.best.causes) == called
+    assert found.of_cause("coulomb_friction") == pytest.approx(1.0, abs=1e-3)
+    sure = 0.9 if without < FAINT else 1.0
+    assert found.of_cause("quadratic_drag") == pytest.approx(sure if called else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("without", "left", "sure"),
+    [
+        (2.5, 1.0, 0.9),  # faint, and less than a fifth of what Coulomb's friction explains
+        (20.0, 1.5, 3.0 / 4.0),  # a fiftieth
+        (100.0, 1.0, 1.0),
+    ],
+)
+def test_another_law_of_friction_is_not_certain_within_the_error_of_coulombs(
+    experiment: Experiment, without: float, left: float, sure: float
+) -> None:
+    """``without`` and ``left`` are what Coulomb's friction and Stribeck's leave, in noise floors."""
+    nothing = 1000.0 if without > FAINT else 60.0
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * nothing**2),
+            "coulomb": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * without**2),
+            "stribeck": fitted(experiment, BASE + StribeckFriction(0.1, 0.2, 0.01), 840.0 * left**2),
+        }
+    )
+    assert found.best.causes == {"stribeck_friction"}
+    assert found.of_cause("stribeck_friction") == pytest.approx(sure, abs=1e-3)
+    (said,) = naming.other_forms(found) or ("",)
+    assert ("of what Coulomb friction explains: another form of that law" in said) is (sure < 1.0)
+
+
+@pytest.mark.parametrize(("further", "prior_odds"), [("quadratic_drag", 1.0 / 20.0), ("coulomb_friction", 1.0)])
+@pytest.mark.parametrize(("left", "rich", "times"), [(1.0, False, 180.0), (1.0, True, 12600.0), (1.2, True, 60.0)])
+def test_what_is_seen_roughly_may_be_another_form(
+    experiment: Experiment, further: str, prior_odds: float, left: float, rich: bool, times: float
+) -> None:
+    """An eighth of what the first explains, seen at 8 floors; friction, which acts on nearly every rig, is surer.
+
+    Where the set leaves only noise, the cause explains 630 times what a tenth of the noise's variance can hide.
+    """
+    first, second = CoulombFriction(0.1), QuadraticDrag(1.0)
+    alone = first if further == "quadratic_drag" else second
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 64.0**2),
+            "alone": fitted(experiment, BASE + alone, 840.0 * 8.0**2),
+            "both": fitted(experiment, BASE + first + second, 840.0 * left**2),
+        }
+    )
+    assert found.best.causes == {first.name, second.name}
+    found = replace(found, rich=rich)
+    assert found.of_cause(alone.name) == pytest.approx(1.0, abs=1e-3)
+    assert found.of_cause(further) == pytest.approx(times * prior_odds / (1.0 + times * prior_odds))
+
+
+@pytest.mark.parametrize("coloured", [False, True])
+def test_two_causes_that_only_together_were_worth_a_fit_may_be_another_form(
+    experiment: Experiment, coloured: bool
+) -> None:
+    """They explain a hundredth of what friction does. The noise that only their own residual tells of is no proof."""
+    friction, three = BASE + CoulombFriction(0.1), BASE + CoulombFriction(0.1) + QuadraticDrag(1.0) + CubicSpring(1.0)
+    sets = {
+        one.causes: one
+        for one in (
+            fitted(experiment, BASE, 840.0 * 400.0**2),
+            fitted(experiment, friction, 840.0 * 4.0**2),
+            fitted(experiment, three, 840.0),
+        )
+    }
+    bands = sets[frozenset(three.effect_names)].octaves
+    spectrum = NoiseSpectrum(1.0, 0.3, 16.0, bands, np.full(bands.size, 105.0)) if coloured else None
+    scale = replace(scale_from(list(sets.values()), experiment.readings), spectrum=spectrum)
+    found = replace(rank(sets, scale), rich=True)
+    assert found.best.causes == set(three.effect_names)
+    for name in ("quadratic_drag", "cubic_spring"):
+        assert (found.of_cause(name) > CERTAIN) is not coloured
+        assert name in found.further[found.best.causes]
+
+
+def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Experiment) -> None:
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 4.0**2),
+            "friction": fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 2.9**2),
+            "both": fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
+        }
+    )
+    assert found.of_cause("quadratic_drag") > 0.9
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize(("left", "sure"), [(5000.0, False), (850.0, True)])
+def test_the_second_of_two_springs_is_certain_only_where_nothing_is_left(left: float, sure: bool, known: bool) -> None:
+    """Of 17 such springs that were stated with more than 0.9, 7 did not act; where only noise is left, 0 of 11."""
+    data = steps()
+    stop, bent = EndStop(2e-3, 500.0), CubicSpring(1e6)
+    sets = {
+        "base": fitted(data, BASE, 1e6),
+        "bent": fitted(data, BASE + bent, 5e4),
+        "stop": fitted(data, BASE + stop, 4e5),
+        "both": fitted(data, BASE + bent + stop, left),
+    }
+    if not known:
+        del sets["stop"]  # it was not worth a fit
+    found = ranked(sets)
+    assert found.best.causes == {"cubic_spring", "end_stop"}
+    assert found.of_cause("cubic_spring") > 0.98
+    assert found.of_cause("end_stop") == pytest.approx(1.0 if sure else 0.75, abs=0.02)
