@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
+from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import tuned
 
 FAINT = tuned(3.0, unit="noise floors", why="below it the form of what a set leaves is not seen", chosen="by hand")
-ROUGH = tuned(10.0, unit="noise floors", why="below it the form of what a set leaves is seen roughly", chosen="by hand")
+#: Noise floors below which the form of what a set leaves is seen roughly: only beyond them no part of it is noise.
+ROUGH = BEYOND_DOUBT
 FORM_PART = tuned(
     0.2,
     unit="1",

@@ -43,6 +43,9 @@ _CHEAP = tuned(
     why="cost up to which copies are made unasked",
     chosen="measured at 3 to 40 s of processor time",
 )
+_OVERHEAD = tuned(
+    2000, unit="samples", why="samples whose simulation costs as much as what is done around it", chosen="by hand"
+)
 
 
 @dataclass(frozen=True)
@@ -247,7 +250,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
     """Estimated work of the searches of all copies: samples simulated for each trial of a set, times number of sets.
 
     A search tries each cause alone and beside the leading ones, which is about the square of the number of causes asked
-    about. It simulates ``SAMPLES`` samples while it searches, and all for the leading sets.
+    about.
 
     Args:
         experiment: the measured records.
@@ -255,7 +258,7 @@ def cost(experiment: Experiment, rows: Sequence[Explanation], counts: Sequence[i
         counts: copies of each.
     """
     asked = len(frozenset().union(*(row.causes for row in rows)))
-    samples = SAMPLES + sum(part.record.samples for part in experiment.readings)
+    samples = _OVERHEAD + sum(part.record.samples for part in experiment.readings)
     return float(samples * sum(counts) * max(asked, 1) ** 2)
 
 

@@ -159,7 +159,7 @@ def _weakened(model: Model, names: Causes) -> Model:
     weak = {}
     for effect in map(by_name, names):
         kinked = any(parameter.kinked for parameter in effect.parameters)
-        part = 0.0 if effect.is_linear() and not kinked else TENTH
+        part = 0.0 if effect.is_linear() and not kinked else 0.5 * TENTH  # below what counts as an effect
         for name, neutral in effect.neutral:
             if math.isfinite(neutral) and math.isfinite(values[name]):
                 weak[name] = neutral + part * (values[name] - neutral)
