@@ -16,8 +16,7 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.damped_step import damped_step
-from msd_ident.estimate.levels import NULL, STUCK
-from msd_ident.tuning import tuned
+from msd_ident.estimate.levels import DAMPING, NULL, STUCK, TENTH
 
 
 @dataclass(frozen=True)
@@ -86,12 +85,8 @@ class SolverOptions:
     step_tolerance: float = 1e-8
 
 
-_DAMPING_START = tuned(
-    1e-4,
-    unit="1",
-    why="damping at which the plain solver begins: its Jacobian is exact at every step",
-    chosen="by hand",
-)
+#: Damping at which the plain solver begins: less than a search, as its Jacobian is exact at every step.
+_DAMPING_START = TENTH * DAMPING
 _NO_STEP = "Converged: no step would lower the error."
 _NO_SMALLER = "Converged: no smaller step lowers the error."
 _SETTLED = "Converged: the error settled."
