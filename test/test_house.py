@@ -76,16 +76,9 @@ LONGEST_FUNCTION = 60
 #: names of their parameters say what they depend on.
 MANY_PARAMETERS, MOST_WITH_MANY = 6, 25
 
-#: Modules outside the library that name single effects or their parameters, and why; everybody else asks an effect for
-#: what it is (a role in the structure, a sign, a sentence, a bound).
-NAMES_EFFECTS = {
-    "msd_ident.model.base_model": "the paper's base model: its dry friction and offset, named once for everybody",
-    "msd_ident.export.gains": "what a target makes of each effect stands in the target's file (CONTRIBUTING.md)",
-    "msd_ident.export.gazebo": "the same",
-    "msd_ident.export.mujoco_elements": "the same",
-    "msd_ident.export.mujoco_plain": "the same",
-    "msd_ident.ros.demo.live_demo": "an effect of the rig, whose names are msd_sim's",
-}
+#: The one module outside the library that names single effects and their parameters: the dry friction and the offset of
+#: the paper's base model. All others ask an effect for what it is (a role, a sign, a sentence, a bound).
+NAMES_EFFECTS = {"msd_ident.model.base_model"}
 
 
 def name_of(path: Path) -> str:
@@ -247,7 +240,7 @@ def test_only_the_library_names_single_effects() -> None:
     others = {module: found for module, found in named.items() if module not in NAMES_EFFECTS}
     asked = "ask the effect for its part in place of its name (CONTRIBUTING.md, Rules that tests check):"
     assert not others, "\n".join([asked, *(f"{module} names {', '.join(found)}" for module, found in others.items())])
-    assert set(named) == set(NAMES_EFFECTS), "a module in NAMES_EFFECTS names no effect any more: take it out"
+    assert set(named) == NAMES_EFFECTS, "a module in NAMES_EFFECTS names no effect any more: take it out"
 
 
 def _effects_named(tree: ast.Module) -> Iterator[str]:
