@@ -25,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("house")
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "seeds", "cancellation", "tuning"),
-    ("paths", "parallel"),
+    ("paths", "writing", "parallel"),
     ("data",),
     ("model",),
     ("features",),
@@ -48,7 +48,7 @@ STOREYS = (
 FLOOR = {room: floor for floor, rooms in enumerate(STOREYS) for room in rooms}
 
 #: Readers and writers stand beside the storeys.
-IO_KNOWS = {"errors", "paths", "data"}
+IO_KNOWS = {"errors", "paths", "writing", "data"}
 KNOW_IO = {"batching", "ros", "cli"}
 
 ROS = (

@@ -106,7 +106,7 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        from msd_ident.report.writing import write_text
+        from msd_ident.writing import write_text
 
         write_text(text, Path(output.json))
 
