@@ -28,7 +28,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
-    "test_colcon", "ros/test_faults", "[step_1", "test_nobody_costs_much", "test_new_effect", "test_a_push_is_no_cause",
+    "test_colcon", "ros/test_faults", "[step_1", "test_nobody_costs_much", "test_new_effect",
     "test_starting_points", "test_never_worse", "test_investigation", "test_what_a_hand_moved", "blind/",
     "test_a_demo_finds_the_rig", "docs/test_tutorial", "docs/test_pages", "ros/test_huge_bag", "test_deterministic",
     "batching/", "live/", "report/", "ros/", "selection/", "residuals/", "diagnosis/", "design/", "export/test_ext",

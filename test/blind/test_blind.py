@@ -29,12 +29,12 @@ BESIDE = [Case(1100 + i, name, True) for i, name in enumerate(lottery.NAMES) if 
 #: Of each kind of law one stays beside friction: a spring, a damper, a stop, a memory, the drive, a second mass.
 KINDS = ("asymmetric_spring", "quadratic_drag", "end_stop", "hysteresis", "force_gain_nonlinearity", "second_mode")
 CLEAN = [Case(1200 + i, None, False) for i in range(8)]
-#: Of many by lot, some that take seconds: a search that nothing ends takes up to a minute. ``make blind`` has them all.
+#: Of many by lot; a search that nothing ends takes seconds, up to a minute. ``make blind`` has them all.
 ODD = [
     Case(70181, "eccentric_friction", False),
-    pytest.param(Case(70184, "loose_cable", False), marks=pytest.mark.long),
-    pytest.param(Case(70601, "friction_change", False), marks=pytest.mark.long),
-    pytest.param(Case(70182, "mass_drop", False), marks=pytest.mark.long),
+    Case(70184, "loose_cable", False),
+    Case(70601, "friction_change", False),
+    Case(70182, "mass_drop", False),
 ]
 
 
@@ -80,6 +80,7 @@ def test_nothing_is_invented(case: Case) -> None:
     assert not found.named
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", ODD, ids=label)
 def test_what_the_library_lacks_is_never_called_explained(case: Case) -> None:
     found = outcome(case)

@@ -71,10 +71,13 @@ def test_a_start_that_the_base_model_moved_aside_is_moved_back() -> None:
     assert found.verdict == "explained"
 
 
-def test_what_mean_forces_between_few_samples_made_look_necessary_is_left_out_again() -> None:
+def test_what_mean_forces_between_few_samples_made_look_necessary_is_left_out_again(
+    asking_about: Callable[..., None],
+) -> None:
     """A long record is searched on few samples, and the mean of a force is not what a saturating actuator makes of it:
     there a third cause seems to help.
     """
+    asking_about(*RIVALS, "force_gain_nonlinearity")
     rig = {
         "mass": 0.6022981282647728, "damping": 0.5585627357592347, "stiffness": 175.17159426634015,
         "effects": {"force_gain_nonlinearity": {"gain_slope": 0.0, "force_limit": 0.6816832298845992},
