@@ -16,6 +16,8 @@ from msd_ident.ros.common.processes import Processes
 from msd_ident.ros.demo.demo import arguments
 
 NODES = ("identifier", "recorder", "experimenter")
+#: Longest time that the nodes get to be ready [s].
+LONGEST_START = 60.0
 
 
 def main() -> None:
@@ -37,13 +39,25 @@ def measure(seconds: float, rate: float) -> dict[str, float]:
             processes.start("rig", "msd_sim.node", arguments({"rate": rate}))
             for node in NODES:
                 processes.start(node, f"msd_ident.ros.{node}", arguments({"bag_folder": str(folder)}))
-            time.sleep(12.0)  # solver loaded, everybody found
+            pids = {node: processes.pid(node) for node in ("rig", *NODES)}
+            _settle(pids)
             processes.check()
-            before = {node: _used(processes.pid(node)) for node in ("rig", *NODES)}
+            before = {node: _used(pid) for node, pid in pids.items()}
             begin = time.monotonic()
             time.sleep(seconds)
             passed = time.monotonic() - begin
-            return {node: (_used(processes.pid(node)) - used) / passed for node, used in before.items()}
+            return {node: (_used(pids[node]) - used) / passed for node, used in before.items()}
+
+
+def _settle(pids: dict[str, int]) -> None:
+    """Wait until solver and nodes are ready: none takes half a core any more, three seconds in a row."""
+    before, calm = {node: 0.0 for node in pids}, 0
+    deadline = time.monotonic() + LONGEST_START
+    while calm < 3 and time.monotonic() < deadline:
+        time.sleep(1.0)
+        used = {node: _used(pid) for node, pid in pids.items()}
+        busy = max(used[node] - before[node] for node in pids)
+        calm, before = (calm + 1 if busy < 0.5 else 0), used
 
 
 def _used(pid: int) -> float:

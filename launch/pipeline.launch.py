@@ -45,65 +45,41 @@ def nodes(context):
     given = Arguments({name: LaunchConfiguration(name).perform(context) for name, _, _ in ARGUMENTS})
     namespace, simulated = given.namespace(), given.switch("use_sim_time")
     respawn, live_port = given.switch("respawn"), given.port("live_port")
-    common = {
-        "package": "msd_ident",
-        "output": "screen",
-        "respawn": respawn,
-        "respawn_delay": 2.0,
-        "ros_arguments": ["--log-level", given.word("log_level", LOG_LEVELS)],
-    }
+    ros_arguments = ["--log-level", given.word("log_level", LOG_LEVELS)]
+
+    def node(name, *parameters, **more):
+        """One node of this package, in the namespace; ``more`` as ``Node`` takes it."""
+        return Node(
+            package="msd_ident",
+            executable=name,
+            name=name,
+            namespace=namespace,
+            parameters=list(parameters),
+            output="screen",
+            respawn=respawn,
+            respawn_delay=2.0,
+            ros_arguments=ros_arguments,
+            **more,
+        )
+
+    def file(name):
+        """The parameter file that an argument names for a node."""
+        return given.parameters(f"{name}_params", f"{namespace}/{name}")
+
+    # With simulated time the rig makes the time, so it alone stays on the wall's clock.
     on_clock = {"use_sim_time": simulated}
+    rig_time = {"time_mode": "fast" if simulated else "real_time"}
+    # Without the rig nothing goes on.
+    rig_ends = None if respawn else Shutdown(reason="the rig has ended")
     started = [
-        Node(
-            executable="rig",
-            name="rig",
-            namespace=namespace,
-            # With simulated time the rig makes the time, so it alone stays on the wall's clock.
-            parameters=[
-                given.parameters("rig_params", f"{namespace}/rig"),
-                {"time_mode": "fast" if simulated else "real_time"},
-            ],
-            # Without the rig nothing goes on.
-            on_exit=None if respawn else Shutdown(reason="the rig has ended"),
-            **common,
-        ),
-        Node(
-            executable="recorder",
-            name="recorder",
-            namespace=namespace,
-            parameters=[given.parameters("recorder_params", f"{namespace}/recorder"), on_clock, {"resume": respawn}],
-            sigkill_timeout="30",  # its bag must reach the disk
-            **common,
-        ),
-        Node(
-            executable="identifier",
-            name="identifier",
-            namespace=namespace,
-            parameters=[given.parameters("identifier_params", f"{namespace}/identifier"), on_clock],
-            **common,
-        ),
+        node("rig", file("rig"), rig_time, on_exit=rig_ends),
+        node("recorder", file("recorder"), on_clock, {"resume": respawn}, sigkill_timeout="30"),  # its bag must be kept
+        node("identifier", file("identifier"), on_clock),
     ]
     if given.switch("experimenter"):
-        started.append(
-            Node(
-                executable="experimenter",
-                name="experimenter",
-                namespace=namespace,
-                parameters=[on_clock],
-                sigkill_timeout="30",  # the force goes to 0 and its bag to the disk
-                **common,
-            )
-        )
+        started.append(node("experimenter", on_clock, sigkill_timeout="30"))  # the force goes to 0, its bag to the disk
     if given.switch("live"):
-        started.append(
-            Node(
-                executable="live",
-                name="live",
-                namespace=namespace,
-                parameters=[{"port": live_port}, on_clock],
-                **common,
-            )
-        )
+        started.append(node("live", {"port": live_port}, on_clock))
     return started
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import itertools
 import os
 import signal
@@ -27,7 +28,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
-    "test_colcon", "ros/test_faults", "test_new_effect", "[step_1", "ros/test_resume", "test_nobody_costs_much",
+    "test_colcon", "ros/test_faults", "[step_1", "test_nobody_costs_much", "test_new_effect",
     "test_starting_points", "test_never_worse", "test_investigation", "test_what_a_hand_moved", "blind/",
     "test_a_demo_finds_the_rig", "docs/test_tutorial", "docs/test_pages", "ros/test_huge_bag", "test_deterministic",
     "batching/", "live/", "report/", "ros/", "selection/", "residuals/", "diagnosis/", "design/", "export/test_ext",
@@ -66,6 +67,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         works = [subprocess.Popen([sys.executable, "-c", code], cwd=REPOSITORY) for code in COMPILING]
         for work in works:
             work.wait()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """What collecting made lives until the end: the garbage collector need not walk through it at every turn."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

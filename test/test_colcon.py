@@ -2,7 +2,7 @@
 
 The ROS wheels and colcon lie in a Python environment of their own without msd_ident and msd_interfaces, so that only
 what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes: of hard links to
-what ``make setup`` installed, and of colcon.
+what ``make setup`` installed, and of colcon. So is what the compiler makes of the messages, most of a build.
 """
 
 from __future__ import annotations
@@ -97,9 +97,16 @@ def link(distribution: Distribution, folder: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace with what git tracks, or would track, in ``src/msd_ident``."""
-    folder = tmp_path_factory.mktemp("ws")
+def workspace(colcon: Path) -> Path:
+    """A workspace with what git tracks, or would track, in ``src/msd_ident``; the messages of a run before stay."""
+    folder, made_of = REPOSITORY / "build" / "colcon-workspace", _messages(colcon)
+    note = folder / "messages"
+    if not note.exists() or note.read_text() != made_of:
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        note.write_text(made_of)
+    for name in ("src", "home"):
+        shutil.rmtree(folder / name, ignore_errors=True)
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=REPOSITORY, capture_output=True, check=True,
@@ -113,6 +120,14 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "compiler").write_text('#!/bin/sh\nexec "$@" -O0\n')
     (folder / "compiler").chmod(0o755)
     return folder
+
+
+def _messages(colcon: Path) -> str:
+    """What compiled messages depend on."""
+    inputs = [REPOSITORY / "tools" / "colcon_interfaces.py"]
+    inputs += (path for name in ("msd_interfaces", "cmake") for path in sorted((REPOSITORY / name).rglob("*.*")))
+    content = b"".join(str(path).encode() + path.read_bytes() for path in inputs)
+    return f"{colcon.name} {hashlib.sha256(content).hexdigest()}"
 
 
 def run(colcon: Path, workspace: Path, *command: str) -> str:

@@ -25,7 +25,7 @@ DRAWN = (
     (2, "quadratic_drag", True, "steps"),
     (3, "cubic_spring", True, "step"),
     (4, "coulomb_friction", False, "release"),
-    (7, "quadratic_drag", True, "release"),
+    pytest.param(7, "quadratic_drag", True, "release", marks=pytest.mark.long),  # some seconds; others are released too
     (8, "end_stop", True, "steps"),
 )
 #: Measured rigs; a step of one is diagnosed once for all tests that ask for it.

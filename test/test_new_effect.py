@@ -8,9 +8,10 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
+
+pytestmark = pytest.mark.xdist_group("new effect")
 
 #: Damping that no law of the library has: it grows with the way out.
 EFFECT = '''"""Damping that grows with the way out."""
@@ -85,70 +86,57 @@ read = simulate(plant, given).position + np.random.default_rng(1).normal(0.0, 5e
 write_csv(Record(time=time, position=read, force_time=time, force=force), "rig.csv")
 """
 
-#: Pages of the documentation.
-PAGES = """
+#: All that is done with it, in one process: it loads the copy and compiles its solver once.
+WORK = """
+import sys
+from contextlib import redirect_stdout
+
 import effect_pages
 import export_tables
 
-print(effect_pages.pages()["effects/outward_damping.md"])
-print(export_tables.written("all"))
+from msd_ident.cli.main import main
+
+def msd(*words, to="said.txt"):
+    sys.argv = ["msd", *words]
+    with open(to, "w") as file, redirect_stdout(file):
+        assert main() == 0, words
+
+msd("identify", "rig.csv", "--json", "-", to="identified.json")
+msd("diagnose", "rig.csv", "--json", "rig.json", "--report", "rig.html", "--markdown", "rig.md")
+options = ("--limits", "limits.yaml", "--for", "outward_coefficient")
+msd("design", "rig.csv", *options, "--json", "-", to="designed.json")
+msd("export", "rig.json", "--to", "python", "--out", "exported.py")
+with open("effect.md", "w") as file:
+    file.write(effect_pages.pages()["effects/outward_damping.md"])
+with open("exports.md", "w") as file:
+    file.write(export_tables.written("all"))
 """
 
 
 @pytest.fixture(scope="module")
 def workshop(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a copy of the package that has the new effect's file, and a measurement of such a rig."""
+    """A folder with a copy of the package that has the new effect's file, and all that was done with it there."""
     folder = tmp_path_factory.mktemp("workshop")
     unfinished = shutil.ignore_patterns("*.tmp.*", "*.pyc.*")  # what others compile just now; what they have is taken
     shutil.copytree(repository / "msd_ident", folder / "msd_ident", ignore=unfinished)
     (folder / "msd_ident" / "model" / "effects" / "outward_damping.py").write_text(EFFECT, encoding="utf-8")
     (folder / "limits.yaml").write_text("force: 10\ntravel: 0.05\nduration: 10\n", encoding="utf-8")
-    python(folder, repository, "-c", RIG)
-    return folder
-
-
-def python(folder: Path, repository: Path, *arguments: str) -> str:
-    """What a process prints that imports the copy, and the rest from the repository."""
     paths = (folder, repository, repository / "docs" / "generate")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
     done = subprocess.run(
-        [sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-c", RIG + WORK], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    return done.stdout
+    return folder
 
 
-def msd(folder: Path, repository: Path, *arguments: str) -> str:
-    """What a command prints."""
-    return python(folder, repository, "-m", "msd_ident.cli.main", *arguments)
-
-
-@pytest.fixture(scope="module")
-def diagnosis(workshop: Path, repository: Path) -> Any:
-    """The diagnosis of the measurement, also as ``rig.json`` and on two pages."""
-    msd(
-        workshop,
-        repository,
-        "diagnose",
-        "rig.csv",
-        "--json",
-        "rig.json",
-        "--report",
-        "rig.html",
-        "--markdown",
-        "rig.md",
-    )
-    return json.loads((workshop / "rig.json").read_text(encoding="utf-8"))
-
-
-@pytest.mark.xdist_group("new effect")
-def test_identification_finds_something_missing(workshop: Path, repository: Path) -> None:
-    plain = json.loads(msd(workshop, repository, "identify", "rig.csv", "--json", "-"))
+def test_identification_finds_something_missing(workshop: Path) -> None:
+    plain = json.loads((workshop / "identified.json").read_text(encoding="utf-8"))
     assert any("the model lacks something" in sentence for sentence in plain["warnings"])
 
 
-@pytest.mark.xdist_group("new effect")
-def test_diagnosis_names_it_on_every_page(workshop: Path, diagnosis: Any) -> None:
+def test_diagnosis_names_it_on_every_page(workshop: Path) -> None:
+    diagnosis = json.loads((workshop / "rig.json").read_text(encoding="utf-8"))
     (cause,) = diagnosis["causes"]
     assert cause["name"] == "outward_damping" and diagnosis["verdict"] == "explained"
     assert cause["parameters"]["outward_coefficient"]["value"] == pytest.approx(STRENGTH, rel=0.02)
@@ -157,23 +145,17 @@ def test_diagnosis_names_it_on_every_page(workshop: Path, diagnosis: Any) -> Non
         assert "outward damping" in (workshop / page).read_text(encoding="utf-8")
 
 
-@pytest.mark.xdist_group("new effect")
-def test_a_design_sharpens_it(workshop: Path, repository: Path) -> None:
-    options = ("--limits", "limits.yaml", "--for", "outward_coefficient", "--json", "-")
-    designed = json.loads(msd(workshop, repository, "design", "rig.csv", *options))
+def test_a_design_sharpens_it(workshop: Path) -> None:
+    designed = json.loads((workshop / "designed.json").read_text(encoding="utf-8"))
     expected = designed["next_experiment"]["expected"]["outward_coefficient"]
     assert 0.0 < expected["half_interval_after"] < expected["half_interval_now"]
 
 
-@pytest.mark.xdist_group("new effect")
-def test_an_export_carries_it(workshop: Path, repository: Path, diagnosis: Any) -> None:
-    del diagnosis
-    msd(workshop, repository, "export", "rig.json", "--to", "python", "--out", "exported.py")
+def test_an_export_carries_it(workshop: Path) -> None:
     assert "force_of_outward_damping" in (workshop / "exported.py").read_text(encoding="utf-8")
 
 
-@pytest.mark.xdist_group("new effect")
-def test_the_documentation_has_its_page(workshop: Path, repository: Path) -> None:
-    said = python(workshop, repository, "-c", PAGES)
+def test_the_documentation_has_its_page(workshop: Path) -> None:
+    said = (workshop / "effect.md").read_text(encoding="utf-8")
     assert "# outward_damping" in said and "let it ring down from far out" in said
-    assert "[outward_damping](effects/outward_damping.md)" in said
+    assert "[outward_damping](effects/outward_damping.md)" in (workshop / "exports.md").read_text(encoding="utf-8")

@@ -6,14 +6,11 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import datetime
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-
-from msd_ident.errors import SetupError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,11 +26,12 @@ def demo(
     from rich.console import Console
 
     from msd_ident.cli.needs_ros import require_ros
+    from msd_ident.io.new_folder import dated_folder
 
     require_ros("msd demo")
     console = Console()
     with _ended_by_signals():
-        folder = _new_folder(out)
+        folder = dated_folder(out, "demo")
         with _progress(console) as say:
             from msd_ident.ros.demo.demo import run
 
@@ -55,25 +53,6 @@ def _show(shown: Shown, folder: Path, console: Console) -> None:
         if path.suffix == ".png":  # the SVG lies beside it
             console.print(f"figure: {path}", soft_wrap=True, highlight=False)
     console.print(f"bag:    {shown.bag}", soft_wrap=True, highlight=False)
-
-
-def _new_folder(out: Path) -> Path:
-    """A folder of this run alone, also when two start in the same second.
-
-    Raises:
-        SetupError: no folder can be made there.
-    """
-    name = f"demo_{datetime.now():%Y_%m_%d-%H_%M_%S}"
-    for number in range(1, 1000):
-        folder = out / (name if number == 1 else f"{name}_{number}")
-        try:
-            folder.mkdir(parents=True)
-            return folder
-        except FileExistsError:
-            continue
-        except OSError as error:
-            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
-    raise SetupError(f"{out / name} exists a thousand times; expected a new name to be free: give another --out")
 
 
 @contextmanager

@@ -77,6 +77,7 @@ def grouped(*outputs: str) -> Callable[[Callable[..., int]], Callable[..., int]]
     keyword = inspect.Parameter.KEYWORD_ONLY
 
     def decorate(command: Callable[..., int]) -> Callable[..., int]:
+        """The command as typer sees it: each group's parameter replaced by the options that make its object."""
         own = inspect.signature(command, eval_str=True)
         taken = {
             group: {name: option for name, option in fields.items() if group != "output" or name in outputs}

@@ -12,6 +12,9 @@ from typing import Any
 
 from msd_ident.errors import MsdError, SetupError, UsageError
 
+#: Keys of an object that says why a path has no result.
+_REFUSAL = {"schema", "path", "error"}
+
 
 @dataclass(frozen=True)
 class Output:
@@ -40,9 +43,11 @@ class Output:
             SetupError: the disk does not take the folder.
         """
         json = None if self.json in ("", "-") else Path(self.json)
-        for target in (self.report, self.markdown, json):
+        for target in (self.report, self.markdown):
             if target is not None:
                 check_target(target, self.overwrite)
+        if json is not None:
+            check_target(json, self.overwrite or _holds_refusals_alone(json))
         if self.figures is not None:
             make_folder(self.figures)
 
@@ -58,6 +63,15 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
     if not path.absolute().parent.is_dir():
         raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+
+
+def _holds_refusals_alone(path: Path) -> bool:
+    """Whether a file is what a run wrote that gave no result: its objects say why, and nothing is lost with them."""
+    try:
+        found = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    except (OSError, ValueError):
+        return False
+    return bool(found) and all(isinstance(one, dict) and "error" in one and set(one) <= _REFUSAL for one in found)
 
 
 def make_folder(path: Path) -> None:
@@ -92,7 +106,7 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        from msd_ident.report.writing import write_text
+        from msd_ident.writing import write_text
 
         write_text(text, Path(output.json))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypedDict, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -10,8 +10,22 @@ import numpy.typing as npt
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Hold, Origin, Record, check_finite
 from msd_ident.errors import DataError
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 #: A sample that comes later than this [s] behind a newer one was not merely overtaken on the way.
 LATEST_SECONDS = 1.0
+
+
+class About(TypedDict, total=False):
+    """What a source says of its record beside the samples, as in ``Record``."""
+
+    hold: Hold
+    hold_known: bool
+    force_unit: str
+    position_unit: str
+    name: str
+    origins: tuple[Origin, ...]
 
 
 def from_stamps(
@@ -19,13 +33,8 @@ def from_stamps(
     position: npt.ArrayLike,
     force_ns: npt.ArrayLike,
     force: npt.ArrayLike,
-    *,
-    hold: Hold = "zero",
-    force_unit: str = "N",
-    position_unit: str = "m",
-    name: str = "record",
     notes: tuple[str, ...] = (),
-    origins: tuple[Origin, ...] = (),
+    **about: Unpack[About],
 ) -> Record:
     """Record from two streams with absolute stamps, as messages have them.
 
@@ -37,8 +46,8 @@ def from_stamps(
         position: (n,), in ``position_unit``.
         force_ns: (p,) stamps of the forces [ns] on the same clock, in order of arrival.
         force: (p,), in ``force_unit``.
-        hold: force between its stamps, ``zero`` (held) or ``linear``.
-        force_unit, position_unit, name, notes, origins: as in ``Record``.
+        notes: as in ``Record``; what was done to the samples is added.
+        about: as in ``Record``.
 
     Raises:
         DataError: as for ``Record``, and when the stamps of a stream run backwards.
@@ -53,13 +62,9 @@ def from_stamps(
         position=x,
         force_time=(ns_f - start) / 1e9,
         force=f,
-        hold=hold,
-        force_unit=force_unit,
-        position_unit=position_unit,
-        name=name,
         start_ns=start,
         notes=tuple(found),
-        origins=origins,
+        **about,
     )
 
 
@@ -68,13 +73,8 @@ def from_seconds(
     position: npt.ArrayLike,
     force_time: npt.ArrayLike,
     force: npt.ArrayLike,
-    *,
-    hold: Hold = "zero",
-    hold_known: bool = True,
-    force_unit: str = "N",
-    position_unit: str = "m",
-    name: str = "record",
     notes: tuple[str, ...] = (),
+    **about: Unpack[About],
 ) -> Record:
     """Record from two streams with stamps in seconds, as a table has them; otherwise as ``from_stamps``.
 
@@ -83,9 +83,7 @@ def from_seconds(
         position: (n,), in ``position_unit``.
         force_time: (p,) stamps of the forces [s] on the same clock.
         force: (p,), in ``force_unit``.
-        hold: force between its stamps, ``zero`` (held) or ``linear``.
-        hold_known: False if ``hold`` is a guess.
-        force_unit, position_unit, name, notes: as in ``Record``.
+        notes, about: as of ``from_stamps``.
 
     Raises:
         DataError: as for ``from_stamps``.
@@ -98,12 +96,8 @@ def from_seconds(
         position=x,
         force_time=t_f - t_x[0],
         force=f,
-        hold=hold,
-        hold_known=hold_known,
-        force_unit=force_unit,
-        position_unit=position_unit,
-        name=name,
         notes=tuple(found),
+        **about,
     )
 
 

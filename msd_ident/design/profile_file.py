@@ -11,9 +11,10 @@ import numpy as np
 import yaml
 
 from msd_ident.design.profile import MAY, NEEDS, RATE, Profile, Segment, is_finite, shown
-from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.errors import DataError, UsageError
 from msd_ident.paths import check_plain
 from msd_ident.tuning import fixed
+from msd_ident.writing import write_text
 
 SCHEMA = "msd.profile/1"
 _HEADER = "time_s,force_n"
@@ -181,7 +182,4 @@ def write_profile(profile: Profile, path: Path, remarks: tuple[str, ...] = ()) -
     Raises:
         SetupError: the file cannot be written.
     """
-    try:
-        path.write_text(to_csv(profile) if path.suffix == ".csv" else to_yaml(profile, remarks), encoding="utf-8")
-    except OSError as error:
-        raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable file") from None
+    write_text(to_csv(profile) if path.suffix == ".csv" else to_yaml(profile, remarks), path)

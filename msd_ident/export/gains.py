@@ -7,22 +7,25 @@ from typing import Any
 
 import yaml
 
-from msd_ident.export import header
+from msd_ident.export import header, roles
 from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
 from msd_ident.export.target import Target
-from msd_ident.model.effects import Effect
+from msd_ident.model.base_model import FRICTION_FORCE, OFFSET_FORCE
+from msd_ident.model.effects import Effect, structural
+from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
 
+_STOP = Support("cannot", "keep the reference away from the stop")
 _SUPPORT = {
-    "coulomb_friction": Support("exact", "kS"),
-    "force_offset": Support("exact", "kG"),
-    "actuator_lag": Support("exact", "lag_time: lead the command by it"),
-    "time_offset": Support("exact", "delay: lead the command by it"),
-    "sensor_drift": Support("cannot", "a feedforward reads no sensor"),
-    "periodic_disturbance": Support("cannot", "gains know no time"),
-    "second_mode": Support("cannot", "gains know one mass"),
-    "backlash": Support("cannot", "gains know no play"),
-    "end_stop": Support("cannot", "keep the reference away from the stop"),
+    roles.FRICTION: Support("exact", "kS"),
+    roles.CONSTANT: Support("exact", "kG"),
+    LAG: Support("exact", "lag_time: lead the command by it"),
+    DELAY: Support("exact", "delay: lead the command by it"),
+    roles.READING_DRIFT: Support("cannot", "a feedforward reads no sensor"),
+    roles.DISTURBANCE: Support("cannot", "gains know no time"),
+    SECOND_MASS: Support("cannot", "gains know one mass"),
+    PLAY: Support("cannot", "gains know no play"),
+    **dict.fromkeys((roles.STOPS, roles.ONE_STOP, roles.BUFFERS), _STOP),
 }
 
 
@@ -39,7 +42,7 @@ class GainsTarget(Target):
     def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
         nearest = Support("approximated", "the nearest m, b, k and friction are fitted in its place")
-        return _SUPPORT.get(effect.name, nearest)
+        return _SUPPORT.get(roles.role(effect), nearest)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""
@@ -57,14 +60,15 @@ def gains(plan: Plan) -> dict[str, Any]:
     """The gains in the tree of a ROS 2 parameter file."""
     sign = float(plan.saved.force_sign)
     found = {
-        "kS": sign * plan.value("coulomb_force"),
+        "kS": sign * plan.value(FRICTION_FORCE),
         "kV": sign * plan.model.damping,
         "kA": sign * plan.model.mass,
-        "kG": sign * plan.value("offset_force"),
+        "kG": sign * plan.value(OFFSET_FORCE),
         "kP": sign * plan.model.stiffness,
         "zero": plan.zero,
     }
-    for name in ("lag_time", "time_offset"):
-        if name in plan.values:
-            found[name] = plan.value(name)
+    for part in (LAG, DELAY):
+        effect = structural(part)
+        if effect is not None and plan.model.has(effect.name):
+            found[effect.parameters[0].name] = plan.value(effect.parameters[0].name)
     return {"/**": {"ros__parameters": {"feedforward": {plan.joint: found}}}}

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from msd_ident.export import header
+from msd_ident.export import header, roles
 from msd_ident.export.laws import number
 from msd_ident.export.plan import MOTIONS, Plan
 from msd_ident.export.support import Support
 from msd_ident.export.target import Target
 from msd_ident.export.templates import filled
 from msd_ident.model import Model
-from msd_ident.model.effects import Effect
+from msd_ident.model.base_model import FRICTION_FORCE, OFFSET, OFFSET_FORCE
+from msd_ident.model.effects import Effect, saturation
+from msd_ident.model.effects.base import DELAY, LAG, SECOND_MASS
 
 #: Range of a joint without stops, in the position unit: far beyond any motion.
 FREE = 1e6
@@ -19,16 +21,16 @@ _SHAKEN = "the nearest m, b, k and friction are fitted in its place"
 
 
 _SUPPORT = {
-    "coulomb_friction": Support("exact", "friction of the joint"),
-    "force_offset": Support("exact", "spring_reference"),
-    "end_stop": Support("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
-    "sensor_drift": Support("cannot", "the drift of a sensor is not part of a joint"),
-    "actuator_lag": Support("cannot", "no actuator: put the lag into the controller"),
-    "time_offset": Support("cannot", "no actuator: put the delay into the controller"),
-    "periodic_disturbance": Support("cannot", "no force that depends on time"),
-    "stiffness_drift": Support("approximated", "the mean stiffness over the record"),
-    "second_mode": Support("approximated", "one moving mass: " + _SHAKEN),
-    "force_gain_nonlinearity": Support("approximated", "effort limit; of a bent gain, " + _SHAKEN),
+    roles.FRICTION: Support("exact", "friction of the joint"),
+    roles.CONSTANT: Support("exact", "spring_reference"),
+    roles.STOPS: Support("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
+    roles.READING_DRIFT: Support("cannot", "the drift of a sensor is not part of a joint"),
+    LAG: Support("cannot", "no actuator: put the lag into the controller"),
+    DELAY: Support("cannot", "no actuator: put the delay into the controller"),
+    roles.DISTURBANCE: Support("cannot", "no force that depends on time"),
+    roles.SPRING_DRIFT: Support("approximated", "the mean stiffness over the record"),
+    SECOND_MASS: Support("approximated", "one moving mass: " + _SHAKEN),
+    roles.GAIN: Support("approximated", "effort limit; of a bent gain, " + _SHAKEN),
 }
 
 
@@ -41,16 +43,16 @@ class SdfTarget(Target):
     library = None
     why_not = "Gazebo has no Python package that steps a world; open it with gz sim"
     needs_newtons = True
-    kept = ("coulomb_friction", "force_offset", "end_stop")
+    kept = (roles.FRICTION, roles.CONSTANT, roles.STOPS)
     template = "joint.sdf.txt"
 
     def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        return _SUPPORT.get(effect.name, Support("approximated", _SHAKEN))
+        return _SUPPORT.get(roles.role(effect), Support("approximated", _SHAKEN))
 
     def support(self, effect: Effect, model: Model) -> Support:
         """How this target carries this effect of this model."""
-        if effect.name == "force_offset" and model.stiffness == 0.0:
+        if effect.name == OFFSET and model.stiffness == 0.0:
             return Support("cannot", "there is no spring whose reference could carry it")
         return super().support(effect, model)
 
@@ -93,9 +95,10 @@ class UrdfTarget(SdfTarget):
 
 
 def _limits(plan: Plan) -> dict[str, str]:
-    stiffness = plan.value("stop_stiffness")
-    effort = plan.value("force_limit", FREE)
-    reach = plan.value("stop_position")
+    stop, limit = roles.of_role(plan.model.effects, roles.STOPS), saturation()
+    place, spring, _ = stop.knee if stop is not None and stop.knee is not None else ("", "", "")
+    reach, stiffness = plan.value(place), plan.value(spring)
+    effort = plan.value(limit.limits_force, FREE) if limit is not None else FREE
     return {
         "lower": number(plan.zero - reach if stiffness else -FREE),
         "upper": number(plan.zero + reach if stiffness else FREE),
@@ -106,10 +109,10 @@ def _limits(plan: Plan) -> dict[str, str]:
 
 def _dynamics(plan: Plan) -> dict[str, str]:
     stiffness = plan.model.stiffness
-    shift = plan.value("offset_force") / stiffness if stiffness else 0.0
+    shift = plan.value(OFFSET_FORCE) / stiffness if stiffness else 0.0
     return {
         "damping": number(plan.model.damping),
-        "friction": number(plan.value("coulomb_force")),
+        "friction": number(plan.value(FRICTION_FORCE)),
         "stiffness": number(stiffness),
         "reference": number(plan.zero - shift),
     }

@@ -17,11 +17,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from msd_ident.export import roles
 from msd_ident.export.laws import number
 from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
+from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import AT_ZERO
+from msd_ident.model.effects.base import AT_ZERO, DELAY, LAG, PLAY, SECOND_MASS
 
 #: Rate at which friction turns round, in 1/step: the fourth-order Runge-Kutta method is stable up to 2.78.
 SLIP = 2.5
@@ -30,7 +32,7 @@ STIFF, ADDED = 0.9999, 0.0001
 #: A position that no joint reaches.
 FAR = 1e6
 #: Name of the actuator that pushes, of the callback's sensor, and of the second mass.
-ACTUATOR, SENSOR, SECOND = "force", "reading", "second_mass"
+ACTUATOR, SENSOR, SECOND = "force", "reading", SECOND_MASS.replace(" ", "_")
 
 
 @dataclass
@@ -57,13 +59,13 @@ class Elements:
     called: list[Effect] = field(default_factory=list)
 
 
-def _coulomb(made: Elements, plan: Plan) -> None:
-    _dry(made, plan, plan.value("coulomb_force"))
-    made.called.append(plan.model.effect("coulomb_friction"))
+def _friction(made: Elements, plan: Plan, effect: Effect) -> None:
+    _dry(made, plan)
+    made.called.append(effect)
 
 
-def _dry(made: Elements, plan: Plan, force: float) -> None:
-    made.joint["frictionloss"] = number(force)
+def _dry(made: Elements, plan: Plan) -> None:
+    made.joint["frictionloss"] = number(plan.value(FRICTION_FORCE))
     made.joint["solreffriction"] = f"-1 {number(-SLIP / plan.step)}"
     made.joint["solimpfriction"] = _impedance(STIFF)
 
@@ -72,20 +74,20 @@ def _impedance(size: float) -> str:
     return f"{size} {size} 0.001 0.5 2"
 
 
-def _cubic(made: Elements, plan: Plan) -> None:
-    made.spring[2] = plan.value("cubic_stiffness")
+def _cube(made: Elements, plan: Plan, effect: Effect) -> None:
+    made.spring[2] = effect.values[0]
 
 
-def _asymmetric(made: Elements, plan: Plan) -> None:
-    made.spring[1] = plan.value("quadratic_stiffness")
+def _square(made: Elements, plan: Plan, effect: Effect) -> None:
+    made.spring[1] = effect.values[0]
 
 
-def _drag(made: Elements, plan: Plan) -> None:
-    made.damper[1] = plan.value("drag_coefficient")
+def _drag(made: Elements, plan: Plan, effect: Effect) -> None:
+    made.damper[1] = effect.values[0]
 
 
-def _backlash(made: Elements, plan: Plan) -> None:
-    gap, stiffness = plan.value("backlash_half_width"), made.spring[0]
+def _play(made: Elements, plan: Plan, effect: Effect) -> None:
+    gap, stiffness = effect.values[0], made.spring[0]
     made.spring[0] = 0.0
     made.tendons.append(
         f'<fixed name="spring_with_play" stiffness="{number(stiffness)}" '
@@ -94,22 +96,27 @@ def _backlash(made: Elements, plan: Plan) -> None:
     )
 
 
-def _stop(made: Elements, plan: Plan) -> None:
-    reach = plan.value("stop_position")
-    _limit(made, plan, (-reach, reach), plan.value("stop_stiffness"))
+def _stops(made: Elements, plan: Plan, effect: Effect) -> None:
+    reach, stiffness, _ = _knee(effect)
+    _limit(made, plan, (-reach, reach), stiffness)
 
 
-def _one_stop(made: Elements, plan: Plan) -> None:
-    place = plan.value("one_stop_position")
-    ends = (-FAR, place) if place > 0.0 else (place, FAR)
-    _limit(made, plan, ends, plan.value("one_stop_stiffness"))
+def _one_stop(made: Elements, plan: Plan, effect: Effect) -> None:
+    place, stiffness, _ = _knee(effect)
+    _limit(made, plan, (-FAR, place) if place > 0.0 else (place, FAR), stiffness)
 
 
-def _buffer(made: Elements, plan: Plan) -> None:
+def _buffers(made: Elements, plan: Plan, effect: Effect) -> None:
     # A limit pushes and never pulls, as a buffer does.
-    centre, reach = plan.value("buffer_centre"), plan.value("buffer_reach")
-    stiffness, damping = plan.value("buffer_stiffness"), plan.value("buffer_damping")
+    centre, stiffness, reach = _knee(effect)
+    (damping,) = (getattr(effect, one.name) for one in effect.parameters if one.name not in (effect.knee or ()))
     _limit(made, plan, (centre - reach, centre + reach), stiffness, damping)
+
+
+def _knee(effect: Effect) -> tuple[float, float, float]:
+    """Place [m] and stiffness [N/m] of a stop, and its reach [m] where it has one."""
+    place, stiffness, side = effect.knee or AT_ZERO
+    return getattr(effect, place), getattr(effect, stiffness), getattr(effect, side, 0.0)
 
 
 def _limit(made: Elements, plan: Plan, ends: tuple[float, float], stiffness: float, damping: float = 0.0) -> None:
@@ -121,53 +128,59 @@ def _limit(made: Elements, plan: Plan, ends: tuple[float, float], stiffness: flo
     made.joint["solimplimit"] = _impedance(ADDED)
 
 
-def _offset(made: Elements, plan: Plan) -> None:
-    made.offset = plan.value("offset_force")
+def _constant(made: Elements, plan: Plan, effect: Effect) -> None:
+    made.offset = effect.values[0]
 
 
-def _gain(made: Elements, plan: Plan) -> None:
-    limit = plan.value("force_limit")
-    if plan.value("gain_slope") != 0.0:
-        made.called.append(plan.model.effect("force_gain_nonlinearity"))
+def _gain(made: Elements, plan: Plan, effect: Effect) -> None:
+    limit = getattr(effect, effect.limits_force)
+    if not is_limit(effect):
+        made.called.append(effect)
     elif math.isfinite(limit):
         made.actuator |= {"ctrllimited": "true", "ctrlrange": f"{number(-limit)} {number(limit)}"}
 
 
-def _lag(made: Elements, plan: Plan) -> None:
-    made.actuator |= {"dyntype": "filter", "dynprm": number(plan.value("lag_time"))}
+def is_limit(effect: Effect) -> bool:
+    """Whether an effect with its values only limits the force."""
+    rest = (getattr(effect, name) == value for name, value in effect.neutral if name != effect.limits_force)
+    return bool(effect.limits_force) and all(rest)
 
 
-def _delay(made: Elements, plan: Plan) -> None:
+def _lag(made: Elements, plan: Plan, effect: Effect) -> None:
+    made.actuator |= {"dyntype": "filter", "dynprm": number(effect.values[0])}
+
+
+def _delay(made: Elements, plan: Plan, effect: Effect) -> None:
     # A line between two commands comes half a step before the step that a held command is.
-    delay = plan.value("time_offset") + 0.5 * plan.step
+    delay = effect.values[0] + 0.5 * plan.step
     if delay >= plan.step:
         made.actuator |= {"delay": number(delay), "nsample": str(math.ceil(delay / plan.step) + 2), "interp": "linear"}
 
 
-def _second(made: Elements, plan: Plan) -> None:
+def _second(made: Elements, plan: Plan, effect: Effect) -> None:
     kind = "hinge" if plan.revolute else "slide"
-    mass, stiffness, damping = (plan.value(f"second_{name}") for name in ("mass", "stiffness", "damping"))
+    mass, stiffness, damping = effect.values
     made.bodies.append(
         f'<body name="{SECOND}"><joint name="{SECOND}" type="{kind}" axis="1 0 0" stiffness="{number(stiffness)}" '
         f'damping="{number(damping)}"/>{inertial(mass, plan.revolute)}</body>'
     )
 
 
-#: Effect → what it becomes, and how that is said.
-NATIVE: dict[str, tuple[Callable[[Elements, Plan], None], str]] = {
-    "coulomb_friction": (_coulomb, "frictionloss, whose reversals the callback file locates inside the step"),
-    "cubic_spring": (_cubic, "third coefficient of stiffness"),
-    "asymmetric_spring": (_asymmetric, "second coefficient of stiffness"),
-    "quadratic_drag": (_drag, "second coefficient of damping"),
-    "backlash": (_backlash, "a tendon whose spring has a dead band (springlength)"),
-    "end_stop": (_stop, "range, with solreflimit from the stop's stiffness"),
-    "one_sided_stop": (_one_stop, "one end of range, with solreflimit from the stop's stiffness"),
-    "buffered_stop": (_buffer, "range, with solreflimit from the buffers' stiffness and damping"),
-    "force_offset": (_offset, "springref, or the bias of an actuator"),
-    "actuator_lag": (_lag, "dyntype filter of the actuator"),
-    "time_offset": (_delay, "delay of the actuator"),
-    "second_mode": (_second, "a body that hangs on the first"),
-    "force_gain_nonlinearity": (_gain, "ctrlrange where there is only a limit, else the callback file"),
+#: Role of an effect (``roles``) → what it becomes, and how that is said.
+NATIVE: dict[str, tuple[Callable[[Elements, Plan, Effect], None], str]] = {
+    roles.FRICTION: (_friction, "frictionloss, whose reversals the callback file locates inside the step"),
+    roles.CUBE: (_cube, "third coefficient of stiffness"),
+    roles.SQUARE: (_square, "second coefficient of stiffness"),
+    roles.DRAG: (_drag, "second coefficient of damping"),
+    PLAY: (_play, "a tendon whose spring has a dead band (springlength)"),
+    roles.STOPS: (_stops, "range, with solreflimit from the stop's stiffness"),
+    roles.ONE_STOP: (_one_stop, "one end of range, with solreflimit from the stop's stiffness"),
+    roles.BUFFERS: (_buffers, "range, with solreflimit from the buffers' stiffness and damping"),
+    roles.CONSTANT: (_constant, "springref, or the bias of an actuator"),
+    LAG: (_lag, "dyntype filter of the actuator"),
+    DELAY: (_delay, "delay of the actuator"),
+    SECOND_MASS: (_second, "a body that hangs on the first"),
+    roles.GAIN: (_gain, "ctrlrange where there is only a limit, else the callback file"),
 }
 #: Kinds of law that the callback file adds.
 CALLED = ("constant", "disturbance", "force", "friction", "input_map", "reading")
@@ -175,8 +188,8 @@ CALLED = ("constant", "disturbance", "force", "friction", "input_map", "reading"
 
 def supports(effect: type[Effect]) -> Support:
     """How MuJoCo carries an effect: by its own elements, by the callback file, or not at all."""
-    if effect.name in NATIVE:
-        return Support("exact", NATIVE[effect.name][1])
+    if (role := roles.role(effect)) in NATIVE:
+        return Support("exact", NATIVE[role][1])
     driven = any("driven" in inspect.signature(law).parameters for law in effect.laws().values())
     if driven or effect.knee not in (None, AT_ZERO):
         return Support("cannot", "no element for its spring or damper, and the callback file has no events")
@@ -202,8 +215,8 @@ def elements(plan: Plan) -> Elements:
     made = Elements(spring=[plan.model.stiffness, 0.0, 0.0], damper=[plan.model.damping, 0.0])
     made.actuator["gainprm"] = "1"
     for effect in plan.model.effects:
-        if effect.name in NATIVE:
-            NATIVE[effect.name][0](made, plan)
+        if (role := roles.role(type(effect))) in NATIVE:
+            NATIVE[role][0](made, plan, effect)
         else:
             made.called.append(effect)
     for effect in made.called:
@@ -222,7 +235,7 @@ def _make_room(made: Elements, plan: Plan, effect: Effect) -> None:
     """What the callback file needs in the model to act upon."""
     laws = type(effect).laws()
     if "breakaway" in laws:
-        _dry(made, plan, plan.value("coulomb_force"))
+        _dry(made, plan)
     if "input_map" in laws and "dynprm" in made.actuator:
         made.actuator |= {"dyntype": "user", "actdim": "1"}
     elif "input_map" in laws:

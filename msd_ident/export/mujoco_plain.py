@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from msd_ident.data.record import FloatArray
-from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target
+from msd_ident.export import mujoco_elements, mujoco_replay, mujoco_target, roles
 from msd_ident.export.mujoco_elements import NATIVE
 from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
@@ -14,9 +14,9 @@ from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
 _SUPPORT = {
-    "coulomb_friction": Support("exact", "frictionloss, dry within a step by solreffriction"),
-    "sensor_drift": Support("cannot", "no element drifts; readings are the joint's position"),
-    "periodic_disturbance": Support("cannot", "no force that depends on time"),
+    roles.FRICTION: Support("exact", "frictionloss, dry within a step by solreffriction"),
+    roles.READING_DRIFT: Support("cannot", "no element drifts; readings are the joint's position"),
+    roles.DISTURBANCE: Support("cannot", "no force that depends on time"),
 }
 
 
@@ -32,9 +32,10 @@ class MujocoXmlTarget(Target):
 
     def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
-        if effect.name in _SUPPORT:
-            return _SUPPORT[effect.name]
-        if effect.name in NATIVE and "input_map" not in effect.laws():
+        role = roles.role(effect)
+        if role in _SUPPORT:
+            return _SUPPORT[role]
+        if role in NATIVE and "input_map" not in effect.laws():
             return mujoco_elements.supports(effect)
         if "input_map" in effect.laws():
             return Support("approximated", "ctrlrange for a limit; of a bent gain, the nearest m, b, k and friction")
@@ -42,7 +43,7 @@ class MujocoXmlTarget(Target):
 
     def support(self, effect: Effect, model: Model) -> Support:
         """How this target carries this effect of this model."""
-        if effect.name == "force_gain_nonlinearity" and effect.values[0] == 0.0:
+        if mujoco_elements.is_limit(effect):
             return Support("exact", "ctrlrange")
         return super().support(effect, model)
 

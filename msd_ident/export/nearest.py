@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.formulation import Zero
+from msd_ident.export.roles import role
 from msd_ident.export.target import Target
 from msd_ident.model import Model, Plant
 from msd_ident.model.base_model import DRY_FRICTION, FRICTION_FORCE
@@ -69,7 +70,7 @@ def nearest(target: Target, saved: SavedModel, zero: float, records: Sequence[Re
     dropped = tuple(
         effect.name
         for effect in model.effects
-        if target.support(effect, model).kind != "exact" and effect.name not in target.kept
+        if target.support(effect, model).kind != "exact" and role(type(effect)) not in target.kept
     )
     if not dropped:
         return None

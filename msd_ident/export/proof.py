@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.export.nearest import plain
 from msd_ident.export.target import InitialState
+from msd_ident.workflow.explained_motion import explained_percent
 from msd_ident.workflow.validation import simulated
 
 if TYPE_CHECKING:
@@ -53,16 +53,11 @@ class Proof:
 
     def see(self, name: str) -> float:
         """Standard error of estimate of ``ours``, ``target``, ``expected`` or ``base``, in the position unit."""
-        return see([getattr(part, name) - part.record.position for part in self.parts])
+        return see(self._residuals(name))
 
     def explained(self, name: str) -> float:
         """Part of the motion's variance that it explains [%]."""
-        left = moved = 0.0
-        for part in self.parts:
-            error, motion = getattr(part, name) - part.record.position, part.record.position
-            left += float(np.sum((error - error.mean()) ** 2))
-            moved += float(np.sum((motion - motion.mean()) ** 2))
-        return 100.0 * (1.0 - left / moved)
+        return explained_percent(self._residuals(name), [part.record for part in self.parts])
 
     @property
     def ratio(self) -> float:
@@ -82,14 +77,8 @@ class Proof:
             figures[f"explained_{key}_percent"] = self.explained(name)
         return figures
 
-
-def percent_text(percent: float) -> str:
-    """An explained part with two digits of what is left to 100 %."""
-    left = abs(100.0 - percent)
-    if not math.isfinite(left):
-        return "no"
-    digits = min(max(1 - math.floor(math.log10(left)), 0), 9) if left > 0.0 else 0
-    return f"{percent:.{digits}f}"
+    def _residuals(self, name: str) -> list[FloatArray]:
+        return [getattr(part, name) - part.record.position for part in self.parts]
 
 
 def replayed(made: Export, records: Sequence[Record], earlier: Proof | None = None) -> Proof:

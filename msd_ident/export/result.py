@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from msd_ident.data.record import Record
-from msd_ident.errors import SetupError
 from msd_ident.export.nearest import Nearest
 from msd_ident.export.plan import Plan
-from msd_ident.export.proof import Proof, percent_text
+from msd_ident.export.proof import Proof
 from msd_ident.export.support import Row
 from msd_ident.export.target import Target
 from msd_ident.model import Model
+from msd_ident.workflow.explained_motion import percent_text
 from msd_ident.workflow.saved_model import SavedModel
+from msd_ident.writing import writing_to
 
 SCHEMA = "msd.export/1"
 
@@ -76,10 +77,8 @@ class Export:
         """
         made = self.target.files(self.plan, self.out)
         for path, content in made.items():
-            try:
+            with writing_to(path):
                 path.write_bytes(content)
-            except OSError as error:
-                raise SetupError(f"cannot write {path}: {error.strerror}; expected a writable place") from None
         return replace(self, files=tuple(made))
 
     def unproven(self, why: str) -> Export:

@@ -55,7 +55,7 @@ class Target:
     located: ClassVar[bool] = False
     #: Whether it takes forces that act when they come, so that none can act before its stamp.
     commanded: ClassVar[bool] = False
-    #: Effects that are written though the format does not say them exactly.
+    #: Roles of effects (``roles``) that are written though the format does not say them exactly.
     kept: ClassVar[tuple[str, ...]] = ()
 
     def supports(self, effect: type[Effect]) -> Support:

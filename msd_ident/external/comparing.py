@@ -28,6 +28,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.residuals.dependence import dependences
 from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import pipeline
+from msd_ident.workflow.explained_motion import explained_percent
 from msd_ident.workflow.identification import quantities_dict
 
 SCHEMA = "msd.external/1"
@@ -97,12 +98,7 @@ class Comparison:
     @property
     def explained_percent(self) -> float:
         """Part of the motion's variance that the simulation explains."""
-        left = moved = 0.0
-        for found, record in zip(self.simulated, self.records, strict=True):
-            error = found - record.position
-            left += float(np.sum((error - error.mean()) ** 2))
-            moved += float(np.sum((record.position - record.position.mean()) ** 2))
-        return 100.0 * (1.0 - left / moved)
+        return explained_percent(self.residuals, self.records)
 
     @property
     def sentence(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -93,9 +93,10 @@ def differences(
     names = {p.name: effect.name for effect in rig.model.effects for p in effect.parameters}
     named: set[str] = set()
     for effect in rig.model.effects:
-        one = _effect(effect.name, rig, simulation, records, floor, sure)
+        one = _effect(effect.name, rig, simulation, records, floor)
         if one is not None:
-            found.append(one)
+            known = sure.get(effect.name, math.nan) if one.kind == "lacks" else math.nan
+            found.append(replace(one, probability=known))
             named |= {name for name, owner in names.items() if owner == effect.name}
     for name in rig.free:
         if name in named:
@@ -107,7 +108,7 @@ def differences(
 
 
 def _effect(
-    name: str, rig: FitResult, simulation: FitResult, records: Sequence[Record], floor: float, sure: dict[str, float]
+    name: str, rig: FitResult, simulation: FitResult, records: Sequence[Record], floor: float
 ) -> Difference | None:
     """An effect that does something to the motion of one of them and nothing to that of the other."""
     effect = rig.model.effect(name)
@@ -119,7 +120,7 @@ def _effect(
     shown = effect.parameters[0].name
     kind: Kind = "lacks" if here > there else "has"
     both = rig.quantities[shown], simulation.quantities[shown]
-    return Difference(kind, name, *both, strong, sure.get(name, math.nan) if kind == "lacks" else math.nan)
+    return Difference(kind, name, *both, strong)
 
 
 def _value(name: str, rig: FitResult, simulation: FitResult, records: Sequence[Record]) -> Difference | None:

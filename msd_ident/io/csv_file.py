@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
-from msd_ident.errors import DataError, SetupError, UsageError
+from msd_ident.errors import DataError, UsageError
 from msd_ident.io import even_stamps, runs, units
 from msd_ident.io.columns import Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
+from msd_ident.writing import writing_to
 
 _TIME_NAMES = ("time", "t", "stamp", "timestamp")
 _FORCE_NAMES = ("force",)
@@ -191,13 +192,11 @@ def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = Fa
     if target.exists() and not overwrite:
         raise UsageError(f"{target} exists; expected a new name: give another one, or --overwrite to replace it")
     header = f"time_s,force{_suffix(record.force_unit)},position{_suffix(record.position_unit)}\n"
-    try:
+    with writing_to(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         with target.open("w", encoding="utf-8", newline="\n") as file:
             file.write(header)
             file.writelines(_lines(record))
-    except OSError as error:
-        raise SetupError(f"cannot write {target}: {error.strerror or error}; expected a writable place") from None
 
 
 def _lines(record: Record) -> list[str]:

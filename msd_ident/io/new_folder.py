@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import shutil
+from datetime import datetime
+from itertools import chain, count
 from pathlib import Path
 
 from msd_ident.errors import SetupError, UsageError
@@ -37,6 +39,27 @@ def make_folder(folder: Path, overwrite: bool) -> None:
         raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
     except OSError as error:
         raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+
+
+def dated_folder(parent: Path, prefix: str) -> Path:
+    """A new folder named by date and time; one that is made here, so that nobody else has it.
+
+    Two that ask within a second, and two rigs that share the parent, get names that differ.
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
+    stem = f"{prefix}_{datetime.now():%Y_%m_%d-%H_%M_%S}"
+    for name in chain([stem], (f"{stem}_{number}" for number in count(2))):
+        folder = parent / name
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+        return folder
+    raise AssertionError("unreachable")
 
 
 def is_empty(folder: Path) -> bool:

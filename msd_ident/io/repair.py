@@ -78,17 +78,12 @@ def repair(path: str | os.PathLike[str]) -> Repair:
         where = where.parent
     check_plain(where, "a bag folder or an .mcap file")
     try:
-        return repair_folder(where) if where.is_dir() else _repair_file(where)
+        return _repair_folder(where) if where.is_dir() else _repair_file(where)
     except OSError as error:
         raise SetupError(f"cannot repair {where}: {error.strerror or error}; expected a place to write to") from None
 
 
-def repair_folder(folder: Path) -> Repair:
-    """As ``repair``, for a rosbag2 folder.
-
-    Raises:
-        DataError, UsageError, SetupError: as ``repair``; OSError: the disk does not take it.
-    """
+def _repair_folder(folder: Path) -> Repair:
     found = look_into(folder)
     known = read_entry(found.information)
     for path in found.paths:

@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal
+from typing import Literal
 
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
@@ -26,6 +26,7 @@ from msd_ident.io.message_definitions import Definitions
 from msd_ident.io.metadata import LOST, UNFINISHED, BagEntry, FileEntry, TopicEntry
 from msd_ident.io.new_folder import check_limits, make_folder, next_file
 from msd_ident.io.qos import qos_from_yaml, qos_to_yaml
+from msd_ident.writing import writing_to
 
 Compression = Literal["zstd", "lz4", "none"]
 
@@ -77,7 +78,6 @@ class BagWriter:
         split_seconds: float = 0.0,
         definitions: Definitions | None = None,
         custom_data: Mapping[str, str] | None = None,
-        _entry: BagEntry | None = None,
     ) -> None:
         if compression not in _COMPRESSION:
             raise UsageError(f"compression is {compression!r}; expected one of {', '.join(_COMPRESSION)}")
@@ -91,32 +91,11 @@ class BagWriter:
         self._schemas: dict[str, int] = {}
         self._lock = threading.Lock()
         self._closed = self._dirty = False
-        self._entry = _entry or BagEntry()
-        self._entry.custom |= dict(custom_data or {}) | {UNFINISHED: f"{sync_seconds:g}"}
-        if _entry is None:
-            make_folder(self.folder, overwrite)
-        try:
+        self._entry = BagEntry(custom=dict(custom_data or {}) | {UNFINISHED: f"{sync_seconds:g}"})
+        make_folder(self.folder, overwrite)
+        with writing_to(self.folder, "a writable folder"):
             self._begin_file()
             self._flush()
-        except OSError as error:
-            raise SetupError(f"cannot write {self.folder}: {error.strerror}; expected a writable folder") from None
-
-    @classmethod
-    def resume(cls, folder: str | os.PathLike[str], compression: Compression = "zstd", **options: Any) -> BagWriter:
-        """Continue an existing bag in a further file, after repairing it.
-
-        Args:
-            folder: of the bag.
-            compression: of the MCAP chunks.
-            options: further options of ``BagWriter``, by name.
-
-        Raises:
-            UsageError, DataError: it is no bag of MCAP files, or is being written.
-            SetupError: the bag cannot be written.
-        """
-        from msd_ident.io.repair import repair_folder
-
-        return cls(folder, compression, _entry=repair_folder(Path(folder)).entry, **options)
 
     @property
     def messages(self) -> int:

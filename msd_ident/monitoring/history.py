@@ -14,6 +14,7 @@ import numpy as np
 
 from msd_ident.errors import SetupError
 from msd_ident.monitoring.watching import Sample, Watchers, percent, regressors_of
+from msd_ident.writing import writing_to
 
 SCHEMA = "msd.history/1"
 
@@ -126,11 +127,9 @@ class History:
             "estimates": self._kept,
         }
         there = self._path.with_name(f"{self._path.name}.tmp")
-        try:
+        with writing_to(self._path, "a file that takes it"):
             there.write_text(json.dumps(content), encoding="utf-8")
             os.replace(there, self._path)
-        except OSError as error:
-            raise SetupError(f"cannot write {self._path}: {error.strerror}; expected a file that takes it") from None
 
 
 def _plain(sample: Sample) -> dict[str, Any]:

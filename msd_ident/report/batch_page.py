@@ -14,7 +14,7 @@ from msd_ident.batching.row import CAUSES, PARAMETERS, Table
 from msd_ident.data.provenance import versions
 from msd_ident.model.effects import spoken
 from msd_ident.report.page import environment, shipped
-from msd_ident.report.writing import write_text
+from msd_ident.writing import write_text
 
 #: Digits of a number on the page; the table has all.
 _DIGITS = 6

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from msd_ident.export.proof import percent_text
 from msd_ident.report import numbers
 from msd_ident.report.tables import new_table, say
+from msd_ident.workflow.explained_motion import percent_text
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -9,7 +9,7 @@ from typing import Any
 
 from msd_ident.report.page import document, environment
 from msd_ident.report.plot import Plot
-from msd_ident.report.writing import write_text
+from msd_ident.writing import write_text
 
 
 @dataclass(frozen=True)

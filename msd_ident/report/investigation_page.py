@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.report import design_figures
 from msd_ident.report.page import environment
-from msd_ident.report.writing import write_text
+from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

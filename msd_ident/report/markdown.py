@@ -14,7 +14,7 @@ from msd_ident.report import words
 from msd_ident.report.calibration import Matrix, matrix
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.parameters import Column, diagnosis_columns, identification_columns
-from msd_ident.report.writing import write_text
+from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msd_ident.errors import SetupError
 from msd_ident.report.plot import Panel, Plot, Series
+from msd_ident.writing import writing_to
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,11 +62,9 @@ def write(figure: Figure, targets: list[Path]) -> list[Path]:
     figure.draw_without_rendering()  # lays it out: once is enough for all files
     figure.set_layout_engine(None)
     for target in targets:
-        try:
+        with writing_to(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             figure.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
-        except OSError as error:
-            raise SetupError(f"cannot write {target}: {error.strerror}; expected a writable place") from None
     return targets
 
 

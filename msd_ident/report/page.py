@@ -35,8 +35,8 @@ from msd_ident.report.sections.parameters import (
 from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.trial import Trial
 from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
-from msd_ident.report.writing import write_text
 from msd_ident.workflow.validation import Validation
+from msd_ident.writing import write_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment

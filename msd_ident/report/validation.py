@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.report import numbers
 from msd_ident.report.tables import new_table, say
+from msd_ident.workflow.explained_motion import percent_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +20,7 @@ def trial_table(found: Validation) -> Table:
     unit = found.records[0].position_unit
     table = new_table("Saved model on another record", "", "own record", "here", "unit")
     table.add_row("SEE", numbers.number(found.saved.see), numbers.number(found.see), unit)
-    table.add_row("motion explained", "", found.explained_text, "%")
+    table.add_row("motion explained", "", percent_text(found.explained_percent), "%")
     table.add_row("noise floor", "", numbers.number(found.noise_floor), unit)
     table.add_row("left over", "", numbers.number(found.adequacy.ratio, 3), "noise floors")
     if found.missing:

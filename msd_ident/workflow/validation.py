@@ -24,6 +24,7 @@ from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.dependence import dependences
 from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import force_hold
+from msd_ident.workflow.explained_motion import explained_percent, percent_text
 from msd_ident.workflow.identification import initial_dict, quantities_dict
 from msd_ident.workflow.preparation import Prepared, prepared
 from msd_ident.workflow.saved_model import SavedModel
@@ -124,19 +125,12 @@ class Validation:
         return found
 
     @property
-    def explained_text(self) -> str:
-        """The explained part in per cent, with two digits of what is left."""
-        left = abs(100.0 - self.explained_percent)
-        digits = min(max(1 - math.floor(math.log10(left)), 0), 9) if left > 0.0 else 0
-        return f"{self.explained_percent:.{digits}f}"
-
-    @property
     def sentence(self) -> str:
         """The outcome in words."""
         unit = self.records[0].position_unit
         said = (
-            f"The model explains {self.explained_text} % of the motion; its error is {self.see:.3g} {unit} "
-            f"({self.adequacy.ratio:.3g} noise floors)"
+            f"The model explains {percent_text(self.explained_percent)} % of the motion; "
+            f"its error is {self.see:.3g} {unit} ({self.adequacy.ratio:.3g} noise floors)"
         )
         if self.options.require is not None:
             said += f"; {self.options.require:g} % are required, which is {'met' if self.met else 'not met'}"
@@ -202,8 +196,6 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     pairs = () if tested.consistent else tuple(zip(evidence, residuals, strict=True))
     plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
     lacking = tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in pairs)
-    left = sum(float(np.sum((residual - residual.mean()) ** 2)) for residual in residuals)
-    moved = sum(float(np.sum((record.position - record.position.mean()) ** 2)) for record in used)
     return Validation(
         saved=saved,
         options=options,
@@ -213,7 +205,7 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
         refitted=("initial position", "initial velocity", *(("zero",) if refit else ())),
         residuals=residuals,
         see=see(residuals),
-        explained_percent=100.0 * (1.0 - left / moved),
+        explained_percent=explained_percent(residuals, used),
         noise_floor=noise_floor(used),
         adequacy=tested,
         missing=lacking,

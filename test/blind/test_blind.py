@@ -26,14 +26,22 @@ INVISIBLE = "force_offset"
 
 ALONE = [Case(1000 + i, name, False) for i, name in enumerate(lottery.NAMES)]
 BESIDE = [Case(1100 + i, name, True) for i, name in enumerate(lottery.NAMES) if name not in DRY]
+#: Of each kind of law one stays beside friction: a spring, a damper, a stop, a memory, the drive, a second mass.
+KINDS = ("asymmetric_spring", "quadratic_drag", "end_stop", "hysteresis", "force_gain_nonlinearity", "second_mode")
 CLEAN = [Case(1200 + i, None, False) for i in range(8)]
-#: Of many by lot, some that take seconds: a search that nothing ends takes up to a minute. ``make blind`` has them all.
+#: Of many by lot; a search that nothing ends takes seconds, up to a minute. ``make blind`` has them all.
 ODD = [
     Case(70181, "eccentric_friction", False),
-    pytest.param(Case(70184, "loose_cable", False), marks=pytest.mark.long),
-    pytest.param(Case(70601, "friction_change", False), marks=pytest.mark.long),
-    pytest.param(Case(70182, "mass_drop", False), marks=pytest.mark.long),
+    Case(70184, "loose_cable", False),
+    Case(70601, "friction_change", False),
+    Case(70182, "mass_drop", False),
 ]
+
+
+def drawn(cases: list[Case]) -> list[Case]:
+    """The cases; ``long`` are those beside friction whose cause is named alone, and one of its kind beside friction."""
+    extra = [case for case in cases if case.beside and case.hidden not in (*KINDS, INVISIBLE)]
+    return [pytest.param(case, marks=pytest.mark.long) if case in extra else case for case in cases]
 
 
 def label(case: Case) -> str:
@@ -45,7 +53,7 @@ def outcome(case: Case) -> Outcome:
     return run(case)
 
 
-@pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden != INVISIBLE], ids=label)
+@pytest.mark.parametrize("case", drawn([c for c in ALONE + BESIDE if c.hidden != INVISIBLE]), ids=label)
 def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
     found = outcome(case)
     if found.without_floors < VISIBLE:
@@ -72,6 +80,7 @@ def test_nothing_is_invented(case: Case) -> None:
     assert not found.named
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", ODD, ids=label)
 def test_what_the_library_lacks_is_never_called_explained(case: Case) -> None:
     found = outcome(case)

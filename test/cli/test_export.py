@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import effect_examples
@@ -74,7 +75,8 @@ def test_exports_are_refused_before_any_work(options: tuple[str, str], words: st
 
 
 @pytest.mark.xdist_group("export_cli")
-def test_simulated_positions_of_a_file(rig: Path, tmp_path: Path) -> None:
+def test_simulated_positions_of_a_file(rig: Path, tmp_path: Path, asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring", "force_gain_nonlinearity")
     made = run("export", rig / "result.json", "--to", "mujoco", "--out", tmp_path / "rig.xml", "--no-replay")
     assert made.code == 0 and "Not replayed: --no-replay." in made.out
     found = run("validate", rig / "rig.csv", "--mujoco", tmp_path / "rig.xml", "--joint", "x", "--json", "-")

@@ -110,6 +110,25 @@ def test_several_paths_and_one_that_fails(tmp_path: Path, info) -> None:
     assert info(good, "--json", target, "--overwrite")[0] == 0
 
 
+def test_a_file_of_refusals_alone_is_no_result_to_keep(tmp_path: Path, info) -> None:
+    target = tmp_path / "info.json"
+    assert info(tmp_path / "bag", "--json", target)[0] == 2
+    assert list(json.loads(target.read_text())) == ["path", "error"]
+    good = make_bag(tmp_path / "bag", step_experiment())
+    assert info(good, "--json", target)[0] == 0
+    assert json.loads(target.read_text())["messages"] == 502
+    code, _, err = info(good, "--json", target)
+    assert code == 2 and "exists" in err
+
+
+@pytest.mark.parametrize("kept", ["", "kept", "[]", '{"error": "mine", "notes": 1}\n', '{"path": "a"}\n'])
+def test_any_other_file_is_kept(tmp_path: Path, info, kept: str) -> None:
+    target = tmp_path / "info.json"
+    target.write_text(kept)
+    assert info(tmp_path / "none", "--json", target)[0] == 2
+    assert target.read_text() == kept
+
+
 def test_a_bag_of_other_things(tmp_path: Path, info) -> None:
     messages: list[Message] = [("/chatter", "std_msgs/msg/String", b"\0\1\0\0\1\0\0\0\0", 5)]
     code, out, _ = info(make_bag(tmp_path / "bag", messages))

@@ -174,7 +174,17 @@ def test_a_still_record_beside_another_stops_no_effect(name: str) -> None:
     still = from_samples(time, np.zeros(100), np.full(100, 0.1))
     sine = from_samples(time, 5.0 * np.sin(9.0 * time), 0.01 * np.sin(9.0 * time) + 1e-3 * np.sin(70.0 * time))
     assert fit(whole, [sine, still]).message
-    assert fit(whole, still).message
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.long) if name == "cogging_harmonic" else name for name in sorted(EXAMPLES)],
+)
+def test_a_still_record_alone_stops_no_effect(name: str) -> None:
+    """``long`` is the one that takes seconds: a cart that is simulated over thousands of ripples."""
+    whole = Plant(DEMO["mass"], DEMO["damping"], DEMO["stiffness"]) + by_name(name)(**EXAMPLES[name])
+    time = np.arange(100) * 4e-3
+    assert fit(whole, from_samples(time, np.zeros(100), np.full(100, 0.1))).message
 
 
 def test_noise_alone_ends_in_words_not_in_an_error() -> None:

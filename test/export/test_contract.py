@@ -34,14 +34,25 @@ def test_every_effect_has_a_class(target: Target) -> None:
     assert all(row.support.kind in WORDS and len(row.support.how) > 1 for row in said)
 
 
-def test_no_table_names_an_effect_that_there_is_not() -> None:
-    """A renamed effect must not keep its class by chance."""
-    from msd_ident.export import gains, gazebo, mujoco_elements, mujoco_plain, python_source
+def test_no_table_has_a_role_that_no_effect_plays() -> None:
+    """What a format says of a role that is gone would never be read."""
+    from msd_ident.export import gains, gazebo, mujoco_elements, mujoco_plain, python_source, roles
 
     tables = (gains._SUPPORT, gazebo._SUPPORT, mujoco_elements.NATIVE, mujoco_plain._SUPPORT)
-    assert {name for table in tables for name in table} <= set(ALL)
+    assert {role for table in tables for role in table} <= set(map(roles.role, LIBRARY))
     # A drive's loop over its commands is in no file yet: each says so.
     assert {by_name(name).structure for name in ALL} == {"", *python_source.STRUCTURES, COMMAND_LOOP}
+
+
+@pytest.mark.parametrize("name", ["cubic_spring", "asymmetric_spring", "quadratic_drag"])
+def test_a_power_is_known_by_its_law_alone(name: str) -> None:
+    """Under any name, and not by chance: three times the force is another number of the same law, a sign is not."""
+    from msd_ident.export.roles import role
+
+    own = by_name(name)
+    renamed = type("Renamed", (own,), {"name": "renamed"})
+    bent = type("Bent", (own,), {"force": staticmethod(lambda *given: own.force(*given) + 1e-3 * given[0])})
+    assert role(renamed) == role(own) != "" == role(bent)
 
 
 def test_an_effect_without_element_and_law_is_no_secret() -> None:

@@ -1,4 +1,4 @@
-"""``repair`` and ``resume``: what was cut off is finished, what was lost is said in numbers, nothing is thrown away."""
+"""``repair``: what was cut off is finished, what was lost is said in numbers, nothing is thrown away."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from badinputs import run
-from bagmaker import JOINTS, encoder_messages, joints, make_bag, stamps, step_experiment, storage
+from bagmaker import JOINTS, encoder_messages, make_bag, stamps, step_experiment, storage
 from rosbags.rosbag2 import Reader
 
 from bench.reliability import cuts
@@ -118,20 +118,6 @@ def test_a_bag_that_is_being_recorded_is_left_alone(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="is being recorded"):
             BagWriter(tmp_path / "bag", overwrite=True)
     assert not repair(tmp_path / "bag").changed
-
-
-def test_a_recording_goes_on_in_a_further_file(tmp_path: Path) -> None:
-    folder = killed(tmp_path / "bag")
-    with BagWriter.resume(folder) as writer:
-        writer.add_topic("/msd/encoder", JOINTS)
-        for i in range(50):
-            writer.write("/msd/encoder", joints(i, [1.0]), 2 * 10**18 + i)
-    with Reader(folder) as reader:
-        assert reader.message_count == 450
-        assert sum(1 for _ in reader.messages()) == 450
-    assert sorted(path.name for path in folder.glob("*.mcap")) == ["bag_1.mcap", "bag_live_0.mcap"]
-    assert open_bag(folder).notes == ("the recording was cut off: up to 1 s before its end may be missing.",)
-    assert len(texts(folder)) == 450
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,7 @@ from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.end_stop import EndStop
 
 
-@pytest.mark.parametrize("damping", [3.0, 60.0])
-@pytest.mark.parametrize("centre", [0.004, -0.004])
+@pytest.mark.parametrize(("centre", "damping"), [(0.004, 3.0), (-0.004, 60.0)])
 def test_contact_begins_with_the_dampers_force_and_ends_where_it_would_pull(centre: float, damping: float) -> None:
     measured = record(rate=500.0, duration=1.5)
     stop = BufferedStop(centre, 0.012, 4e3, damping)

@@ -1,4 +1,4 @@
-"""A soak of a minute: every fault is done to the real nodes, which say so, live on and give the truth again."""
+"""Every fault is done once to the real nodes, which say so, live on and give the truth again."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from bench.reliability.nodes.world import world  # noqa: E402
 
 @pytest.mark.timeout(300)
 @pytest.mark.xdist_group("soak")
-def test_a_minute_of_faults_is_borne(ros_domain: int, tmp_path: Path) -> None:
+def test_every_fault_is_borne(ros_domain: int, tmp_path: Path) -> None:
     with world(ros_domain, tmp_path) as nodes:
-        found = soak(nodes, 60.0, seed=1, tell=print, pause=0.7)
+        found = soak(nodes, 0.0, seed=1, tell=print)
     assert found.wrong == []
     assert set(found.done) == {fault.name for fault in FAULTS}

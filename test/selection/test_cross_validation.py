@@ -107,11 +107,12 @@ def _promised(data: Experiment, fitted: Hypothesis, point: FloatArray, masks: li
     return step(fitted.problem, weighting.exact(point, weighting.steps(None)), 1e-9)[1]
 
 
-def test_useless_effects_lose() -> None:
-    trials = list(held_out.useless(range(30)))
-    assert len(trials) == 60
-    assert sum(trial.held.better for trial in trials) <= 2
-    assert sum(trial.held.reduction_percent <= 0.0 for trial in trials) >= 20
+@pytest.mark.parametrize(("rigs", "better", "no_gain"), [(12, 1, 8), pytest.param(30, 2, 20, marks=pytest.mark.long)])
+def test_useless_effects_lose(rigs: int, better: int, no_gain: int) -> None:
+    trials = list(held_out.useless(range(rigs)))
+    assert len(trials) == 2 * rigs
+    assert sum(trial.held.better for trial in trials) <= better
+    assert sum(trial.held.reduction_percent <= 0.0 for trial in trials) >= no_gain
 
 
 @pytest.mark.parametrize("fall", [100.0, np.inf])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -263,10 +263,16 @@ def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> N
     assert searched(rig, Plant(0.67, 0.93, 388.0)).best.causes == {"coulomb_friction", "hysteresis"}
 
 
-def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_walk() -> None:
+def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_walk(
+    asking_about: Callable[..., None],
+) -> None:
     """A drive that brakes while it is on, dry friction and a delay, in one step and its end: a disturbance that comes
     near leads the walk, and far from the noise it ends soon.
     """
+    asking_about(
+        *("coulomb_friction", "drive_damping", "time_offset", "actuator_lag", "periodic_disturbance", "hysteresis"),
+        *("quadratic_drag", "stribeck_friction", "backlash", "force_offset"),
+    )
     time = np.arange(10000) / 887.15
     force = np.where((time >= 5.0) & (time < 10.0), 491.0, 0.0)
     made = Plant(0.58e-3, 0.8e-3, 0.272) + CoulombFriction(8.0) + DriveDamping(1.2e-3) + TimeOffset(0.005)

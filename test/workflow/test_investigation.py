@@ -7,6 +7,8 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from designrigs import LIMITS, STEP, Rig
@@ -15,6 +17,7 @@ from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
 from msd_ident.report import investigation_page
+from msd_ident.workflow import investigation
 from msd_ident.workflow.investigation import Budget, Loop, Ran
 
 
@@ -131,6 +134,39 @@ def pushed(force: float) -> tuple[Profile, Limits]:
     return first, Limits((-force, force), (-0.04, 0.04), 20.0)
 
 
+def designed(probability: float, *names: str) -> Any:
+    return SimpleNamespace(probability=probability, names=names)
+
+
+@pytest.mark.parametrize(
+    ("tied", "hidden", "checked", "taken", "purpose"),
+    [
+        (designed(0.9, "play", "lag"), None, False, "tied", "to tell play from lag"),
+        (
+            designed(0.05, "play", "lag"),
+            designed(0.95, "play", "drag"),
+            False,
+            "hidden",
+            "to see what could hide: drag",
+        ),
+        (designed(0.05, "play", "lag"), None, False, "tied", "to tell play from lag"),
+        (None, designed(0.95, "play", "force_offset"), False, "hidden", "to see what could hide: force_offset"),
+        (None, designed(0.95, "play", "force_offset"), True, "tied", ""),
+    ],
+)
+def test_what_hides_is_looked_for_where_no_profile_parts_what_is_tied(
+    tied: Any, hidden: Any, checked: bool, taken: str, purpose: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a look that was likely to show it, an offset alone is not worth another."""
+    monkeypatch.setattr(investigation, "design", lambda diagnosis, limits: tied)
+    monkeypatch.setattr(investigation, "check", lambda diagnosis, limits: hidden)
+    loop = Loop(Rig(), LIMITS, Budget(2, 60.0), checked=checked)
+    loop.steps.append(SimpleNamespace(diagnosis=None))  # type: ignore[arg-type]
+    assert loop._next() == ({"tied": tied, "hidden": hidden}[taken], purpose)
+    assert loop.checked == (checked or taken == "hidden")
+
+
+@pytest.mark.long
 def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for(asking_about: Callable[..., None]) -> None:
     """A short lag looks like a play at first; no experiment within reach tells it from a wrong time of the force."""
     asking_about("backlash", "actuator_lag", "time_offset", "coulomb_friction")

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from msd_ident.diagnosis.nonlinear_laws import Beyond
-from msd_ident.export.proof import percent_text
 from msd_ident.external import Comparison
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
@@ -16,6 +15,7 @@ from msd_ident.report.sections.missing_force import ForceSection
 from msd_ident.report.sections.parameters import Column
 from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
+from msd_ident.workflow.explained_motion import percent_text
 
 if TYPE_CHECKING:
     from msd_ident.external import Difference

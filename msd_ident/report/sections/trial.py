@@ -11,6 +11,7 @@ from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.sections.section import ResultSection
 from msd_ident.report.sections.verdict import Card
 from msd_ident.report.validation import sentences
+from msd_ident.workflow.explained_motion import percent_text
 from msd_ident.workflow.validation import Validation
 
 
@@ -24,7 +25,7 @@ class Trial(ResultSection[Validation]):
         """Sentence, cards and warnings."""
         found = self._found
         scale = length_scale(max(found.noise_floor, 1e-3 * found.see), found.records[0].position_unit)
-        percent = Marked("explained_percent", found.explained_percent, f"{found.explained_text} %")
+        percent = Marked("explained_percent", found.explained_percent, f"{percent_text(found.explained_percent)} %")
         floors = f"{number(found.adequacy.ratio, 3)} noise floors"
         own = marked.length("model.see_m", found.saved.see, scale)
         floor = marked.length("noise_floor_m", found.noise_floor, scale)

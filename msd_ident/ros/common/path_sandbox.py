@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import stat
-from datetime import datetime
-from itertools import count
 from pathlib import Path
 
-from msd_ident.errors import SetupError, UsageError
+from msd_ident.errors import UsageError
+from msd_ident.io.new_folder import dated_folder
 
 #: Longest path that a request may hold, and longest name in it, as Linux has them [bytes].
 LONGEST_PATH, LONGEST_NAME = 4096, 255
@@ -57,26 +56,12 @@ class Place:
         return path
 
     def automatic(self, prefix: str) -> Path:
-        """A new folder named by date and time; one that is made here, so that nobody else has it.
-
-        Two recordings within a second, and two rigs that share a folder, get names that differ.
+        """A new folder named by date and time, which nobody else has.
 
         Raises:
             SetupError: the disk does not take it.
         """
-        stem = f"{prefix}_{datetime.now():%Y_%m_%d-%H_%M_%S}"
-        for number in count(1):
-            path = self.root / (stem if number == 1 else f"{stem}_{number}")
-            try:
-                path.mkdir(parents=True)
-            except FileExistsError:
-                continue
-            except OSError as error:
-                raise SetupError(
-                    f"{path} cannot be made ({error.strerror}); expected a folder that can be written"
-                ) from None
-            return path
-        raise AssertionError("unreachable")
+        return dated_folder(self.root, prefix)
 
     def _below(self, text: str) -> Path:
         """The path with all links followed, relative ones counted from the root."""

@@ -6,17 +6,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from msd_ident.errors import SetupError
+from msd_ident.io.message_definitions import share_folders
 from msd_ident.ros.common.domain import in_domain, private_domain
 from msd_ident.ros.common.processes import Processes
-from msd_ident.ros.demo.demo import NAMESPACE, RIG, arguments
+from msd_ident.ros.demo.demo import NAMESPACE, arguments
 
-#: The paper's rig with drag that grows with the square of the speed, and some noise: config/drag.yaml.
-SAIL: dict[str, object] = {
-    **RIG,
-    "effects": ["quadratic_drag"],
-    "quadratic_drag.drag_coefficient": 4.0,
-    "encoder.noise": 1e-5,
-}
+#: The paper's rig with drag that grows with the square of the speed, and some noise: a sail.
+RIG = "drag.yaml"
+
+
+def rig_file() -> Path:
+    """Parameter file of the demo's rig, as it was installed or in a checkout.
+
+    Raises:
+        SetupError: it is not there.
+    """
+    folders = [folder / "msd_ident" / "config" for folder in share_folders()]
+    folders.append(share_folders()[-1] / "config")
+    found = [folder / RIG for folder in folders if (folder / RIG).is_file()]
+    if not found:
+        raise SetupError(
+            f"{RIG} is in none of {', '.join(map(str, folders))}; expected it there: install msd_ident again"
+        )
+    return found[-1]
 
 
 @contextmanager
@@ -27,8 +40,10 @@ def demo_graph(folder: Path, rate: float = 1000.0) -> Iterator[Processes]:
         folder: for logs and bags; exists.
         rate: of the rig's encoder [Hz].
     """
+    # The rig ends with the demo, so nobody need stand behind a force for it to stay.
+    given = [*arguments({"rate": rate, "hold_last_command": True}), "--params-file", str(rig_file())]
     with private_domain() as domain, in_domain(domain) as environment, Processes(folder, environment) as processes:
-        processes.start("rig", "msd_sim.node", arguments({**SAIL, "rate": rate}))
+        processes.start("rig", "msd_sim.node", given)
         processes.start("recorder", "msd_ident.ros.recorder", arguments({"bag_folder": str(folder)}))
         processes.start("identifier", "msd_ident.ros.identifier", arguments({"bag_folder": str(folder)}))
         yield processes
