@@ -89,7 +89,7 @@ def segments(record: Record) -> FloatArray:
     way = np.abs(record.position[lag:] - record.position[:-lag])
     travelled = np.cumsum(np.pad(way, (lag // 2, lag - lag // 2), mode="edge"))
     share = 0.5 * (travelled / max(travelled[-1], 1e-300) + np.arange(record.samples) / record.samples)
-    return np.minimum((share * _SEGMENTS).astype(np.intp), _SEGMENTS - 1)
+    return np.asarray(np.minimum((share * _SEGMENTS).astype(np.intp), _SEGMENTS - 1))
 
 
 def predict(experiment: Experiment, base: Hypothesis, extended: Hypothesis) -> HeldOut:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.model.effects import Effect, by_name
@@ -55,6 +56,9 @@ CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
 def kinds(causes: Iterable[str]) -> frozenset[str]:
     """Causes to which these laws belong: two forms of a law are one cause."""
     return frozenset(by_name(name).cause() for name in causes)
+
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -116,12 +120,19 @@ class Ranking:
     def with_law(self, law: Hypothesis) -> Ranking:
         """The same with another law of one cause of the leading set, which the data does not tell from this one."""
         old, new = self.best.causes, law.causes
-        renamed = {
-            name: {new if one == old else one: part for one, part in getattr(self, name).items()}
-            for name in ("left", "further", "leaves", "clear")
-        }
-        exact = frozenset(new if one == old else one for one in self.exact)
-        return replace(self, sets=(law, *self.sets[1:]), exact=exact, **renamed)
+
+        def renamed(told: Mapping[Causes, _T]) -> dict[Causes, _T]:
+            return {new if one == old else one: what for one, what in told.items()}
+
+        return replace(
+            self,
+            sets=(law, *self.sets[1:]),
+            left=renamed(self.left),
+            further=renamed(self.further),
+            leaves=renamed(self.leaves),
+            exact=frozenset(renamed(dict.fromkeys(self.exact, True))),
+            clear=renamed(self.clear),
+        )
 
     def of_set(self, causes: Causes) -> float:
         """Probability of a set; 0 if it is not ranked."""
