@@ -41,7 +41,7 @@ class OutwardDamping(Effect):
     parameters = (
         Parameter(
             "outward_coefficient", "c", "N·s/m³", 0.0, math.inf, "damping beyond the middle",
-            advice="let it ring down from far out", gained=True, most=1e3, regressor=_outward,
+            advice="let it ring down from far out", most=1e3, regressor=_outward,
         ),
     )
     acts_on = "force"

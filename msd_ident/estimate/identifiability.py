@@ -15,10 +15,8 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.covariance import unit_diagonal
 from msd_ident.estimate.levels import NEGLIGIBLE, NULL
 from msd_ident.model import Parameter
-from msd_ident.model.parameters import PARAMETERS
+from msd_ident.model.parameters import FORCES, PARAMETERS
 
-#: Parameters whose forces all scale with the force's gain.
-FORCES = frozenset(name for name, parameter in PARAMETERS.items() if parameter.gained)
 _UNKNOWN = Parameter("", "", "1", -math.inf, math.inf, "")
 _DEFAULT_ADVICE = "add an experiment in which this effect is stronger"
 

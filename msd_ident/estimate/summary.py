@@ -18,6 +18,7 @@ from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.estimate.problem import Problem
 from msd_ident.estimate.result import FitResult
 from msd_ident.estimate.see import see
+from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 
 #: Force and position units in which mass, damping and stiffness are absolute.
@@ -172,7 +173,7 @@ def _gain_sentence(problem: Problem) -> tuple[str, ...]:
     record = problem.records[0]
     if (record.force_unit, record.position_unit) in _ABSOLUTE:
         return ()
-    names = ", ".join(problem.model.names[i] for i in problem.free if problem.model.names[i] in identifiability.FORCES)
+    names = ", ".join(problem.model.names[i] for i in problem.free if problem.model.names[i] in FORCES)
     said = []
     if record.force_unit not in ("N", "N·m"):
         said.append(

@@ -49,7 +49,6 @@ class Parameter:
         advice: what to measure so that the data decides it.
         open_with_zero: said where the data knows it only together with the position's zero.
         open_with_scale: said where the data knows it only together with ``{others}``.
-        gained: the force that it makes scales with the gain of the force signal.
         inertia: it is a mass: what bounds it from below is a swing within a sample.
         holds: a force [N] by which the cart may stand off the balance of all others.
         kinked: the error over it has a valley for every number of half-swings.
@@ -74,7 +73,6 @@ class Parameter:
     advice: str = ""
     open_with_zero: str = ""
     open_with_scale: str = ""
-    gained: bool = False
     inertia: bool = False
     holds: bool = False
     kinked: bool = False

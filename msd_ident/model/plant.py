@@ -19,15 +19,15 @@ FloatArray = npt.NDArray[np.float64]
 PLANT_PARAMETERS = (
     Parameter(
         "mass", "m", "kg", 0.0, math.inf, "moving mass",
-        advice="weigh the moving mass, or shake it at high frequency", gained=True, inertia=True,
+        advice="weigh the moving mass, or shake it at high frequency", inertia=True,
     ),
     Parameter(
         "damping", "b", "N·s/m", 0.0, math.inf, "viscous damping",
-        advice="let it ring down over amplitudes of at least 3:1", gained=True, most=1e3,
+        advice="let it ring down over amplitudes of at least 3:1", most=1e3,
     ),
     Parameter(
         "stiffness", "k", "N/m", 0.0, math.inf, "spring stiffness",
-        advice="hold a constant force until it rests", gained=True,
+        advice="hold a constant force until it rests",
     ),
 )  # fmt: skip
 

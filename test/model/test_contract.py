@@ -15,6 +15,7 @@ from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
 from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, structural
 from msd_ident.model.effects.base import DELAY, KINDS, LAG, PLAY, SECOND_MASS
+from msd_ident.model.parameters import FORCES
 from msd_ident.model.plant import PLANT_PARAMETERS
 
 NAMES = tuple(effect.name for effect in LIBRARY)
@@ -301,3 +302,8 @@ def test_what_is_a_curve_over_the_position_is_a_spring() -> None:
     assert {by_name(form).cause() for form in springs} <= springs, "every law of a spring's cause is one"
     for other in ("force_offset", "hysteresis", "stiffness_drift", "load_dependent_friction", "second_mode"):
         assert other not in springs, "it knows more than the position, or nothing of it"
+
+
+def test_forces_on_the_mass_are_known_up_to_the_gain_of_the_force_signal() -> None:
+    assert {"mass", "damping", "stiffness", "coulomb_force", "bend_stiffness", "upper_sideband_amplitude"} <= FORCES
+    assert FORCES.isdisjoint({"dead_zone", "force_limit", "lag_time", "disturbance_frequency", "eccentricity"})

@@ -30,7 +30,7 @@ class AsymmetricSpring(Effect):
     parameters = (
         Parameter(
             "quadratic_stiffness", "k2q", "N/m²", -math.inf, math.inf, "asymmetry of the spring",
-            advice="push it in both directions with the same force", gained=True, most=1e3, regressor=_square,
+            advice="push it in both directions with the same force", most=1e3, regressor=_square,
         ),
     )  # fmt: skip
     acts_on = "force"

@@ -39,7 +39,6 @@ class Cogging(Effect):
             0.0,
             math.inf,
             "amplitude of the cogging force",
-            gained=True,
             multistable=True,
             regressor=_ripple,
         ),

@@ -23,7 +23,7 @@ def _direction(direction: Any) -> Any:
 COULOMB_FORCE = Parameter(
     "coulomb_force", "Fc", "N", 0.0, math.inf, "kinetic dry friction",
     advice="let it ring down from a larger amplitude until it stops",
-    gained=True, holds=True, kinked=True, regressor=_direction,
+    holds=True, kinked=True, regressor=_direction,
 )  # fmt: skip
 
 

@@ -30,7 +30,7 @@ class CubicSpring(Effect):
     parameters = (
         Parameter(
             "cubic_stiffness", "k3", "N/m³", -math.inf, math.inf, "hardening of the spring",
-            advice="release it from two displacements about 3:1 apart", gained=True, most=1e3, regressor=_cube,
+            advice="release it from two displacements about 3:1 apart", most=1e3, regressor=_cube,
         ),
     )  # fmt: skip
     acts_on = "force"

@@ -32,7 +32,7 @@ class DriveDamping(Effect):
     parameters = (
         Parameter(
             "drive_damping", "bd", "N·s/m", -math.inf, math.inf, "damping that the drive adds while it is on",
-            gained=True, regressor=_driven,
+            regressor=_driven,
         ),
     )  # fmt: skip
     acts_on = "force"

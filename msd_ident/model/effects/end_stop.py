@@ -37,7 +37,7 @@ class EndStop(Effect):
         ),
         Parameter(
             "stop_stiffness", "ks", "N/m", 0.0, math.inf, "stiffness of the stops",
-            advice="drive it into the stop", gained=True, regressor=_beyond,
+            advice="drive it into the stop", regressor=_beyond,
         ),
     )  # fmt: skip
     acts_on = "force"

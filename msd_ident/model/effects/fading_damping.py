@@ -35,7 +35,7 @@ class FadingDamping(Effect):
     parameters = (
         Parameter(
             "fading_damping", "b1", "N·s/m", 0.0, math.inf, "damping at low speed that fades with the speed",
-            advice="let it ring down from a three times larger amplitude", gained=True,
+            advice="let it ring down from a three times larger amplitude",
         ),
         Parameter("fading_speed", "v0", "m/s", 1e-9, math.inf, "speed at which half of it is left"),
         Parameter("fading_exponent", "n", "1", 0.7, 3.0, "how steeply it fades"),

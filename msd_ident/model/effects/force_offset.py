@@ -32,7 +32,7 @@ class ForceOffset(Effect):
             "offset_force", "F0", "N", -math.inf, math.inf, "constant force against +x",
             advice="read the encoder with the spring relaxed, or turn the rig round and repeat",
             open_with_zero="shift the rest position in the same way, so only their sum is known (F0/k + zero)",
-            gained=True, regressor=_constant,
+            regressor=_constant,
         ),
     )  # fmt: skip
     prior_odds = 1.0 / 10.0

@@ -28,7 +28,7 @@ class Hysteresis(Effect):
     name = "hysteresis"
     parameters = (
         Parameter(
-            "hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force", gained=True, holds=True
+            "hysteresis_force", "Fh", "N", 0.0, math.inf, "largest hysteretic force", holds=True
         ),
         Parameter(
             "hysteresis_length", "L", "m", 1e-9, math.inf, "displacement over which the force reverses",

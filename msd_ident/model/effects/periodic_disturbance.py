@@ -31,7 +31,7 @@ class PeriodicDisturbance(Effect):
 
     name = "periodic_disturbance"
     parameters = (
-        Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance", gained=True),
+        Parameter("disturbance_amplitude", "A", "N", 0.0, math.inf, "amplitude of the disturbance"),
         Parameter(
             "disturbance_frequency", "omega", "rad/s", 0.0, math.inf, "frequency of the disturbance", ceiling=_fastest
         ),

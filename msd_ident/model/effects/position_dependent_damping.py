@@ -25,7 +25,7 @@ class PositionDependentDamping(Effect):
     parameters = (
         Parameter(
             "damping_slope", "bx", "N·s/m²", -math.inf, math.inf, "change of the viscous damping along the travel",
-            advice="let it ring down about two rest positions", gained=True,
+            advice="let it ring down about two rest positions",
         ),
     )  # fmt: skip
     prior_odds = 1.0 / 100.0

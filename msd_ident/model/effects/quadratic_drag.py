@@ -31,7 +31,7 @@ class QuadraticDrag(Effect):
         Parameter(
             "drag_coefficient", "c", "N·s²/m²", 0.0, math.inf, "quadratic drag",
             advice="let it ring down from a three times larger amplitude, or sweep through resonance",
-            gained=True, most=1e3, regressor=_square,
+            most=1e3, regressor=_square,
         ),
     )  # fmt: skip
     acts_on = "force"

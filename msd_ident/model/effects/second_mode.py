@@ -32,15 +32,15 @@ class SecondMode(Effect):
     parameters = (
         Parameter(
             "second_mass", "m2", "kg", 0.0, math.inf, "mass that hangs on the first",
-            advice=_ADVICE, gained=True, inertia=True, multistable=True,
+            advice=_ADVICE, inertia=True, multistable=True,
         ),
         Parameter(
             "second_stiffness", "k2", "N/m", 0.0, math.inf, "spring between the masses",
-            advice=_ADVICE, gained=True, most=1e3,
+            advice=_ADVICE, most=1e3,
         ),
         Parameter(
             "second_damping", "b2", "N·s/m", 0.0, math.inf, "damper between the masses",
-            advice=_ADVICE, gained=True, most=1e3,
+            advice=_ADVICE, most=1e3,
         ),
     )  # fmt: skip
     acts_on = "force"

@@ -47,7 +47,7 @@ class StribeckFriction(Effect):
         Parameter(
             "static_force", "Fs", "N", 0.0, math.inf, "breakaway friction",
             advice="ramp the force slowly from rest, in both directions",
-            gained=True, holds=True, kinked=True, not_below="coulomb_force",
+            holds=True, kinked=True, not_below="coulomb_force",
         ),
         Parameter(
             "stribeck_velocity", "vs", "m/s", 1e-9, math.inf, "velocity over which friction falls",
