@@ -15,6 +15,7 @@ variance; Hoeting et al. 1999, Stat. Sci. 14):
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -23,6 +24,8 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.covariance import unit_diagonal
+from msd_ident.estimate.result import scale_known
+from msd_ident.model.parameters import FORCES
 from msd_ident.selection import rest_constraint
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
@@ -40,7 +43,8 @@ def stated(
         scale: what the noise leaves.
 
     Returns:
-        The same values. Open and fixed parameters keep their standard deviation.
+        The same values. Open and fixed parameters keep their standard deviation. If neither mass nor damping nor
+        stiffness is known to within its value, all parameters with a unit of force are open.
     """
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     law = _of_laws(fitted, scale.spread(fitted.chi))[: noise.size]
@@ -53,6 +57,8 @@ def stated(
         name: replace(quantity, std=quantity.std * factor.get(name, 1.0))
         for name, quantity in result.quantities.items()
     }
+    if not scale_known(quantities):
+        quantities |= {name: replace(quantities[name], std=math.nan) for name in result.free if name in FORCES}
     return replace(result, quantities=quantities, covariance=covariance)
 
 

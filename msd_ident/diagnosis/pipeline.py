@@ -20,6 +20,7 @@ from msd_ident.estimate.base_fits import Shared
 from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.problem import Initial
+from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
@@ -247,6 +248,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     if best.causes == ranking.best.causes:
         said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
+    if not scale_known(fits[1].quantities):
+        said += fits[0].open_directions
     return Diagnosis(
         records=task.records,
         findings=task.findings,

@@ -91,6 +91,6 @@ def _slope(formula: Callable[[Mapping[str, float]], float], values: Mapping[str,
 
 
 def scale_known(quantities: Mapping[str, Quantity]) -> bool:
-    """Whether mass, damping or stiffness is known, so that a motion says how large a force is."""
+    """Whether mass, damping or stiffness is known to within its value, so that a motion says how large a force is."""
     plant = (quantities[name] for name in ("mass", "damping", "stiffness"))
-    return any(one.known and one.value != 0.0 for one in plant)
+    return any(one.known and one.std < abs(one.value) for one in plant)

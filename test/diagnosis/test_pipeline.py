@@ -12,6 +12,8 @@ import pytest
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis, diagnose_records
 from msd_ident.errors import UsageError
+from msd_ident.selection import naming
+from msd_ident.selection.cross_validation import HeldOut
 from msd_sim import lottery
 from msd_sim.api import simulate
 
@@ -164,10 +166,23 @@ def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certai
     assert any("--calibrate makes the copies; steps in both directions need none" in said for said in found.warnings)
 
 
-def test_what_predicts_no_better_is_not_copied_and_gives_way_to_no_rival_of_the_copies() -> None:
-    """Friction alone fits one step into saturation but predicts nothing; a rival that was never fitted replaced it."""
+def test_what_predicts_no_better_is_not_copied_and_gives_way_to_no_rival_of_the_copies(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A rival that was never fitted replaced it."""
+    drawn = lottery.draw(165179, "force_gain_nonlinearity", True, "step", 1000.0, ranges="wide")
+    made = simulate(drawn.spec)
+    record = Record(made.time, made.position, made.force_time, made.force)
+    monkeypatch.setattr(naming, "predict", lambda *sets: HeldOut(1.0, 1.0, 0.0, (-1.0, 1.0)))
+    found = diagnose_records([record])
+    assert found.causes == () and found.verdict == "unexplained" and found.calibration is None
+    assert found.base.quantities == found.extended.quantities, "one model, one interval"
+
+
+def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_most_of_the_record() -> None:
+    """Cut into equal times, the first part held all of the motion: nothing predicted it."""
     drawn = lottery.draw(165179, "force_gain_nonlinearity", True, "step", 1000.0, ranges="wide")
     made = simulate(drawn.spec)
     found = diagnose_records([Record(made.time, made.position, made.force_time, made.force)])
-    assert found.causes == () and found.verdict == "unexplained" and found.calibration is None
-    assert found.base.quantities == found.extended.quantities, "one model, one interval"
+    assert [cause.name for cause in found.causes] == ["coulomb_friction"]
+    assert found.heldout.better and found.calibration is not None

@@ -148,3 +148,17 @@ def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> N
     led = found.led_by(friction)
     assert led.best is friction
     assert odds(led) == odds(found)
+
+
+def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(experiment: Experiment) -> None:
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 400.0**2),
+            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 840.0),
+        }
+    )
+    law = fitted(experiment, BASE + CoulombFriction(0.1), 840.0)
+    after = found.with_law(law)
+    assert after.best is law and after.sets[1:] == found.sets[1:] and after.probability == found.probability
+    assert after.exact == {law.causes} and law.causes in after.clear and found.best.causes not in after.clear
+    assert after.of_set(law.causes) == found.of_set(found.best.causes)
