@@ -191,6 +191,11 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         "not certain."
         for name, part in _unclear(ranking).items()
     ]
+    said += [
+        f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, so "
+        "it is not certain. Record longer."
+        for name in sorted(ranking.slow.get(named, ()))
+    ]
     if not ranking.rich and any(by_name(name).ages_spring() for name in named):
         said.append(
             "in this motion the amplitude changes with time, so a stiffness that changes with time may be one that "

@@ -48,6 +48,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(float(w) for w in weights),
         further={causes: other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
+        slow={causes: _slow(sets[causes]) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > FORM_PART},
     )
@@ -132,6 +133,12 @@ def _beyond(simple: Causes, same: Sequence[Causes], values: Mapping[Causes, floa
     """
     further = [values[one] for one in same if kinds(simple) < kinds(one)]
     return float(np.logaddexp.reduce(further)) if further else values[same[0]]
+
+
+def _slow(fitted: Hypothesis) -> frozenset[str]:
+    """Effects that bring a motion of which the longest record holds less than a period."""
+    longest = max(record.duration for record in fitted.problem.records)
+    return frozenset(effect.name for effect in fitted.model.effects if effect.longest_period() > longest)
 
 
 def _forms(causes: Causes) -> int:

@@ -77,6 +77,8 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
+        slow: causes of a set that bring a motion of which the records hold less than a period: a drift of another kind
+            may do the same, so they are not certain.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
             certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
@@ -92,6 +94,7 @@ class Ranking:
     leaves: Mapping[Causes, float] = field(default_factory=dict)
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
+    slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     unchecked: bool = False
     foretold: bool = False
     rich: bool = False
@@ -132,6 +135,7 @@ class Ranking:
             leaves=renamed(self.leaves),
             exact=frozenset(renamed(dict.fromkeys(self.exact, True))),
             clear=renamed(self.clear),
+            slow=renamed(self.slow),
         )
 
     def of_set(self, causes: Causes) -> float:
@@ -160,7 +164,7 @@ class Ranking:
         time, so that no stiffness that changes with time is certain: it may change with the amplitude.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
-        if by_name(law).ages_spring() and not self.rich:
+        if (by_name(law).ages_spring() and not self.rich) or law in self.slow.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves:
             odds = min(odds, _uncertain(by_name(law)), CERTAIN_ODDS)
@@ -175,13 +179,15 @@ class Ranking:
 
         In a set that leaves only noise, that form would have to agree with the cause but for what the noise can hide:
         the more clearly the cause is seen above this, the surer it is. A poor experiment makes none certain, and no
-        experiment a law of less than the usual prior odds, which bends to much.
+        experiment a law of less than the usual prior odds, which bends to much, or a spring beside another one: two
+        curves over the position come near any third one.
         """
         odds = by_name(law).prior_odds
         if causes not in self.exact:
             return FORM_ODDS * odds
         clear = self.clear.get(causes, {}).get(law, math.inf)
-        if not self.rich or odds < Effect.prior_odds:
+        bends = by_name(law).is_spring() and sum(by_name(one).is_spring() for one in causes) > 1
+        if not self.rich or odds < Effect.prior_odds or bends:
             clear = min(clear, CERTAIN_ODDS)
         return clear * odds / Effect.prior_odds
 

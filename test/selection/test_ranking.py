@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
 
+from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.selection import naming
 from msd_ident.selection.experiment import Experiment
@@ -162,3 +167,40 @@ def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(
     assert after.best is law and after.sets[1:] == found.sets[1:] and after.probability == found.probability
     assert after.exact == {law.causes} and law.causes in after.clear and found.best.causes not in after.clear
     assert after.of_set(law.causes) == found.of_set(found.best.causes)
+
+
+def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(experiment: Experiment) -> None:
+    """A reading that settles looks like a slow disturbance, or like a second mass on a weak spring."""
+    duration = max(record.duration for record in experiment.records)
+    for period, sure in ((2.0 * duration, CERTAIN), (0.5 * duration, 1.0)):
+        omega = 2.0 * math.pi / period
+        for effect in (PeriodicDisturbance(0.1, omega, 0.0), SecondMode(0.1, 0.1 * omega**2, 0.0)):
+            assert effect.longest_period() == pytest.approx(period)
+            found = ranked(
+                {
+                    "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
+                    "slow": fitted(experiment, BASE + effect, 840.0),
+                }
+            )
+            assert found.best.causes == {effect.name}
+            assert found.of_cause(effect.name) == pytest.approx(sure, abs=0.01)
+            said = any("shorter than a period of" in one for one in naming.other_forms(found))
+            assert said is (sure < 1.0)
+    assert QuadraticDrag(1.0).longest_period() == 0.0
+
+
+def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(experiment: Experiment) -> None:
+    """A saturating spring was stated as three springs of the library, the small ones with 0.93 and 0.97."""
+    one, two = CubicSpring(1e5), AsymmetricSpring(1e3)
+    for further, sure in ((two, CERTAIN), (QuadraticDrag(1.0), 1.0)):
+        found = ranked(
+            {
+                "nothing": fitted(experiment, BASE, 840.0 * 4000.0**2),
+                "one": fitted(experiment, BASE + one, 840.0 * 28.5**2),
+                "both": fitted(experiment, BASE + one + further, 840.0),
+            }
+        )
+        found = replace(found, rich=True)
+        assert found.best.causes == {one.name, further.name}
+        assert found.further[found.best.causes]
+        assert found.of_cause(further.name) == pytest.approx(sure, abs=0.01)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from msd_ident.errors import UsageError
-from msd_ident.model.declarations import PLACE, Harmonic, Parameter, RecordScales
+from msd_ident.model.declarations import PLACE, TIME, Harmonic, Parameter, RecordScales
 
 if TYPE_CHECKING:
     import numpy as np
@@ -196,6 +196,13 @@ class Effect:
     def keeps_gain(self) -> bool:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
+
+    def longest_period(self) -> float:
+        """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
+        if self.harmonic is None or self.harmonic.over != TIME:
+            return 0.0
+        frequency = abs(float(getattr(self, self.harmonic.scanned)))
+        return 2.0 * math.pi / frequency if frequency > 0.0 else math.inf
 
     @classmethod
     def ages_spring(cls) -> bool:

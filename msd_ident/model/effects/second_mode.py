@@ -50,6 +50,10 @@ class SecondMode(Effect):
     structure = SECOND_MASS
     measured_by = "add a known mass to the cart and record again"
 
+    def longest_period(self) -> float:
+        """Of the second mass on its own spring, 2·pi·sqrt(m2 / k2)."""
+        return 2.0 * math.pi * math.sqrt(self.second_mass / max(self.second_stiffness, 1e-300))
+
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
