@@ -86,13 +86,13 @@ special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagno
         "calibration.md",
         """# Calibration
 
-Made by `python -m bench.blind --score FILE... --docs docs` from the outcomes (`--json`) of the
-[blind study](blind-study.md), of the [laws that the library does not have](blind-variants.md) and of
-[MuJoCo's rigs](blind-mujoco.md).
+Made by `python -m bench.blind --score FILE... --docs docs` from the outcomes (`--json`) of several studies: the
+[blind study](blind-study.md), [laws that the library does not have](blind-variants.md), [MuJoCo's
+rigs](blind-mujoco.md). The tables below name those that were given.
 
-A stated probability is right if causes that are named with it are right as often. A lab's rig does not follow the laws
-of a library exactly, so the probabilities allow for other forms of the laws. On rigs that do follow the library they
-are too low; on others they must not be too high.
+A stated probability is right if the causes that are named with it are right as often. A lab's rig does not follow the
+laws of a library exactly, so the probabilities allow for other forms of the laws. Where the rig follows the library,
+they may be lower than the share that is right.
 
 - *Named causes*: each with the probability that stands on the page, whatever the verdict.
 - *Right*: the cause acts, or it is of the family of a law that acts (`bench/blind/truth.py`).
@@ -182,12 +182,14 @@ _TOLD = {
 
 def _kind(outcomes: Sequence[Outcome]) -> str:
     """Which study these are of."""
-    authors = {outcome.case.author for outcome in outcomes}
-    if len(authors) > 1:
-        return "several"
-    if authors == {"own"}:
-        return "forms" if all(outcome.case.kind == "variant" for outcome in outcomes) else "study"
-    return "mujoco" if authors == {"mujoco"} else "variants"
+    kinds = {_of_one(outcome) for outcome in outcomes}
+    return kinds.pop() if len(kinds) == 1 else "several"
+
+
+def _of_one(outcome: Outcome) -> str:
+    if outcome.case.author == "own":
+        return "forms" if outcome.case.kind == "variant" else "study"
+    return "mujoco" if outcome.case.author == "mujoco" else "variants"
 
 
 def chosen(cases: Sequence[Case], words: str) -> list[Case]:

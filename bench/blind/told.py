@@ -167,12 +167,12 @@ def calibration(outcomes: Sequence[Outcome]) -> list[str]:
             bins = score.named_reliability(chosen)
             gap = f"largest difference {score.largest_gap(bins):.3f} in bins with at least {score.POPULATED} causes"
             chance = f"by chance {median:.3f} (95 % below {most:.3f}) if every stated probability were right"
-            lines += [f"{name}, {len(chosen)} cases: {gap}; {chance}.", "", *_bins(bins), ""]
+            lines += [f"{name}, {len(chosen)} cases: {gap}; {chance}.", "", *_bins(bins, "share that is right"), ""]
     return lines[:-1]
 
 
-def _bins(bins: Sequence[score.Bin]) -> list[str]:
-    lines = ["| stated probability | causes | mean stated | share that acts | 95 % interval |", "|---|---|---|---|---|"]
+def _bins(bins: Sequence[score.Bin], share: str = "share that acts") -> list[str]:
+    lines = [f"| stated probability | causes | mean stated | {share} | 95 % interval |", "|---|---|---|---|---|"]
     for b in bins:
         low, high = b.range
         shares = f"{b.stated:.3f} | {b.observed:.3f} | {low:.2f} to {high:.2f}"

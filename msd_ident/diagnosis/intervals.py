@@ -30,6 +30,11 @@ from msd_ident.selection import rest_constraint
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
 
+NO_SCALE = (
+    "Neither mass nor damping nor stiffness is known to within its value, so no parameter with a unit of force is: "
+    "push harder or longer, or cut the record to a stretch that the force moves (--start, --end)."
+)
+
 
 def stated(
     result: FitResult, fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]], scale: NoiseScale

@@ -24,6 +24,7 @@ from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
+from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
@@ -217,8 +218,10 @@ def _chosen(task: Task, experiment: Experiment, search: _Search, progress: Progr
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)
     if (law := gain_laws.leading(best, alike, scale)) is not best:
-        alike = [one for one in (best, *alike) if one is not law]
-        ranking, best, heldout = ranking.with_law(law), law, predict(experiment, base, law)
+        told = predict(experiment, base, law)
+        if told.better:
+            alike = [one for one in (best, *alike) if one is not law]
+            ranking, best, heldout = ranking.with_law(law), law, told
     return _Choice(ranking, best, heldout, matrix, scale, alike)
 
 
@@ -244,12 +247,14 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]], best.causes in ranking.exact)
+    if not scale_known(fits[1].quantities):
+        moved = {name: ends for name, ends in moved.items() if name not in FORCES}
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:
         said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
-        said += fits[0].open_directions
+        said += fits[0].open_directions or (intervals.NO_SCALE,)
     return Diagnosis(
         records=task.records,
         findings=task.findings,

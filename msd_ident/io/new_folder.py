@@ -53,7 +53,11 @@ def dated_folder(parent: Path, prefix: str) -> Path:
     for name in chain([stem], (f"{stem}_{number}" for number in count(2))):
         folder = parent / name
         try:
-            folder.mkdir(parents=True)
+            parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+        try:
+            folder.mkdir()
         except FileExistsError:
             continue
         except OSError as error:

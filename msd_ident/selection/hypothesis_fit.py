@@ -87,8 +87,8 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     Args:
         experiment: readings with their weights.
         found: starts by rising ``promise``; the first one is always followed.
-        reach: predicted chi² below which a further start is followed (``StartingPoint.worth``), if it is also below
-            what the starts before it have reached.
+        reach: predicted chi² below which a further start is followed, if it is also below what the starts before it
+            have reached; one that promises half of the smaller set is followed anyway (``StartingPoint.worth``).
 
     Returns:
         The sets as they are after these steps, by rising chi².

@@ -1,6 +1,6 @@
 """Choice of the set to name among sets that the data cannot tell apart.
 
-The set leads that ``ranking.rank`` puts first, unless it names a cause with less probability than one that it
+The set leads that ``ordering.rank`` puts first, unless it names a cause with less probability than one that it
 leaves out: then the next that does not.
 """
 

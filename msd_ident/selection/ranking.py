@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.model.effects import Effect, by_name
@@ -56,9 +55,6 @@ CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
 def kinds(causes: Iterable[str]) -> frozenset[str]:
     """Causes to which these laws belong: two forms of a law are one cause."""
     return frozenset(by_name(name).cause() for name in causes)
-
-
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -121,21 +117,31 @@ class Ranking:
         )
 
     def with_law(self, law: Hypothesis) -> Ranking:
-        """The same with another law of one cause of the leading set, which the data does not tell from this one."""
-        old, new = self.best.causes, law.causes
+        """The same led by another law of one cause of the leading set, which the data does not tell from this one.
 
-        def renamed(told: Mapping[Causes, _T]) -> dict[Causes, _T]:
-            return {new if one == old else one: what for one, what in told.items()}
+        Both share the probability of the leading set.
+        """
+        old, new = self.best.causes, law.causes
+        names = dict(zip(sorted(old - new), sorted(new - old), strict=True))
+        rest = [i for i in range(1, len(self.sets)) if self.sets[i].causes != new]
+        known = sum(p for p, one in zip(self.probability[1:], self.sets[1:], strict=True) if one.causes == new)
+        both = (law, self.best) if names else (law,)
+        share = self.probability[0] / len(both)
+
+        def told(parts: Mapping[str, float]) -> dict[str, float]:
+            return {names.get(name, name): part for name, part in parts.items()}
 
         return replace(
             self,
-            sets=(law, *self.sets[1:]),
-            left=renamed(self.left),
-            further=renamed(self.further),
-            leaves=renamed(self.leaves),
-            exact=frozenset(renamed(dict.fromkeys(self.exact, True))),
-            clear=renamed(self.clear),
-            slow=renamed(self.slow),
+            sets=(*both, *(self.sets[i] for i in rest)),
+            evidence=(*(self.evidence[0] for _ in both), *(self.evidence[i] for i in rest)),
+            probability=(share + known, *(share for _ in both[1:]), *(self.probability[i] for i in rest)),
+            left={**self.left, **({new: self.left[old]} if old in self.left else {})},
+            further={**self.further, new: told(self.further.get(old, {}))},
+            leaves={**self.leaves, **({new: self.leaves[old]} if old in self.leaves else {})},
+            exact=self.exact | ({new} if old in self.exact else set()),
+            clear={**self.clear, new: told(self.clear.get(old, {}))},
+            slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
         )
 
     def of_set(self, causes: Causes) -> float:

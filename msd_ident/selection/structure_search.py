@@ -173,13 +173,13 @@ class Search:
                 break
             if not any(self._advance(one, min(0.6 + 0.03 * turn, 0.85)) for one in self._fronts(best)):
                 break
-        self._named_grown()
+        self._around_likeliest()
         if self.at_floor(leader := self._leader()):
             self._rejoined(leader)
         return self.ranking()
 
-    def _named_grown(self) -> None:
-        """Fit the sets that differ from the likeliest one by a cause, until none is new.
+    def _around_likeliest(self) -> None:
+        """Fit the sets that differ from the likeliest one by a cause, until none is new, a few rounds at most.
 
         The walk is led by an evidence that counts more features of the error. Far from the noise a flexible law may
         lead it, e.g. a disturbance, to which the ranking gives little: then these sets are not among its neighbours.

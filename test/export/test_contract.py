@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,12 +47,17 @@ def test_no_table_has_a_role_that_no_effect_plays() -> None:
 
 @pytest.mark.parametrize("name", ["cubic_spring", "asymmetric_spring", "quadratic_drag"])
 def test_a_power_is_known_by_its_law_alone(name: str) -> None:
-    """Under any name, and not by chance: three times the force is another number of the same law, a sign is not."""
+    """Under any name, and not by chance: with a further term it is another law."""
     from msd_ident.export.roles import role
 
     own = by_name(name)
     renamed = type("Renamed", (own,), {"name": "renamed"})
-    bent = type("Bent", (own,), {"force": staticmethod(lambda *given: own.force(*given) + 1e-3 * given[0])})
+
+    @functools.wraps(own.force)
+    def force(*given: float) -> float:
+        return own.force(*given) + 1e-3 * given[0]
+
+    bent = type("Bent", (own,), {"force": staticmethod(force)})
     assert role(renamed) == role(own) != "" == role(bent)
 
 

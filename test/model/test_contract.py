@@ -307,3 +307,13 @@ def test_what_is_a_curve_over_the_position_is_a_spring() -> None:
 def test_forces_on_the_mass_are_known_up_to_the_gain_of_the_force_signal() -> None:
     assert {"mass", "damping", "stiffness", "coulomb_force", "bend_stiffness", "upper_sideband_amplitude"} <= FORCES
     assert FORCES.isdisjoint({"dead_zone", "force_limit", "lag_time", "disturbance_frequency", "eccentricity"})
+
+
+@pytest.mark.parametrize("name", [effect.name for effect in LIBRARY if effect.acts_on == "input"])
+def test_a_law_that_keeps_the_gain_passes_some_changes_of_the_command_on_as_they_are(name: str) -> None:
+    effect = example(name)
+    if "input_map" not in effect.laws():
+        return
+    commands = np.linspace(-20.0, 20.0, 4001)
+    force = np.array([effect.input_map(float(u), *effect.values) for u in commands])
+    assert effect.keeps_gain() is bool(np.any(np.isclose(np.diff(force), np.diff(commands), rtol=1e-6, atol=0.0)))

@@ -27,7 +27,7 @@ class Set:
 
 
 def ranking(probabilities: Mapping[tuple[str, ...], float], first: tuple[str, ...] | None = None) -> Ranking:
-    """Sets with given probabilities; as ``ranking.rank`` has it, ``first`` leads, the others by falling evidence."""
+    """Sets with given probabilities; as ``ordering.rank`` has it, ``first`` leads, the others by falling evidence."""
     order = sorted(probabilities, key=lambda causes: (causes != first, -probabilities[causes]))
     total = sum(probabilities.values())
     chances = tuple(probabilities[causes] / total for causes in order)

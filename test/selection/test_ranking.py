@@ -12,10 +12,14 @@ from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.force_dead_zone import ForceDeadZone
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.modulated_disturbance import ModulatedDisturbance
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import naming
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, alternatives
@@ -156,17 +160,29 @@ def test_another_set_can_lead_with_its_own_evidence(experiment: Experiment) -> N
 
 
 def test_a_law_that_the_data_does_not_tell_from_the_leading_one_takes_its_place(experiment: Experiment) -> None:
+    """With the limits of its certainty; both share the probability, and the old one stays a rival."""
+    rubs, slope = CoulombFriction(0.1), ForceGainNonlinearity(0.01, math.inf)
     found = ranked(
         {
             "nothing": fitted(experiment, BASE, 840.0 * 400.0**2),
-            "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 840.0),
+            "rubs": fitted(experiment, BASE + rubs, 840.0 * 28.5**2),
+            "both": fitted(experiment, BASE + rubs + slope, 840.0 * 10.0**2),
         }
     )
-    law = fitted(experiment, BASE + CoulombFriction(0.1), 840.0)
-    after = found.with_law(law)
-    assert after.best is law and after.sets[1:] == found.sets[1:] and after.probability == found.probability
-    assert after.exact == {law.causes} and law.causes in after.clear and found.best.causes not in after.clear
-    assert after.of_set(law.causes) == found.of_set(found.best.causes)
+    old = found.best
+    found = replace(found, further={old.causes: {slope.name: 0.1}}, clear={old.causes: {slope.name: 2.0}})
+    law = fitted(experiment, BASE + rubs + ForceDeadZone(0.1), 840.0 * 10.0**2)
+    for before in (found, replace(found, sets=(*found.sets, law), evidence=(*found.evidence, -9.0),
+                                  probability=(*(0.9 * p for p in found.probability), 0.1))):  # fmt: skip
+        after = before.with_law(law)
+        assert after.best is law and after.sets[1] is old and sum(after.probability) == pytest.approx(1.0)
+        assert [one.causes for one in after.sets].count(law.causes) == 1
+        assert after.of_cause("force_dead_zone") == pytest.approx(after.of_cause(slope.name))
+        assert after.of_cause("force_dead_zone") <= 0.75 + 1e-9, "as sure as the law before it, no more"
+        assert after.further[law.causes] == {"force_dead_zone": 0.1}
+    same = fitted(experiment, BASE + rubs + ForceGainNonlinearity(0.0, 5.0), 840.0 * 10.0**2)
+    limited = found.with_law(same)
+    assert limited.best is same and len(limited.sets) == len(found.sets)
 
 
 def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(experiment: Experiment) -> None:
@@ -187,6 +203,11 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
             said = any("shorter than a period of" in one for one in naming.other_forms(found))
             assert said is (sure < 1.0)
     assert QuadraticDrag(1.0).longest_period() == 0.0
+    tones = TwoToneDisturbance(1.0, 2.0 * math.pi, 0.0, 1.0, 0.1 * math.pi, 0.0)
+    assert tones.longest_period() == pytest.approx(20.0)
+    assert replace(tones, second_tone_amplitude=0.0).longest_period() == pytest.approx(1.0)
+    bands = ModulatedDisturbance(1.0, 6.0, 0.0, 5.0, 0.5, 0.0, 0.0, 0.0)
+    assert bands.longest_period() == pytest.approx(2.0 * math.pi)
 
 
 def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(experiment: Experiment) -> None:

@@ -308,6 +308,6 @@ def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypat
 
     monkeypatch.setattr(search, "_fit", fit)
     assert search.ranking().likeliest.causes == {"cogging", "coulomb_friction"}
-    search._named_grown()
+    search._around_likeliest()
     assert frozenset({"cogging", "stribeck_friction"}) in asked, "another law in place of one"
     assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"

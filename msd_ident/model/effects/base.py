@@ -199,10 +199,14 @@ class Effect:
 
     def longest_period(self) -> float:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
+        least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
+        return 2.0 * math.pi / least if least > 0.0 else math.inf
+
+    def tones(self) -> tuple[float, ...]:
+        """Angular frequencies [rad/s] of its harmonic terms over time."""
         if self.harmonic is None or self.harmonic.over != TIME:
-            return 0.0
-        frequency = abs(float(getattr(self, self.harmonic.scanned)))
-        return 2.0 * math.pi / frequency if frequency > 0.0 else math.inf
+            return ()
+        return (float(getattr(self, self.harmonic.scanned)),)
 
     @classmethod
     def ages_spring(cls) -> bool:

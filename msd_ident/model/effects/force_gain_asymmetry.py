@@ -40,6 +40,10 @@ class ForceGainAsymmetry(Effect):
         """Force [N] that a commanded u [N] becomes."""
         return u + gain_asymmetry * abs(u)
 
+    def keeps_gain(self) -> bool:
+        """Its gain is 1 + g or 1 - g at every command."""
+        return self.gain_asymmetry == 0.0
+
     @classmethod
     def fits(cls, record: Record) -> bool:
         """Whether it pushes and pulls."""

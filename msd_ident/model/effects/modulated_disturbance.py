@@ -57,6 +57,16 @@ class ModulatedDisturbance(Effect):
     steady = False
     harmonic = PeriodicDisturbance.harmonic
 
+    def tones(self) -> tuple[float, ...]:
+        """The tone and its sidebands, those that are there."""
+        middle, apart = self.disturbance_frequency, self.modulation_frequency
+        pairs = (
+            (self.disturbance_amplitude, middle),
+            (self.lower_sideband_amplitude, middle - apart),
+            (self.upper_sideband_amplitude, middle + apart),
+        )
+        return tuple(frequency for amplitude, frequency in pairs if amplitude > 0.0)
+
     @staticmethod
     def disturbance(
         t: float,

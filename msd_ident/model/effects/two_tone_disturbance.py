@@ -45,6 +45,14 @@ class TwoToneDisturbance(Effect):
     steady = False
     harmonic = PeriodicDisturbance.harmonic
 
+    def tones(self) -> tuple[float, ...]:
+        """Those that are there."""
+        pairs = (
+            (self.disturbance_amplitude, self.disturbance_frequency),
+            (self.second_tone_amplitude, self.second_tone_frequency),
+        )
+        return tuple(frequency for amplitude, frequency in pairs if amplitude > 0.0)
+
     @staticmethod
     def disturbance(
         t: float,
