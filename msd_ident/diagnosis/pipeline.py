@@ -13,6 +13,7 @@ import numpy as np
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals, verdict
+from msd_ident.diagnosis.choice import chosen
 from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
@@ -43,11 +44,9 @@ from msd_ident.selection import (
     spread,
 )
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
-from msd_ident.selection.calibration import Calibration
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
 from msd_ident.selection.cause_assessment import assess, noted
-from msd_ident.selection.cross_validation import HeldOut, predict
-from msd_ident.selection.evidence import NoiseScale, scale_from
+from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ordering import rank
@@ -192,42 +191,9 @@ class _Search:
     shared: Shared
 
 
-@dataclass(frozen=True)
-class _Choice:
-    """The chosen set: the ranking that it leads, its prediction of left-out data, what copies of the record showed, and
-    other laws of the force's gain that fit alike.
-    """
-
-    ranking: Ranking
-    best: Hypothesis
-    heldout: HeldOut
-    matrix: Calibration | None
-    scale: NoiseScale
-    alike: Sequence[Hypothesis]
-
-
-def _chosen(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> _Choice:
-    base = search.base
-    progress("prediction of left-out data", 0.88, "")
-    ranking, best, heldout = naming.predicting(experiment, base, search.ranking)
-    matrix = None
-    if best.causes:
-        ranking, matrix = replication.checked(experiment, base, ranking, task.calibrate, progress)
-        if (ranking := naming.leading(ranking)).best is not best:
-            ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
-    scale = scale_from(list(ranking.sets), experiment.readings)
-    alike = gain_laws.alike(experiment, best, scale)
-    if (law := gain_laws.leading(best, alike, scale)) is not best:
-        told = predict(experiment, base, law)
-        if told.better:
-            alike = [one for one in (best, *alike) if one is not law]
-            ranking, best, heldout = ranking.with_law(law), law, told
-    return _Choice(ranking, best, heldout, matrix, scale, alike)
-
-
 def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
     base, shared = search.base, search.shared
-    choice = _chosen(task, experiment, search, progress)
+    choice = chosen(experiment, base, search.ranking, task.calibrate, progress)
     ranking, best, scale, alike = choice.ranking, choice.best, choice.scale, choice.alike
     progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)

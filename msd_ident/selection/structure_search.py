@@ -31,11 +31,11 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.neighbours import Neighbours, with_coulomb
 from msd_ident.selection.ordering import rank
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
-from msd_ident.tuning import tuned
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
@@ -47,7 +47,6 @@ Progress = Callable[[str, float, str], None]
 Remembered = tuple[Causes, Model, Sequence[Initial]]
 
 NOTHING: Causes = frozenset()
-LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 #: Rounds of a walk whose leader stays far from the noise: what these do not repair, the library does not repair.
 _ROUNDS_FAR = LOOK // 2
 
@@ -74,6 +73,11 @@ class Search:
     pruned: set[Causes] = field(default_factory=set)
     told: float = 0.0
 
+    @cached_property
+    def neighbours(self) -> Neighbours:
+        """Sets next to a set."""
+        return Neighbours(self.experiment)
+
     def run(self, base: Hypothesis, known: Sequence[Hypothesis] = (), remembered: Sequence[Remembered] = ()) -> Ranking:
         """Search from the base model.
 
@@ -93,18 +97,18 @@ class Search:
         leader = self._leader()
         if not self.at_floor(leader):
             explain = [leader.causes, *self._explaining()]
-            self._fit([other for causes in explain for other in self._reformed(causes)], 0.35, 0.36)
+            self._fit([other for causes in explain for other in self.neighbours.reformed(causes)], 0.35, 0.36)
             leader = self._leader()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
-            self._fit([pair for causes in companions for pair in self._grown(causes)], 0.35, 0.55)
+            self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
             self._fit(self._pairs(), 0.55, 0.6)
         if not self.at_floor(self._leader()):
             # A cause may explain nothing until another one is there.
-            self._fit([pair for one in self._explaining() for pair in self._grown(one)], 0.55, 0.6)
+            self._fit([pair for one in self._explaining() for pair in self.neighbours.grown(one)], 0.55, 0.6)
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
@@ -186,7 +190,7 @@ class Search:
         """
         for _ in range(_ROUNDS_FAR):
             likeliest = self.ranking().likeliest
-            near = self._swapped(likeliest.causes) + self._grown(likeliest.causes)
+            near = self.neighbours.swapped(likeliest.causes) + self.neighbours.grown(likeliest.causes)
             if self.at_floor(likeliest) or not self._fit(near, 0.85, 0.86):
                 break
 
@@ -201,9 +205,10 @@ class Search:
 
     def _advance(self, front: Hypothesis, share: float) -> bool:
         """Fit the neighbours of a set, larger ones only if all others were fitted; False if all were."""
-        if self._fit(self._swapped(front.causes) + self._resolved(front.causes), share, share + 0.015):
+        near, middle = self.neighbours, share + 0.015
+        if self._fit(near.swapped(front.causes) + near.resolved(front.causes), share, middle):
             return True
-        return not self.at_floor(front) and self._fit(self._grown(front.causes), share + 0.015, share + 0.03)
+        return not self.at_floor(front) and self._fit(near.grown(front.causes), middle, middle + 0.015)
 
     def _rejoined(self, best: Hypothesis) -> None:
         """Fit sets that differ from the leading one in one cause again, from the parameters that both share.
@@ -274,32 +279,6 @@ class Search:
         """The set whose neighbours are tried, by an evidence that counts more features of the error (``SOUGHT``)."""
         return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
 
-    def _swapped(self, causes: Causes) -> list[Causes]:
-        """Sets with one cause dropped, or replaced by another."""
-        found = []
-        for name in sorted(causes):
-            rest = causes - {name}
-            found.append(rest)
-            found += [rest | {other} for other in self.experiment.tried_alone if other not in causes]
-        return self._reformed(causes) + found
-
-    def _reformed(self, causes: Causes) -> list[Causes]:
-        """Sets with another law of one of the causes."""
-        return [causes - {name} | {form} for name in sorted(causes) for form in self.experiment.forms(name)]
-
-    def _resolved(self, causes: Causes) -> list[Causes]:
-        """Sets that a law with Coulomb friction as its limit may imitate: Coulomb friction and one cause more."""
-        found = []
-        for name in sorted(causes & set(HOLDING_COULOMB)):
-            found += self._grown(causes - {name} | {COULOMB})
-        return [wanted for wanted in found if not wanted & (causes & set(HOLDING_COULOMB))]
-
-    def _grown(self, causes: Causes) -> list[Causes]:
-        """Sets with one cause more."""
-        if len(causes) >= LARGEST:
-            return []
-        return [causes | {name} for name in self.experiment.tried_alone if name not in causes]
-
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """Fit those of the sets that are new; False when none was.
 
@@ -308,7 +287,7 @@ class Search:
         """
         new = [causes for causes in dict.fromkeys(wanted) if causes not in self.tried and causes_that_fit(causes)]
         self.tried.update(new)
-        after = [causes for causes in new if not set(new).isdisjoint(_with_coulomb(causes))]
+        after = [causes for causes in new if not set(new).isdisjoint(with_coulomb(causes))]
         middle = end - (end - start) * len(after) / max(len(new), 1)
         for sets, part in (([one for one in new if one not in after], (start, middle)), (after, (middle, end))):
             if sets:
@@ -371,16 +350,10 @@ class Search:
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
         smaller.sort(key=lambda fitted: fitted.chi)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
-        twins = _with_coulomb(causes)
+        twins = with_coulomb(causes)
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
         plain = [known[NOTHING]] if not worth or (causes & self._rippled and worth[0].causes) else []
         return worth + plain + [known[twin] for twin in twins if twin in known]
-
-
-def _with_coulomb(causes: Causes) -> list[Causes]:
-    """The sets with Coulomb friction in place of a law that holds it as a limit."""
-    laws = sorted(causes & set(HOLDING_COULOMB))
-    return [causes - {name} | {COULOMB} for name in laws if COULOMB not in causes]
 
 
 def _rubs_and_is_linear(start: StartingPoint) -> bool:
