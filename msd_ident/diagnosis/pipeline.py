@@ -29,7 +29,7 @@ from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
-from msd_ident.residuals.disturbance import DisturbanceEstimate, missing_force
+from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force, missing_force
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.residuals.ringdown import RingDown
 from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
@@ -334,13 +334,8 @@ def _missing(experiment: Experiment, fitted: Hypothesis) -> tuple[DisturbanceEst
 def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[DisturbanceEstimate, ...]:
     """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
-    found = []
-    for part, residual in zip(experiment.readings, best.residuals(), strict=True):
-        error = replace(part.record, position=-residual, force=np.zeros(part.record.force.size))
-        force = missing_force(error, plant, part.noise)
-        whole = missing_force(part.record, plant, part.noise)
-        found.append(replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied))
-    return tuple(found)
+    parts = zip(experiment.readings, best.residuals(), strict=True)
+    return tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in parts)
 
 
 def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:

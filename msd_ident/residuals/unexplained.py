@@ -2,7 +2,8 @@
 
 The missing force is smoothed from the residual (``disturbance``). Its mean square is that of the smoothed force plus
 the smoother's variance, because what is too fast or too faint for the readings is a part of the missing force too. The
-interval is a bootstrap over swings: how far the mean square moves when other swings of this experiment are drawn.
+interval is a bootstrap over swings: how far the mean square moves when other swings of this experiment are drawn. It
+begins with the smoothed force alone, without what nobody sees of it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,6 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.levels import CONFIDENCE, FEWEST
 from msd_ident.estimate.result import scale_known
-from msd_ident.model import Model
 from msd_ident.residuals.adequacy import Adequacy
 from msd_ident.residuals.disturbance import DisturbanceEstimate
 from msd_ident.tuning import fixed
@@ -127,15 +127,14 @@ def remainders(
         base, extended: the two models.
         tolerance: part of the motion's rms that the lab does not care about [%].
     """
-    plant = extended.fit.model
     motion = _rms([record.position - np.mean(record.position) for record in records])
-    yardstick, size = _yardstick(records, motion, plant["stiffness"])
+    yardstick, size = _yardstick(records, motion, extended.missing)
 
     def left_by(model: JudgedModel) -> Remainder:
         """What a model leaves, as a force and as a part of the motion."""
         force, interval = math.nan, (math.nan, math.nan)
         if scale_known(model.fit.quantities):
-            force, interval = _force(model.missing, plant, model.adequacy.consistent)
+            force, interval = _force(model.missing, model.adequacy.consistent)
         return Remainder(
             force=force,
             force_interval=interval,
@@ -150,12 +149,13 @@ def remainders(
     )
 
 
-def _yardstick(records: Sequence[Record], motion: float, stiffness: float) -> tuple[str, float]:
-    """The force that the missing one is compared with, and its rms."""
+def _yardstick(records: Sequence[Record], motion: float, missing: Sequence[DisturbanceEstimate]) -> tuple[str, float]:
+    """The force that the missing one is compared with, and its rms; that of a spring is of all that pull like one."""
     applied = [record.force_at(record.time) for record in records]
     if any(np.ptp(force) > 0.0 for force in applied):
         return "applied force", _rms(applied)
-    return "spring force", stiffness * motion
+    stiffness = float(np.mean([part.plant[2] for part in missing]))
+    return "spring force", max(stiffness, 0.0) * motion
 
 
 def _rms(parts: Sequence[FloatArray]) -> float:
@@ -163,20 +163,24 @@ def _rms(parts: Sequence[FloatArray]) -> float:
     return math.sqrt(sum(float(part @ part) for part in parts) / sum(part.size for part in parts))
 
 
-def _force(missing: Sequence[DisturbanceEstimate], plant: Model, is_noise: bool) -> tuple[float, tuple[float, float]]:
-    """Root mean square of the missing force and its 95 % interval."""
-    sums, counts = np.concatenate([_by_swing(part, plant) for part in missing], axis=1)
-    draws = np.random.default_rng(seeds.REMAINDER).integers(sums.size, size=(_DRAWS, sums.size))
-    drawn = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
-    low, high = np.quantile(drawn, (_BEYOND, 1.0 - _BEYOND))
-    force = math.sqrt(float(sums.sum() / counts.sum()))
-    return force, (0.0 if is_noise else min(float(low), force), max(float(high), force))
+def _force(missing: Sequence[DisturbanceEstimate], is_noise: bool) -> tuple[float, tuple[float, float]]:
+    """Root mean square of the missing force and its 95 % interval: from what is seen of it, to all that may be."""
+    sums = np.concatenate([_by_swing(part) for part in missing], axis=1)
+    draws = np.random.default_rng(seeds.REMAINDER).integers(sums.shape[1], size=(_DRAWS, sums.shape[1]))
+    seen, whole = np.sqrt(sums[:2, draws].sum(axis=2) / sums[2, draws].sum(axis=1))
+    low, high = float(np.quantile(seen, _BEYOND)), float(np.quantile(whole, 1.0 - _BEYOND))
+    force = math.sqrt(float(sums[1].sum() / sums[2].sum()))
+    return force, (0.0 if is_noise else min(low, force), max(high, force))
 
 
-def _by_swing(part: DisturbanceEstimate, plant: Model) -> FloatArray:
-    """(2, blocks): sums of the force's squares and numbers of samples, over blocks of about a swing."""
+def _by_swing(part: DisturbanceEstimate) -> FloatArray:
+    """(3, blocks): sums of squares of the smoothed force and of all that it may be, and numbers of samples, over blocks
+    of about a swing.
+    """
     duration = float(part.time[-1] - part.time[0])
-    swing = 2.0 * math.pi * math.sqrt(plant["mass"] / plant["stiffness"]) if plant["stiffness"] > 0.0 else duration
+    mass, _, stiffness = part.plant
+    swing = 2.0 * math.pi * math.sqrt(mass / stiffness) if stiffness > 0.0 else duration
     blocks = max(FEWEST, min(round(duration / swing), part.time.size // FEWEST))
-    cuts = np.array_split(part.force**2 + part.std**2, min(blocks, part.time.size))
-    return np.array([[float(cut.sum()) for cut in cuts], [float(cut.size) for cut in cuts]])
+    signals = np.array([part.force**2, part.force**2 + part.std**2, np.ones(part.time.size)])
+    cuts = np.array_split(signals, min(blocks, part.time.size), axis=1)
+    return np.stack([cut.sum(axis=1) for cut in cuts], axis=1)

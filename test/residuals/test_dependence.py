@@ -22,7 +22,7 @@ NOISE = RNG.normal(size=SAMPLES)
 
 def missing(force: FloatArray) -> DisturbanceEstimate:
     """A missing force beside signals that have nothing to do with each other."""
-    return DisturbanceEstimate(TIME, POSITION, VELOCITY, APPLIED, force, np.ones(SAMPLES), 1.0)
+    return DisturbanceEstimate(TIME, POSITION, VELOCITY, APPLIED, force, np.ones(SAMPLES), 1.0, (1.0, 1.0, 1.0))
 
 
 @pytest.mark.parametrize(

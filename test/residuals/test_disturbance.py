@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+import scipy.signal
 
 from msd_ident.data.record import Record
-from msd_ident.residuals.disturbance import missing_force
+from msd_ident.residuals.disturbance import equivalent, lacking_force, missing_force
 from msd_sim.api import Simulated, simulate
 
 PLANT = (0.9407, 3.927, 694.1)
@@ -71,46 +71,34 @@ def test_readings_of_nothing_but_noise_leave_no_force_at_all(noise: float) -> No
     assert np.min(found.std) > 0.0 and np.max(found.std) < 694.1 * noise
 
 
-def test_the_smoother_is_the_gaussian_posterior() -> None:
-    """Against all states at once, by linear algebra: prior walk of the force, then every reading."""
-    h, samples, plant, noise = 0.02, 60, (1.0, 2.0, 100.0), 1e-4
-    time = h * np.arange(samples)
-    readings = 1e-2 * np.sin(9.0 * time) + noise * np.random.default_rng(1).standard_normal(samples)
-    force = np.zeros(1)
-    found = missing_force(Record(time=time, position=readings, force_time=time[:1], force=force), plant, noise)
-    expected, spread = _posterior(time, readings, plant, noise, found.walk)
-    assert np.max(np.abs(found.force - expected)) < 1e-6 * np.max(np.abs(expected))
-    assert np.max(np.abs(found.std / spread - 1.0)) < 1e-6
+def wandering(record: Record, size: float, rate: float) -> np.ndarray:
+    """A smooth error (n,) of this size [m] with nothing above this frequency [Hz]."""
+    white = np.random.default_rng(7).standard_normal(record.samples)
+    low = scipy.signal.sosfiltfilt(scipy.signal.butter(2, rate, fs=1.0 / record.period, output="sos"), white)
+    return np.asarray(size * low / np.std(low))
 
 
-def _posterior(
-    time: np.ndarray, readings: np.ndarray, plant: tuple[float, float, float], noise: float, walk: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard deviation (n,) of the force, given all readings but the first, whose state is the prior."""
-    m, b, k = plant
-    h, n = float(time[1] - time[0]), time.size
-    step = expm(h * np.array([[0.0, 1.0, 0.0], [-k / m, -b / m, -1.0 / m], [0.0, 0.0, 0.0]]))
-    noise_in = walk * np.array([
-        [h**5 / (20 * m * m), h**4 / (8 * m * m), -(h**3) / (6 * m)],
-        [h**4 / (8 * m * m), h**3 / (3 * m * m), -(h**2) / (2 * m)],
-        [-(h**3) / (6 * m), -(h**2) / (2 * m), h],
-    ])  # fmt: skip
-    reach = float(np.ptp(readings))
-    variance = max(noise, 1e-9 * reach) ** 2
-    first = np.diag([variance, max(reach / h, 1e-12) ** 2 * 1e-2, max(k * reach, m * reach) ** 2 + walk])
-    covariance = np.zeros((3 * n, 3 * n))
-    covariance[:3, :3] = first
-    for i in range(1, n):
-        here, before = slice(3 * i, 3 * i + 3), slice(3 * i - 3, 3 * i)
-        covariance[here, : 3 * i] = step @ covariance[before, : 3 * i]
-        covariance[: 3 * i, here] = covariance[here, : 3 * i].T
-        covariance[here, here] = step @ covariance[before, before] @ step.T + noise_in
-    mean = np.zeros(3 * n)
-    mean[0] = readings[0]
-    for i in range(1, n):
-        mean[3 * i : 3 * i + 3] = step @ mean[3 * i - 3 : 3 * i]
-    seen, force = np.arange(3, 3 * n, 3), np.arange(2, 3 * n, 3)
-    inner = covariance[np.ix_(seen, seen)] + variance * np.eye(n - 1)
-    gain = np.linalg.solve(inner, covariance[np.ix_(seen, force)]).T
-    after = covariance[np.ix_(force, force)] - gain @ covariance[np.ix_(seen, force)]
-    return mean[force] + gain @ (readings[1:] - mean[seen]), np.sqrt(np.diag(after))
+def test_a_smooth_error_of_the_sensor_is_no_force() -> None:
+    """As a force it would take m ω² e: a multiple of all forces that act."""
+    record, _ = made(1e-6)
+    error = wandering(record, 2e-4, 40.0)
+    read = Record(record.time, record.position + error, record.force_time, record.force)
+    found = lacking_force(read, -error, PLANT, 1e-6)
+    plain = missing_force(read, PLANT, 1e-6)
+    assert np.sqrt(np.mean(found.force**2 + found.std**2)) < 0.3, "of 8 N that act"
+    assert plain.size > 4.0, "without a sensor that errs the same readings ask for it"
+
+
+def test_a_lacking_force_stays_one_where_the_sensor_may_err() -> None:
+    record, truth = made(5e-6, effects={"coulomb_friction": {"coulomb_force": 0.3}})
+    clean, _ = made(0.0)
+    found = lacking_force(record, clean.position - record.position, PLANT, 5e-6)
+    fast = np.abs(truth.motion.velocity) > 0.1
+    assert np.median(found.force[fast] * np.sign(truth.motion.velocity[fast])) == pytest.approx(0.3, rel=0.15)
+
+
+def test_the_equivalent_plant_is_the_linear_force_next_to_what_acts() -> None:
+    """A spring and a damper that the model does not know, of a plant without either."""
+    record, _ = made(1e-6)
+    bare = missing_force(record, (PLANT[0], 0.0, 0.0), 1e-6)
+    assert equivalent(bare) == pytest.approx(PLANT[1:], rel=0.02)
