@@ -16,6 +16,7 @@ from typing import TypeVar
 
 from msd_ident import parallel
 from msd_ident.estimate.effort import KEPT, LOOK
+from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.ripple_regression import found_in
@@ -99,6 +100,8 @@ class Search:
             explain = [leader.causes, *self._explaining()]
             self._fit([other for causes in explain for other in self.neighbours.reformed(causes)], 0.35, 0.36)
             leader = self._leader()
+        if self.carries_nothing:
+            return self.ranking()
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
@@ -169,8 +172,15 @@ class Search:
         plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
         return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]
 
+    @property
+    def carries_nothing(self) -> bool:
+        """Whether no set explains even half of the motion: such a record is refused (``estimate.explained``)."""
+        return min(fitted.chi for fitted in self.sets.values()) > (1.0 - LEAST) * self.experiment.motion
+
     def _walk(self) -> Ranking:
         """Move to the best neighbouring set until no neighbour has more evidence."""
+        if self.carries_nothing:
+            return self.ranking()
         for turn in range(LOOK):
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:

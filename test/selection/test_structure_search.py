@@ -65,6 +65,24 @@ def test_a_play_that_stops_imitate_is_begun_where_the_stops_stand() -> None:
     assert np.isclose(found.best.model["backlash_half_width"], 1e-3, rtol=0.01)
 
 
+def test_a_motion_that_no_law_carries_is_not_searched_for_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is refused whatever they find: a hand moved the cart, or the force is another quantity."""
+    data = steps()
+    for part_left, largest in ((0.4, 2), (0.6, 1)):
+        asked: list[frozenset[str]] = []
+
+        def fit_new(
+            search: Search, new: Sequence[frozenset[str]], *_: float, asked: list[frozenset[str]] = asked
+        ) -> None:
+            asked += new
+
+        monkeypatch.setattr(Search, "_fit_new", fit_new)
+        search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+        base = fitted(data, BASE, part_left * data.motion)
+        search.run(base, [fitted(data, BASE + CoulombFriction(0.1), 0.99 * base.chi)])
+        assert max(map(len, asked)) == largest
+
+
 def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_tried_too() -> None:
     data = steps()
     play, bent = BASE + Backlash(1e-3), BASE + CubicSpring(1e6)
