@@ -163,6 +163,8 @@ def _times(
     even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
     if even is not None:
         evidence = "the stamps stay within one rounding of even ones"
+        if not even.straight:
+            evidence = "no interval is longer than the period rounded up"
         if even.counted and chosen.counter is not None:
             evidence = f"{table.header[chosen.counter]} numbers the samples"
         notes.append(

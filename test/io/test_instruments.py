@@ -16,6 +16,7 @@ from msd_ident.data.quality import check, missing_samples
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import SourceOptions, describe, read, read_all
+from msd_ident.io.even_stamps import rebuilt
 
 T = np.arange(300) * 0.01
 X = np.exp(-T) * np.cos(12.0 * T)
@@ -157,6 +158,35 @@ def test_a_counter_shows_a_clock_that_drifts(tmp_path: Path) -> None:
     assert missing_samples(record) == 0
     np.testing.assert_allclose(record.time, time - time[0], atol=6e-4)
     assert np.median(np.diff(record.time)[:2500]) == pytest.approx(1.1270e-3, rel=3e-4)
+
+
+def drifting(period: float, lost: tuple[int, ...] = ()) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Stamps [s] with three decimals of 10 000 samples, less the lost ones; the clock drifts by 3 ms."""
+    number = np.arange(10_000)
+    return np.round(np.delete(period * number + 3e-3 * np.sin(np.pi * number / number[-1]), lost), 3)
+
+
+def of_stamps(path: Path, time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Record:
+    return of(path, ["time_s,position_m", *(f"{t:.3f},{math.sin(20.0 * t):.6f}" for t in time)])
+
+
+def test_a_clock_that_drifts_is_no_lost_message(tmp_path: Path) -> None:
+    record = of_stamps(tmp_path / "x.csv", drifting(1.128e-3))
+    assert missing_samples(record) == 0 and np.std(np.diff(record.time)) < 1e-5
+    assert not [finding for finding in check(record) if finding.code in ("missing_samples", "jitter")]
+    assert any("no interval is longer than the period rounded up" in note for note in record.notes)
+
+
+def test_a_lost_sample_of_a_clock_that_drifts_is_found(tmp_path: Path) -> None:
+    record = of_stamps(tmp_path / "x.csv", drifting(1.128e-3, lost=(5003,)))
+    assert not [note for note in record.notes if "rebuilt" in note]
+    assert "missing_samples" in [finding.code for finding in check(record)]
+
+
+@pytest.mark.parametrize("period", [1.00e-3, 1.03e-3, 1.128e-3, 1.3333e-3, 1.5e-3, 1.9e-3, 3.33e-3])
+def test_stamps_with_a_lost_sample_are_never_rebuilt(period: float) -> None:
+    for lost in range(300, 9700, 501):
+        assert rebuilt(drifting(period, lost=(lost, 9800))) is None
 
 
 def mat(path: Path, **variables: object) -> Path:
