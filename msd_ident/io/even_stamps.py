@@ -3,7 +3,7 @@
 A data logger samples at a fixed rate and writes the time with three decimals. At 887 Hz the intervals are then 1 ms and
 2 ms, and look like lost samples. What shows the truth is a counter column, or stamps that stay within one rounding of a
 straight line over the whole record: no lost sample and no jitter could do that. Where the clock drifts, the stamps stay
-within one rounding of their own running straight line. That none is lost, a counter shows, or that no interval is longer
+within one rounding of their own running straight line. A counter shows that none is lost, or that no interval is longer
 than the period rounded up: behind a lost sample the stamps would be a whole period off that line.
 """
 
