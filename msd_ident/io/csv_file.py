@@ -248,13 +248,14 @@ def _short(column: str) -> tuple[str, ...]:
 
 
 def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
-    """Unit and factor that a heading says; those that the user gave where it names something else."""
+    """Unit and factor that a heading says; the user's unit, where one is given, whatever the heading names."""
     try:
-        return of(column)
+        unit, factor = of(column)
     except DataError:
         if given:
             return given, 1.0
         raise
+    return given or unit, factor
 
 
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -112,6 +112,12 @@ def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:
     assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
 
 
+def test_a_free_decay_of_a_joint_without_a_header_is_in_newton_metres(tmp_path: Path) -> None:
+    bare = table().split("\n", 1)[1]
+    record = read_text(tmp_path, bare, time="1", force="none", position="3", position_unit="rad")
+    assert (record.force_unit, record.position_unit) == ("N·m", "rad")
+
+
 def test_time_that_does_not_begin_at_zero(tmp_path: Path) -> None:
     record = read_text(tmp_path, table(rows=[(t + 1000.5, f, x) for t, f, x in ROWS]))
     assert record.time[0] == record.force_time[0] == 0.0
