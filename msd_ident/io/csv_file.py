@@ -62,7 +62,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     t_x, x = _samples(time, position)
     x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
     if chosen.force is None:
-        f_unit, t_f, f = "N·m" if x_unit == "rad" else "N", time[:1], np.zeros(1)
+        f_unit, t_f, f = units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:
         f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
         t_f, f = _samples(time, read[chosen.force][there])

@@ -107,6 +107,11 @@ def test_joints_are_found_by_name_in_every_message(tmp_path: Path) -> None:
     assert record.notes[0] == "/joint_states: 300 of 600 messages hold no position[elbow]."
 
 
+def test_a_free_decay_of_a_joint_is_in_newton_metres(tmp_path: Path) -> None:
+    options = SourceOptions("none", "/joint_states:position[elbow]", position_unit="rad")
+    assert read(make_bag(tmp_path / "bag", robot()), options).force_unit == "N·m"
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
