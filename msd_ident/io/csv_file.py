@@ -236,6 +236,8 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return folded.index(wanted.lower())
     elif len(alike := [i for i, column in enumerate(header) if wanted.lower() in _short(column)]) == 1:
         return alike[0]
+    elif wanted.isdecimal() and 0 < int(wanted) <= len(header):
+        return int(wanted) - 1
     else:
         problem = f"{name} has no column {wanted}"
     raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")

@@ -157,7 +157,7 @@ class Table:
             position = end + 1
             if line.startswith(_COMMENTS):
                 comment = "" if texts else line.lstrip("".join(_COMMENTS)).strip()
-            elif line and _holds_numbers(line, texts[-1] if texts else ""):
+            elif line and _holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
                 header = _with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
             elif line:
@@ -185,17 +185,45 @@ class Table:
         return names
 
     def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
+        numbers = [first, *_contents(rest)]
+        if _is_one_column(header, first):
+            heading = _heading(header)
+            names = heading if header and len(heading) == 1 else ("1",)  # several cells are a title
+            return Layout(names, first_at, None, decimal_comma=any("," in line for line in numbers))
         separator = _separator(header or first)
-        numbers = [line for line in (first, *rest.split("\n")) if not line.lstrip().startswith(_COMMENTS)]
         comma = separator != "," and any("," in line for line in numbers)
         return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
 
 
-def _holds_numbers(line: str, header: str) -> bool:
-    """Whether a line belongs to the numbers: it begins with one, or has one and as many cells as the header above."""
-    cells = _cells(line)
+def _holds_numbers(line: str, header: str, rest: str) -> bool:
+    """Whether a line belongs to the numbers.
+
+    It begins with one, or has one and as many cells as the header above. A number alone is a column where the rest has
+    one cell a line too; several above such a column are settings.
+    """
+    cells, below = _cells(line), _contents(rest)
     found = [_is_number(cell) for cell in cells if cell]
-    return len(cells) > 1 and any(found) and (found[0] or len(cells) == len(_cells(header)))
+    single = [_cells(one) for one in below]
+    if len(cells) == 1:
+        return any(found) and all(len(one) == 1 for one in single)
+    if len(single) > 1 and all(len(one) == 1 and _is_number(one[0]) for one in single):
+        return False
+    return any(found) and (found[0] or len(cells) == len(_cells(header)))
+
+
+def _contents(text: str) -> list[str]:
+    """Lines of a text that are neither empty nor comments."""
+    return [line for line in text.split("\n") if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+
+
+def _is_one_column(header: str, first: str) -> bool:
+    """Whether the numbers that begin with the line ``first`` are one column; a comma may be its decimal mark."""
+    return len(_cells(first)) == 1 or (bool(header) and len(_heading(header)) == 1 and _is_number(first))
+
+
+def _heading(header: str) -> tuple[str, ...]:
+    """Cells of a header, in which white space is part of a name."""
+    return _cells(header) if _separator(header) is not None else (header.strip().strip('"'),)
 
 
 def _with_units(texts: Sequence[str]) -> str:
