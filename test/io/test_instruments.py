@@ -38,12 +38,12 @@ def ecp(path: Path) -> Path:
     return write(path, [" Sample   Time     Encoder 1 Pos   Control Effort", "", *rows])
 
 
-def side_by_side(path: Path) -> Path:
-    """Two runs of different length, each with its own times, and decimal commas."""
+def side_by_side(path: Path, padding: str = "") -> Path:
+    """Two runs of different length, each with its own times, and decimal commas; the shorter is padded."""
     head = ";".join(f'"{name} Run #{n}"' for n in (1, 2) for name in ("Time (s)", "Angle, Ch 1+2 (rad)", "Force (N)"))
     rows = []
     for i, (t, x) in enumerate(zip(T, X, strict=True)):
-        second = [comma(t), comma(2.0 * x), "0,5"] if i < 200 else ["", "", ""]
+        second = [comma(t), comma(2.0 * x), "0,5"] if i < 200 else [padding] * 3
         rows.append(";".join([comma(t), comma(x), "0", *second]))
     return write(path, ["\ufeff" + head, *rows])
 
@@ -74,6 +74,21 @@ def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
     np.testing.assert_allclose(second.position, 2.0 * X[:200], atol=1e-4)
     both = read_all(path, SourceOptions("Force", "Angle, Ch 1+2", run="all"))
     assert [(record.samples, float(record.force[0])) for record in both] == [(300, 0.0), (200, 0.5)]
+
+
+@pytest.mark.parametrize("word", ["NA", "NaN", "nan", "N/A", "#N/A", '"NA"'])
+def test_a_shorter_run_may_be_padded_with_a_word(word: str, tmp_path: Path) -> None:
+    path = side_by_side(tmp_path / "runs.csv", word)
+    assert read(path, SourceOptions("Force", "Angle, Ch 1+2", run="2")).samples == 200
+    assert read(path, SourceOptions("Force", "Angle, Ch 1+2", run="1")).samples == 300
+
+
+@pytest.mark.parametrize("word", ["NA", "#N/A"])
+def test_a_missing_number_in_the_middle_is_refused(word: str, tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    rows[40], rows[41] = f"{T[40]:.2f},{word}", f"{T[41]:.2f},{word}"
+    with pytest.raises(DataError, match="line 42, column position_m holds 'NA'; expected a finite number, as line 44 "):
+        read(write(tmp_path / "x.csv", ["time_s,position_m", *rows]), SourceOptions("none"))
 
 
 def test_every_run_gets_its_result_on_the_command_line(tmp_path: Path) -> None:
