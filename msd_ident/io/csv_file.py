@@ -13,7 +13,7 @@ import numpy.typing as npt
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
 from msd_ident.errors import DataError, UsageError
-from msd_ident.io import even_stamps, runs, units
+from msd_ident.io import constant_force, even_stamps, runs, units
 from msd_ident.io.columns import Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
@@ -62,11 +62,13 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     t_x, x = _samples(time, position)
     x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
     if chosen.force is None:
-        f_unit, t_f, f = units.of_no_force(x_unit), time[:1], np.zeros(1)
+        f_unit, t_f, f = options.force_unit or units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:
         f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
         t_f, f = _samples(time, read[chosen.force][there])
         f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
+        f_unit = options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m"))
+        notes += constant_force.notes(f"column {table.header[chosen.force]}", f, f_unit, x)
     return from_seconds(
         t_x,
         x,
@@ -74,7 +76,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         f,
         hold=options.record_hold,
         hold_known=options.hold != "auto" or chosen.force is None,
-        force_unit=options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m")),
+        force_unit=f_unit,
         position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
         name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),

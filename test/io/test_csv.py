@@ -112,6 +112,18 @@ def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:
     assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
 
 
+@pytest.mark.parametrize("value", [0.0, 1.5])
+def test_a_force_column_that_never_changes_is_named(tmp_path: Path, value: float) -> None:
+    rows = [(t, value, x) for t, _, x in ROWS]
+    record = read_text(tmp_path, table(header="time_s,duty_cycle_v,position_m", rows=rows), force="duty_cycle_v")
+    assert record.notes == (
+        f"column duty_cycle_v is {value:g} V in all 40 samples while the cart moves: check that it is the force "
+        "(--force NAME), or give --force none if nothing drives the cart.",
+    )
+    assert read_text(tmp_path, table(rows=rows), force="none").notes == ()
+    assert read_text(tmp_path, table()).notes == ()
+
+
 @pytest.mark.parametrize(
     ("head", "mark"),
     [
