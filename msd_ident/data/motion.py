@@ -39,7 +39,7 @@ class Motion:
         early: time by which the motion begins before the force first changes [s]; NaN when that cannot be said,
             as when the record does not begin at rest and without force.
         late: time by which it begins after a force step [s]; NaN likewise.
-        held: number of samples for which the readings repeat themselves between jumps.
+        held: number of samples for which the readings repeat themselves between jumps, where most of them do; else 0.
         held_size: typical number of equal readings there.
         standstills: stretches of equal readings, entered at speed.
     """
@@ -158,15 +158,22 @@ def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple
 
 
 def _held(position: FloatArray, step: float) -> tuple[int, int]:
-    """Samples in short stretches of equal readings between jumps of many encoder steps, and their usual length."""
+    """Samples in short stretches of equal readings between jumps of many encoder steps, and their usual length.
+
+    Both are 0 unless most of the stretches hold a reading: an encoder that is read seldom repeats all of them, while
+    noise, rounding and a lost reading repeat one now and then.
+    """
     moves = np.flatnonzero(np.diff(position))
     size = np.diff(moves)
     jump = np.diff(position)[moves]
     # Where the cart turns around, two readings may be equal by symmetry.
     onward = jump[:-1] * jump[1:] > 0
     big = onward & (np.minimum(np.abs(jump[:-1]), np.abs(jump[1:])) >= 5 * step)
-    held = size[big & (size > 1) & (size <= 20)]
-    return (int(np.sum(held)), int(np.median(held))) if held.size >= 10 else (0, 0)
+    short = size[big & (size <= 20)]
+    held = short[short > 1]
+    if held.size < 10 or 2 * held.size <= short.size:
+        return 0, 0
+    return int(np.sum(held)), int(np.median(short))
 
 
 def _standstills(position: FloatArray, step: float) -> tuple[Standstill, ...]:

@@ -31,13 +31,14 @@ def explained_variance(residuals: Sequence[FloatArray], records: Sequence[Record
     return 1.0 - left / moved
 
 
-def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str) -> None:
+def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str, doubts: Sequence[str] = ()) -> None:
     """Refuse records that no mass-spring-damper model carries.
 
     Args:
         residuals: of the best model that was found, one (n,) for each record.
         records: what it was fitted to.
         model: what the model holds, in words.
+        doubts: sentences on the units of the data, which the reader of a refusal sees nowhere else.
 
     Raises:
         DataError: it explains less than half of the position's variance.
@@ -48,4 +49,5 @@ def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str
             f"{model} explain {100.0 * max(share, 0.0):.0f} % of the position's variance; expected more than "
             f"{100.0 * LEAST:.0f} %, as else their values mean nothing: a hand may have moved the cart, or the "
             "force be another quantity; check --force, or leave that part out with --start or --end"
+            + "".join(f"; also, {doubt}" for doubt in doubts)
         )

@@ -42,6 +42,7 @@ class _Free:
         first: sample that the first entry stands for.
         period: of the oscillation, in samples.
         energy: (n,) squared amplitude [position unit²] that the state would swing with.
+        away: (n,) distance from the spring's zero [position unit].
         departure: (n,) force beyond the law, as the shift of the spring's zero that it makes [position unit].
         swing: amplitude at the first sure turning point [position unit].
         scatter: robust standard deviation of ``departure`` in the decay [position unit].
@@ -51,6 +52,7 @@ class _Free:
     first: int
     period: float
     energy: FloatArray
+    away: FloatArray
     departure: FloatArray
     swing: float
     scatter: float
@@ -114,8 +116,13 @@ def _stretches(side: FloatArray) -> list[tuple[int, int]]:
 def _is_hand(free: _Free, begin: int, end: int, most: int) -> bool:
     """Whether a stretch of departure is a hand's: it gives energy to a cart that had little, or holds one that has it.
 
-    Friction that the law does not know takes the energy away instead, and a reading that is off is soon over.
+    Friction that the law does not know takes the energy away instead, and a reading that is off is soon over. A stretch
+    that the record begins with may have begun long before: there its length and its first energy tell nothing, but that
+    the cart is carried outward and gains energy. A spring that is stiffer than the law gives energy on the way inward.
     """
+    carried = free.away[end - 1] - free.away[begin] > _BEYOND * free.scatter
+    if begin == 0 and carried and free.energy[end - 1] > free.energy[begin]:
+        return True
     given = free.energy[begin] < 0.5 * free.energy[most]
     held = end - begin >= _LASTS * free.period and free.energy[end - 1] > 0.5 * free.energy[begin]
     return bool(given or held)
@@ -139,6 +146,7 @@ def _free(time: FloatArray, position: FloatArray, half: int, turns: tuple[Extrem
         first=half,
         period=2.0 * math.pi / math.sqrt(square) / float(time[1] - time[0]),
         energy=(x - middle) ** 2 + v**2 / square,
+        away=np.abs(x - middle),
         departure=departure,
         swing=abs(turns[1].value - middle),
         scatter=MAD * float(np.median(later)),

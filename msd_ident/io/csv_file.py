@@ -13,7 +13,7 @@ import numpy.typing as npt
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
 from msd_ident.errors import DataError, UsageError
-from msd_ident.io import even_stamps, runs, units
+from msd_ident.io import constant_force, even_stamps, runs, units
 from msd_ident.io.columns import Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
@@ -62,11 +62,13 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     t_x, x = _samples(time, position)
     x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
     if chosen.force is None:
-        f_unit, t_f, f = "N·m" if x_unit == "rad" else "N", time[:1], np.zeros(1)
+        f_unit, t_f, f = options.force_unit or units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:
         f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
         t_f, f = _samples(time, read[chosen.force][there])
         f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
+        f_unit = options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m"))
+        notes += constant_force.notes(f"column {table.header[chosen.force]}", f, f_unit, x)
     return from_seconds(
         t_x,
         x,
@@ -74,7 +76,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         f,
         hold=options.record_hold,
         hold_known=options.hold != "auto" or chosen.force is None,
-        force_unit=options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m")),
+        force_unit=f_unit,
         position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
         name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),
@@ -163,6 +165,8 @@ def _times(
     even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
     if even is not None:
         evidence = "the stamps stay within one rounding of even ones"
+        if not even.straight:
+            evidence = "no interval is longer than the period rounded up"
         if even.counted and chosen.counter is not None:
             evidence = f"{table.header[chosen.counter]} numbers the samples"
         notes.append(
@@ -234,6 +238,8 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return folded.index(wanted.lower())
     elif len(alike := [i for i, column in enumerate(header) if wanted.lower() in _short(column)]) == 1:
         return alike[0]
+    elif wanted.isdecimal() and 0 < int(wanted) <= len(header):
+        return int(wanted) - 1
     else:
         problem = f"{name} has no column {wanted}"
     raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")
@@ -246,13 +252,14 @@ def _short(column: str) -> tuple[str, ...]:
 
 
 def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
-    """Unit and factor that a heading says; those that the user gave where it names something else."""
+    """Unit and factor that a heading says; the user's unit, where one is given, whatever the heading names."""
     try:
-        return of(column)
+        unit, factor = of(column)
     except DataError:
         if given:
             return given, 1.0
         raise
+    return given or unit, factor
 
 
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -25,6 +25,10 @@ from msd_ident.io import units
 MOST_MEGABYTES = 500
 _SEPARATORS = (";", "\t", ",")
 _COMMENTS = ("#", "%", "//")
+#: What programs write for a missing number, in lower case. Below the last number of a column it is padding.
+_MISSING = {"na", "nan", "n/a"}
+#: The same word of spreadsheets, which begins like a comment.
+_HASHED = re.compile("#N/A", re.IGNORECASE)
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
 _AHEAD = 2000
 #: A matrix in MATLAB's notation: brackets around the numbers, a semicolon at the end of each line.
@@ -73,7 +77,7 @@ class Table:
         return len(self._body().splitlines())
 
     def columns(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
-        """The columns as numbers, each (n,); NaN in empty cells.
+        """The columns as numbers, each (n,); NaN in empty cells, and in ``NA`` below the last number of a column.
 
         Raises:
             DataError: a line that has too few or too many cells, or a cell that is no number, with its number.
@@ -109,8 +113,9 @@ class Table:
     def _line_by_line(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         width = len(self.layout.header)
         rows: list[list[float]] = []
+        missing: dict[int, tuple[int, str]] = {}  # by column: line and text of the first cell that says so
         for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
-            text = line.partition("#")[0].strip(" \r")
+            text = _HASHED.sub("NA", line).partition("#")[0].strip(" \r")
             if not text.strip() or text.lstrip().startswith(_COMMENTS):
                 continue
             cells = text.split(self.layout.separator)
@@ -118,7 +123,7 @@ class Table:
                 cells.pop()  # a separator at the end of each line
             if len(cells) != width:
                 raise self._ragged(number, len(cells))
-            rows.append([self._number(cells[index], number, index) for index in indices])
+            rows.append([self._number(cells[index], number, index, missing) for index in indices])
         if not rows:
             raise DataError(f"{self._path} has a header and no numbers; expected at least one line of them")
         return tuple(np.array(column, dtype=np.float64) for column in zip(*rows, strict=True))
@@ -131,20 +136,29 @@ class Table:
             f"{self._path} line {line} has {cells} cells; expected {width} as in the header ({names}): {advice}"
         )
 
-    def _number(self, cell: str, line: int, index: int) -> float:
+    def _number(self, cell: str, line: int, index: int, missing: dict[int, tuple[int, str]]) -> float:
         text = cell.strip().strip('"')
+        if text.lower() in _MISSING:
+            missing.setdefault(index, (line, text))
+            return math.nan
         if not text:
             return math.nan
+        if index in missing:  # there is a number below it: it is no padding
+            above, word = missing[index]
+            raise self._no_number(above, word, index, f"a finite number, as line {line} below has one")
         try:
             value = float(text)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise DataError(
-                f"{self._path} line {line}, column {self.layout.header[index]} holds {text[:40]!r}; expected a finite "
-                "number: repair or remove that line"
-            )
+            raise self._no_number(line, text, index)
         return value
+
+    def _no_number(self, line: int, text: str, index: int, expected: str = "a finite number") -> DataError:
+        return DataError(
+            f"{self._path} line {line}, column {self.layout.header[index]} holds {text[:40]!r}; expected {expected}: "
+            "repair or remove that line"
+        )
 
     def _find_layout(self) -> Layout:
         """Read the header, which is the last text before the numbers, and the first line of numbers."""
@@ -157,7 +171,7 @@ class Table:
             position = end + 1
             if line.startswith(_COMMENTS):
                 comment = "" if texts else line.lstrip("".join(_COMMENTS)).strip()
-            elif line and _holds_numbers(line, texts[-1] if texts else ""):
+            elif line and _holds_numbers(line, texts[-1] if texts else "", self._text[position : position + _AHEAD]):
                 header = _with_units(texts) if texts else comment  # numpy.savetxt comments its header
                 return self._layout(header, line, number, self._text[position : position + _AHEAD])
             elif line:
@@ -185,17 +199,45 @@ class Table:
         return names
 
     def _layout(self, header: str, first: str, first_at: int, rest: str) -> Layout:
+        numbers = [first, *_contents(rest)]
+        if _is_one_column(header, first):
+            heading = _heading(header)
+            names = heading if header and len(heading) == 1 else ("1",)  # several cells are a title
+            return Layout(names, first_at, None, decimal_comma=any("," in line for line in numbers))
         separator = _separator(header or first)
-        numbers = [line for line in (first, *rest.split("\n")) if not line.lstrip().startswith(_COMMENTS)]
         comma = separator != "," and any("," in line for line in numbers)
         return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
 
 
-def _holds_numbers(line: str, header: str) -> bool:
-    """Whether a line belongs to the numbers: it begins with one, or has one and as many cells as the header above."""
-    cells = _cells(line)
+def _holds_numbers(line: str, header: str, rest: str) -> bool:
+    """Whether a line belongs to the numbers.
+
+    It begins with one, or has one and as many cells as the header above. A number alone is a column where the rest has
+    one cell a line too; several above such a column are settings.
+    """
+    cells, below = _cells(line), _contents(rest)
     found = [_is_number(cell) for cell in cells if cell]
-    return len(cells) > 1 and any(found) and (found[0] or len(cells) == len(_cells(header)))
+    single = [_cells(one) for one in below]
+    if len(cells) == 1:
+        return any(found) and all(len(one) == 1 for one in single)
+    if len(single) > 1 and all(len(one) == 1 and _is_number(one[0]) for one in single):
+        return False
+    return any(found) and (found[0] or len(cells) == len(_cells(header)))
+
+
+def _contents(text: str) -> list[str]:
+    """Lines of a text that are neither empty nor comments."""
+    return [line for line in text.split("\n") if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+
+
+def _is_one_column(header: str, first: str) -> bool:
+    """Whether the numbers that begin with the line ``first`` are one column; a comma may be its decimal mark."""
+    return len(_cells(first)) == 1 or (bool(header) and len(_heading(header)) == 1 and _is_number(first))
+
+
+def _heading(header: str) -> tuple[str, ...]:
+    """Cells of a header, in which white space is part of a name."""
+    return _cells(header) if _separator(header) is not None else (header.strip().strip('"'),)
 
 
 def _with_units(texts: Sequence[str]) -> str:

@@ -2,12 +2,14 @@
 
 A data logger samples at a fixed rate and writes the time with three decimals. At 887 Hz the intervals are then 1 ms and
 2 ms, and look like lost samples. What shows the truth is a counter column, or stamps that stay within one rounding of a
-straight line over the whole record: no lost sample and no jitter could do that. A counter also shows a clock that
-drifts: then the stamps stay within one rounding of their own running straight line.
+straight line over the whole record: no lost sample and no jitter could do that. Where the clock drifts, the stamps stay
+within one rounding of their own running straight line. A counter shows that none is lost, or that no interval is longer
+than the period rounded up: behind a lost sample the stamps would be a whole period off that line.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,12 +39,14 @@ class Rebuilt:
         tick: what the stamps were rounded to.
         period: mean interval between samples.
         counted: whether a counter is the evidence.
+        straight: whether the stamps stay within one rounding of one straight line; else the clock drifts.
     """
 
     time: FloatArray
     tick: float
     period: float
     counted: bool
+    straight: bool = True
 
 
 def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | None:
@@ -68,8 +72,9 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
     off = time - line
     if period <= 0.0 or float(np.max(np.abs(off))) < 1e-3 * tick:
         return None
-    if float(np.ptp(off)) > _SPAN * tick:
-        if not counted or time.size < _RUNNING:
+    straight = float(np.ptp(off)) <= _SPAN * tick
+    if not straight:
+        if time.size < _RUNNING or not (counted or _none_lost(time, period / tick, tick)):
             return None
         from scipy.signal import savgol_filter  # imported here: it takes a quarter of a second
 
@@ -78,7 +83,19 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
         if float(np.ptp(off - running)) > _BENT_SPAN * tick or float(np.max(np.abs(drift))) > _DRIFT:
             return None
         line = line + running
-    return Rebuilt(line, tick, float(period), counted)
+    return Rebuilt(line, tick, float(period), counted, straight)
+
+
+def _none_lost(time: FloatArray, period: float, tick: float) -> bool:
+    """Whether all intervals of stamps (n,) are the period [ticks] rounded down or up, and a lost sample would be seen.
+
+    It moves all later stamps by a period. That is seen where the rounding goes through all its phases on both sides of
+    it; with a period of a whole number of ticks, an interval that is one tick longer may be a lost sample.
+    """
+    intervals = np.rint(np.diff(time) / tick)
+    phase = abs(period - round(period))
+    seen = period > 1.0 and phase * (_RUNNING // 2) >= 1.0
+    return bool(seen and np.min(intervals) >= math.floor(period) and np.max(intervals) <= math.ceil(period))
 
 
 def _counts(counter: FloatArray) -> bool:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from msd_ident.data.record import FloatArray, Origin, Record
 from msd_ident.data.streams import batch_stamps, from_stamps
 from msd_ident.errors import DataError
+from msd_ident.io import constant_force, units
 from msd_ident.io.bag import Bag, open_bag
 from msd_ident.io.decode import Decoder
 from msd_ident.io.message_fields import joint_names
@@ -177,14 +178,20 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, on_progress: 
     ns_x, x = signals[0].samples()
     ns_f, f = signals[1].samples() if force is not None else (ns_x.min(keepdims=True), np.zeros(1))
     notes = [note for signal in signals for note in signal.notes]
+    position_unit = options.position_unit or bag.custom_data.get(POSITION_UNIT, "m")
+    plain = "N" if force is not None else units.of_no_force(position_unit)
+    force_unit = options.force_unit or bag.custom_data.get(FORCE_UNIT, plain)
+    f = f * _factor(options.force_scale)
+    if force is not None:
+        notes += constant_force.notes(force.label, f, force_unit, x)
     return from_stamps(
         ns_x,
         x * _factor(options.position_scale),
         ns_f,
-        f * _factor(options.force_scale),
+        f,
         hold=options.record_hold,
-        force_unit=options.force_unit or bag.custom_data.get(FORCE_UNIT, "N"),
-        position_unit=options.position_unit or bag.custom_data.get(POSITION_UNIT, "m"),
+        force_unit=force_unit,
+        position_unit=position_unit,
         name=_name(Path(path)),
         notes=(*bag.notes, *notes),
         origins=tuple(signal.origin for signal in signals),

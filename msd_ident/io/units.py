@@ -62,6 +62,11 @@ def position_unit(column: str) -> tuple[str, float]:
     return _looked_up(column, _LENGTH, ("m", 1.0), "a length, an angle or counts", "position")
 
 
+def of_no_force(position: str) -> str:
+    """Unit of the forces of a free decay, whose position has this unit: a joint's are torques."""
+    return "N·m" if position == "rad" else "N"
+
+
 def time_factor(column: str) -> float:
     """Factor from the numbers of a time column to seconds."""
     return _TIME.get(unit(column)[0], 1.0)

@@ -81,7 +81,7 @@ def identify(
     sprung, decided = has_spring(used, options, form)
     progress("fitting all parameters", 0.3)
     joint, shifted = _joint(used, sprung, form, options)
-    explained.check(joint.residuals, used, "mass, damping, stiffness and dry friction")
+    explained.check(joint.residuals, used, "mass, damping, stiffness and dry friction", data.doubtful_units)
     progress("the linear model", 0.6)
     two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
     original = _original(used, two_peaks or form, joint, options)

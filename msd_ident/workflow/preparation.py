@@ -19,6 +19,8 @@ from msd_ident.workflow import force_hold
 
 #: What quality finds where nothing happens in a record.
 _NOTHING = {"constant_position", "no_excitation"}
+#: What quality finds where a unit is doubtful.
+_UNITS = {"wrong_unit", "wrong_time_unit"}
 #: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
 _HELD = 0.1
 
@@ -50,6 +52,11 @@ class Prepared:
     warnings: tuple[str, ...]
     rest_before: tuple[Record | None, ...]
     turned: bool = False
+
+    @property
+    def doubtful_units(self) -> tuple[str, ...]:
+        """Sentences of the findings on units that are wrong by a factor of 1000."""
+        return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
 
 
 def prepared(records: Sequence[Record]) -> Prepared:

@@ -249,6 +249,28 @@ def test_an_encoder_that_is_read_too_seldom_is_told() -> None:
     assert "only every 10 samples (10 ms)" in finding.sentence
 
 
+def test_an_encoder_that_is_read_at_half_the_rate_is_told() -> None:
+    record = uneven(np.zeros(4000, dtype=bool))
+    finding = only(replace(record, position=np.repeat(record.position[::2], 2)))
+    assert finding.code == "held_samples"
+    assert "only every 2 samples (2 ms)" in finding.sentence
+
+
+@pytest.mark.parametrize("share", [0.03, 0.06, 0.2])
+def test_readings_that_repeat_now_and_then_are_no_encoder_that_is_read_too_seldom(share: float) -> None:
+    record = uneven(np.random.default_rng(4).random(4000) < share)
+    assert np.mean(np.diff(record.position) == 0.0) > 0.5 * share
+    assert "held_samples" not in [finding.code for finding in check(record)]
+
+
+def uneven(repeated: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Record:
+    """A free decay of 4 s at 1 kHz, read without steps, in which the marked (4000,) readings repeat the one before."""
+    time = 1e-3 * np.arange(4000)
+    position = 0.05 * np.exp(-0.3 * time) * np.cos(9.0 * time)
+    source = np.maximum.accumulate(np.where(repeated, 0, np.arange(4000)))
+    return Record(time=time, position=position[source], force_time=time[:1], force=np.zeros(1))
+
+
 def test_a_rate_too_low_for_the_motion_is_told() -> None:
     finding = only(experiment(rate=36.0))
     assert finding.code == "low_rate"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -43,6 +44,15 @@ def test_what_a_hand_moved_is_refused_in_one_line(
         pipeline.identify([moved_by_hand(seed)])
     with pytest.raises(DataError, match=f"all causes of the library {end}"):
         pipeline.diagnose([moved_by_hand(seed)])
+
+
+def test_a_refusal_names_a_doubtful_unit_too() -> None:
+    """The whole numbers of a column called Timestamp are milliseconds."""
+    record = moved_by_hand(3)
+    with pytest.raises(
+        DataError, match=r"expected more than 50 %.*; also, the samples lie 10 s apart.*--time-scale 0.0"
+    ):
+        pipeline.identify([replace(record, time=1000.0 * record.time, force_time=1000.0 * record.force_time)])
 
 
 @pytest.mark.long

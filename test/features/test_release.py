@@ -74,6 +74,22 @@ def test_what_is_free_from_the_start_loses_nothing(law: str) -> None:
     assert data.used[0].samples == record.samples and data.rest_before == (None,)
 
 
+@pytest.mark.parametrize("law", [name for name in EFFECTS if name != "end stop"])
+@pytest.mark.parametrize("lead", [0.11, 0.16])
+def test_a_pull_that_the_start_of_the_record_cuts_off_is_left_out(law: str, lead: float) -> None:
+    """Less than a quarter period of it is in the record: a recorder's trigger is often set to the pull."""
+    off = PULLS["quick"][-1][0]
+    (response,) = extract(pulled(PULLS["quick"], EFFECTS[law]).window(off - lead * PERIOD, 9.0)).responses
+    assert off - 0.03 * PERIOD < response.onset < off + 0.16 * PERIOD
+
+
+@pytest.mark.parametrize("law", EFFECTS)
+@pytest.mark.parametrize("phase", [0.1, 0.35, 0.6, 0.7, 0.8, 0.9])
+def test_what_is_free_from_the_start_loses_nothing_at_any_phase(law: str, phase: float) -> None:
+    record = pulled([(1.0, 0.0)], EFFECTS[law], start=0.02).window(phase * PERIOD, 9.0)
+    assert extract(record).responses[0].onset == record.time[0]
+
+
 def test_rest_before_the_pull_is_kept_beside_the_free_motion() -> None:
     """A record of its own: until a period before the cart moved, as friction may have held it against the hand."""
     record = pulled(PULLS["held"], EFFECTS["dry friction"])

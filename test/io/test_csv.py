@@ -112,6 +112,54 @@ def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:
     assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
 
 
+@pytest.mark.parametrize("value", [0.0, 1.5])
+def test_a_force_column_that_never_changes_is_named(tmp_path: Path, value: float) -> None:
+    rows = [(t, value, x) for t, _, x in ROWS]
+    record = read_text(tmp_path, table(header="time_s,duty_cycle_v,position_m", rows=rows), force="duty_cycle_v")
+    assert record.notes == (
+        f"column duty_cycle_v is {value:g} V in all 40 samples while the cart moves: check that it is the force "
+        "(--force NAME), or give --force none if nothing drives the cart.",
+    )
+    assert read_text(tmp_path, table(rows=rows), force="none").notes == ()
+    assert read_text(tmp_path, table()).notes == ()
+
+
+@pytest.mark.parametrize(
+    ("head", "mark"),
+    [
+        ("", "."),
+        ("position\n", "."),
+        ("position\n", ","),
+        ("Position of the cart\n", ","),
+        ('"Angle, Ch 1+2 (m) Run #1"\n', "."),
+        ('"Angle, Ch 1+2 (m) Run #1"\n', ","),
+        ("Decay of Monday\nposition\n(m)\n", ","),
+        ("# position\n", "."),
+        ("Voltage, ChA, Run #1\n", "."),
+        ("start, rate, duration\n90, 1000, 5\n", "."),
+    ],
+)
+def test_a_file_of_one_column_is_read_with_a_rate(tmp_path: Path, head: str, mark: str) -> None:
+    x = 0.1 * np.exp(-0.01 * np.arange(300.0)) * np.cos(0.2 * np.arange(300.0))
+    lines = "".join(f"{value:.6f}\n".replace(".", mark) for value in x)
+    record = read_text(tmp_path, head + lines, rate=200.0, position="1", force="none")
+    np.testing.assert_allclose(record.position, x, atol=1e-6)
+    np.testing.assert_allclose(record.time, np.arange(300) / 200.0, atol=1e-12)
+
+
+def test_a_column_is_found_by_its_place_where_no_heading_is_that_number(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(header="a,b,c"), time="1", force="2", position="3")
+    assert record.position.tolist() == read_text(tmp_path, table()).position.tolist()
+    with pytest.raises(DataError, match="has no column 4; the columns are: a, b, c"):
+        read_text(tmp_path, table(header="a,b,c"), time="1", force="2", position="4")
+
+
+def test_a_free_decay_of_a_joint_without_a_header_is_in_newton_metres(tmp_path: Path) -> None:
+    bare = table().split("\n", 1)[1]
+    record = read_text(tmp_path, bare, time="1", force="none", position="3", position_unit="rad")
+    assert (record.force_unit, record.position_unit) == ("N·m", "rad")
+
+
 def test_time_that_does_not_begin_at_zero(tmp_path: Path) -> None:
     record = read_text(tmp_path, table(rows=[(t + 1000.5, f, x) for t, f, x in ROWS]))
     assert record.time[0] == record.force_time[0] == 0.0

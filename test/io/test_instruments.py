@@ -16,6 +16,7 @@ from msd_ident.data.quality import check, missing_samples
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import SourceOptions, describe, read, read_all
+from msd_ident.io.even_stamps import rebuilt
 
 T = np.arange(300) * 0.01
 X = np.exp(-T) * np.cos(12.0 * T)
@@ -37,12 +38,12 @@ def ecp(path: Path) -> Path:
     return write(path, [" Sample   Time     Encoder 1 Pos   Control Effort", "", *rows])
 
 
-def side_by_side(path: Path) -> Path:
-    """Two runs of different length, each with its own times, and decimal commas."""
+def side_by_side(path: Path, padding: str = "") -> Path:
+    """Two runs of different length, each with its own times, and decimal commas; the shorter is padded."""
     head = ";".join(f'"{name} Run #{n}"' for n in (1, 2) for name in ("Time (s)", "Angle, Ch 1+2 (rad)", "Force (N)"))
     rows = []
     for i, (t, x) in enumerate(zip(T, X, strict=True)):
-        second = [comma(t), comma(2.0 * x), "0,5"] if i < 200 else ["", "", ""]
+        second = [comma(t), comma(2.0 * x), "0,5"] if i < 200 else [padding] * 3
         rows.append(";".join([comma(t), comma(x), "0", *second]))
     return write(path, ["\ufeff" + head, *rows])
 
@@ -73,6 +74,21 @@ def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
     np.testing.assert_allclose(second.position, 2.0 * X[:200], atol=1e-4)
     both = read_all(path, SourceOptions("Force", "Angle, Ch 1+2", run="all"))
     assert [(record.samples, float(record.force[0])) for record in both] == [(300, 0.0), (200, 0.5)]
+
+
+@pytest.mark.parametrize("word", ["NA", "NaN", "nan", "N/A", "#N/A", '"NA"'])
+def test_a_shorter_run_may_be_padded_with_a_word(word: str, tmp_path: Path) -> None:
+    path = side_by_side(tmp_path / "runs.csv", word)
+    assert read(path, SourceOptions("Force", "Angle, Ch 1+2", run="2")).samples == 200
+    assert read(path, SourceOptions("Force", "Angle, Ch 1+2", run="1")).samples == 300
+
+
+@pytest.mark.parametrize("word", ["NA", "#N/A"])
+def test_a_missing_number_in_the_middle_is_refused(word: str, tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    rows[40], rows[41] = f"{T[40]:.2f},{word}", f"{T[41]:.2f},{word}"
+    with pytest.raises(DataError, match="line 42, column position_m holds 'NA'; expected a finite number, as line 44 "):
+        read(write(tmp_path / "x.csv", ["time_s,position_m", *rows]), SourceOptions("none"))
 
 
 def test_every_run_gets_its_result_on_the_command_line(tmp_path: Path) -> None:
@@ -157,6 +173,35 @@ def test_a_counter_shows_a_clock_that_drifts(tmp_path: Path) -> None:
     assert missing_samples(record) == 0
     np.testing.assert_allclose(record.time, time - time[0], atol=6e-4)
     assert np.median(np.diff(record.time)[:2500]) == pytest.approx(1.1270e-3, rel=3e-4)
+
+
+def drifting(period: float, lost: tuple[int, ...] = ()) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Stamps [s] with three decimals of 10 000 samples, less the lost ones; the clock drifts by 3 ms."""
+    number = np.arange(10_000)
+    return np.round(np.delete(period * number + 3e-3 * np.sin(np.pi * number / number[-1]), lost), 3)
+
+
+def of_stamps(path: Path, time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Record:
+    return of(path, ["time_s,position_m", *(f"{t:.3f},{math.sin(20.0 * t):.6f}" for t in time)])
+
+
+def test_a_clock_that_drifts_is_no_lost_message(tmp_path: Path) -> None:
+    record = of_stamps(tmp_path / "x.csv", drifting(1.128e-3))
+    assert missing_samples(record) == 0 and np.std(np.diff(record.time)) < 1e-5
+    assert not [finding for finding in check(record) if finding.code in ("missing_samples", "jitter")]
+    assert any("no interval is longer than the period rounded up" in note for note in record.notes)
+
+
+def test_a_lost_sample_of_a_clock_that_drifts_is_found(tmp_path: Path) -> None:
+    record = of_stamps(tmp_path / "x.csv", drifting(1.128e-3, lost=(5003,)))
+    assert not [note for note in record.notes if "rebuilt" in note]
+    assert "missing_samples" in [finding.code for finding in check(record)]
+
+
+@pytest.mark.parametrize("period", [1.00e-3, 1.03e-3, 1.128e-3, 1.3333e-3, 1.5e-3, 1.9e-3, 3.33e-3])
+def test_stamps_with_a_lost_sample_are_never_rebuilt(period: float) -> None:
+    for lost in range(300, 9700, 501):
+        assert rebuilt(drifting(period, lost=(lost, 9800))) is None
 
 
 def mat(path: Path, **variables: object) -> Path:

@@ -107,6 +107,17 @@ def test_joints_are_found_by_name_in_every_message(tmp_path: Path) -> None:
     assert record.notes[0] == "/joint_states: 300 of 600 messages hold no position[elbow]."
 
 
+def test_an_effort_that_nobody_measures_is_named(tmp_path: Path) -> None:
+    options = SourceOptions("/joint_states:effort[shoulder]", "/joint_states:position[elbow]", force_unit="N·m")
+    (note,) = [one for one in read(make_bag(tmp_path / "bag", robot()), options).notes if "drives" in one]
+    assert note.startswith("/joint_states:effort[shoulder] is 0 N·m in all 300 samples while the cart moves: check")
+
+
+def test_a_free_decay_of_a_joint_is_in_newton_metres(tmp_path: Path) -> None:
+    options = SourceOptions("none", "/joint_states:position[elbow]", position_unit="rad")
+    assert read(make_bag(tmp_path / "bag", robot()), options).force_unit == "N·m"
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -59,7 +59,7 @@ def test_bags_keep_every_bit(tmp_path: Path, record: Record) -> None:
     again = read(tmp_path / "bag")
     assert_same(record, again)
     assert again.start_ns == record.start_ns
-    assert again.notes == ()
+    assert again.notes == () or not np.ptp(record.force)
 
 
 @SETTINGS
@@ -68,7 +68,7 @@ def test_tables_keep_every_bit(tmp_path: Path, record: Record) -> None:
     write_csv(record, tmp_path / "data.csv", overwrite=True)
     again = read(tmp_path / "data.csv")
     assert_same(record, again)
-    assert again.notes == ()
+    assert again.notes == () or not np.ptp(record.force)
 
 
 @SETTINGS
