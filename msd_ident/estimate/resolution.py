@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from msd_ident.data.record import Record
+from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.problem import Problem
 from msd_ident.model import Model
 from msd_ident.model.declarations import RecordScales
@@ -60,7 +61,15 @@ def seen(records: Sequence[Record], plant: Model) -> RecordScales:
         rate=rate,
         force=force or mass * span * rate**2,
         driven=force > 0.0,
+        weakest=_weakest(records),
     )
+
+
+def _weakest(records: Sequence[Record]) -> float:
+    """The force [N] that is not exceeded for a ``TENTH`` of the time in which any acts; 0 without a force."""
+    sizes = np.concatenate([np.abs(record.force_at(record.time)) for record in records])
+    acting = sizes[sizes > 0.0]
+    return float(np.quantile(acting, TENTH)) if acting.size else 0.0
 
 
 def _top_speed(record: Record) -> float:

@@ -21,6 +21,7 @@ class RecordScales:
         duration, period: of the longest record, and between the closest samples [s].
         speed, rate: top speed [m/s], and of the plant's motion [rad/s].
         force: largest force [N].
+        weakest: a tenth of the time in which a force acts it is at most this [N].
         driven: whether a force acts: without one the motion has the plant's own frequency alone.
     """
 
@@ -34,6 +35,7 @@ class RecordScales:
     rate: float
     force: float
     driven: bool = True
+    weakest: float = 0.0
 
 
 @dataclass(frozen=True)

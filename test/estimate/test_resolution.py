@@ -22,7 +22,7 @@ from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 #: Powers of force and length in each scale.
 POWERS = {
     "mass": (1, -1), "stiffness": (1, -1), "reach": (0, 1), "span": (0, 1), "duration": (0, 0), "period": (0, 0),
-    "speed": (0, 1), "rate": (0, 0), "force": (1, 0),
+    "speed": (0, 1), "rate": (0, 0), "force": (1, 0), "weakest": (1, 0),
 }  # fmt: skip
 
 
@@ -49,7 +49,8 @@ def test_scales_follow_the_units_of_force_and_length(force: float, length: float
 def test_the_largest_of_several_records_counts() -> None:
     small, large = (measured(DEMO, {"name": "paper", "force": force, "hold": 0.5}, rate=250.0) for force in (2.0, 8.0))
     both = seen([small, large], DEMO)
-    assert both == seen([large, small], DEMO) == seen([large], DEMO)
+    alone = replace(seen([large], DEMO), weakest=2.0)  # the small one's is the force of a tenth of the time and more
+    assert both == seen([large, small], DEMO) == alone
     assert both.force == 8.0 and both.span > 3.0 * seen([small], DEMO).span
 
 
@@ -60,6 +61,17 @@ def test_every_range_is_one_of_a_parameter_and_a_frequency_is_below_half_the_rat
     assert found["disturbance_frequency"][1] <= np.pi * 250.0
     finer = ranges([record(1000.0)], DEMO)
     assert finer["disturbance_frequency"][1] == pytest.approx(4.0 * found["disturbance_frequency"][1], rel=0.01)
+
+
+def test_a_limit_of_the_force_lies_above_a_tenth_of_the_commands() -> None:
+    """A limit below them all makes a constant of any force, and no written force says anything."""
+    time = record().time
+    fading = Record(time, record().position, time, 8.0 * np.exp(-time / time[-1]))
+    one_size = ranges([record()], DEMO)["force_limit"]
+    low, high = ranges([fading], DEMO)["force_limit"]
+    sizes = np.abs(fading.force_at(fading.time))
+    assert low == pytest.approx(np.quantile(sizes[sizes > 0.0], 0.1)) and high == np.max(np.abs(fading.force))
+    assert one_size == pytest.approx((0.1 * one_size[1], one_size[1])), "of one size only the scale is open"
 
 
 @cache

@@ -60,10 +60,11 @@ class ForceGainNonlinearity(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """See ``Effect``."""
+        """A limit below nearly all commands is none that is seen: then no written force says anything."""
+        several = seen.weakest if seen.weakest < seen.force else 0.0
         return {
             "gain_slope": (-0.9 / seen.force, 10.0 / seen.force),
-            "force_limit": (0.1 * seen.force, seen.force),
+            "force_limit": (max(0.1 * seen.force, several), seen.force),
         }
 
     @classmethod
