@@ -12,7 +12,7 @@ import numpy as np
 
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import intervals, verdict
+from msd_ident.diagnosis import intervals, ranges, verdict
 from msd_ident.diagnosis.choice import chosen
 from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
 from msd_ident.errors import UsageError
@@ -25,7 +25,6 @@ from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
@@ -41,7 +40,6 @@ from msd_ident.selection import (
     naming,
     replication,
     rest_constraint,
-    spread,
 )
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
@@ -212,9 +210,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     if lacks.exceeds:
         characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
-    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]], best.causes in ranking.exact)
-    if not scale_known(fits[1].quantities):
-        moved = {name: ends for name, ends in moved.items() if name not in FORCES}
+    others = [_resting(experiment, one) for one in (*tied, *alike) if one is not best]
+    moved = ranges.over(extended, others, best.causes in ranking.exact, shared)
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:
         said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)

@@ -121,4 +121,4 @@ def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...
         return ()
     moved = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in spread.items())
     said = "The data does not distinguish between some explanations or laws of one cause; between them the parameters"
-    return (f"{said} differ by more than their intervals: {moved}.",)
+    return (f"{said} are {moved}.",)
