@@ -264,8 +264,10 @@ def _beside(
 
 def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:
     """The ring-down, its sentences read with the causes that are named."""
-    named = {cause.name: next(iter(cause.parameters.values())).value for cause in causes if cause.parameters}
-    return ring_down and ring_down.read_with(named, {name for cause in causes for name in cause.tied_with})
+    strengths = ((cause.name, cause.parameters.get(by_name(cause.name).neutral[0][0])) for cause in causes)
+    named = {name: strength.value for name, strength in strengths if strength is not None}
+    tied = dict.fromkeys(name for cause in causes for name in cause.tied_with)
+    return ring_down and ring_down.read_with(named, tied)
 
 
 def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Cause, ...]:
