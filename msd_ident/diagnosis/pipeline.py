@@ -218,11 +218,12 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
+    after = " ".join(filter(None, (dependence.sentence(still), verdict.unpredicted(best.causes, ranking.best.causes))))
     return Diagnosis(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, lacks, choice.heldout, dependence.sentence(still)),
+        summary=verdict.summary(decision, causes, lacks, choice.heldout, after),
         causes=causes,
         base=fits[0],
         extended=fits[1],
@@ -343,11 +344,13 @@ def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[Disturbanc
 
 
 def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:
+    """Other sets by falling probability."""
     pieces = experiment.evidence
     found = [
-        Rival(tuple(sorted(fitted.causes)), p, math.sqrt(fitted.chi / pieces))
-        for fitted, p in zip(ranking.sets, ranking.probability, strict=True)
+        Rival(tuple(sorted(fitted.causes)), ranking.stated(fitted.causes), math.sqrt(fitted.chi / pieces))
+        for fitted in ranking.sets
         if fitted is not best
     ]
+    found.sort(key=lambda rival: -rival.probability)
     kept = [rival for rival in found if rival.probability > _RIVAL]
     return tuple(kept or found[:3])[:LEADERS]

@@ -23,7 +23,7 @@ class CandidateModel:
 
     Attributes:
         causes: sorted names of its causes; none for the base model.
-        probability: given the data, among all sets that were fitted.
+        probability: given the data, among all sets that were fitted; at most that of its least probable cause.
         evidence: log evidence [nats], prior included; only differences mean anything.
         chi: sum of squares that it leaves, in units of the noise.
         model: fitted.
@@ -57,9 +57,9 @@ def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]
     """
     top = max(ranking.evidence)
     found = []
-    for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
+    for fitted, value in zip(ranking.sets, ranking.evidence, strict=True):
         if fitted is ranking.best or value >= top - 0.5 * NEAR:
-            found.append(_contender(fitted, value, probability, (scale, readings)))
+            found.append(_contender(fitted, value, ranking.stated(fitted.causes), (scale, readings)))
     return tuple(found[:LEADERS])
 
 

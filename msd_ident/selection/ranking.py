@@ -75,8 +75,8 @@ class Ranking:
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
         slow: causes of a set that bring a motion of which the records hold less than a period: a drift of another kind
             may do the same, so they are not certain.
-        unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
-            certain.
+        unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
+            data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
             is certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
@@ -160,6 +160,10 @@ class Ranking:
         if not (self.unchecked or self.foretold):
             return found
         return min(found, _probability(self.greatest_odds(Effect if self.foretold else by_name(kind))))
+
+    def stated(self, causes: Causes) -> float:
+        """Probability of a set as it is stated: no more than that of its least probable cause."""
+        return min((self.of_set(causes), *map(self.of_cause, causes)))
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one.

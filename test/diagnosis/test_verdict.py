@@ -69,3 +69,10 @@ def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words:
     for part in words:
         assert part in said
     assert ("DEPENDS" in said) == ("DEPENDS" in words)
+
+
+def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> None:
+    said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}))
+    assert said.startswith("The leading explanation, Bouc-Wen and Coulomb friction, is not named: it predicts left-out")
+    named = frozenset({"cogging"})
+    assert verdict.unpredicted(named, named) == verdict.unpredicted(frozenset(), frozenset()) == ""
