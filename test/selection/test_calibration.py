@@ -131,6 +131,9 @@ def test_a_set_that_was_not_checked_says_why(fitted: dict[frozenset[str], Hypoth
     (alone,), (after,) = left_unchecked(open_, None), left_unchecked(open_, matrix)
     assert "copies of this long record were not simulated" in alone and "--calibrate makes the copies" in alone
     assert after.startswith("The copies of this record were made of another explanation, which they did not confirm:")
+    both = replace(ranking(fitted, both=0.98, nothing=0.02), unchecked=True)
+    assert "odds are at most 60 to 1. " in alone
+    assert "odds are at most 60 to 1 for Coulomb friction, 3 to 1 for quadratic drag. " in left_unchecked(both, None)[0]
     assert left_unchecked(replace(ranking(fitted, nothing=1.0), unchecked=True), None) == (), "nothing is named"
 
 
