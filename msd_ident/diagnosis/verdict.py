@@ -46,10 +46,10 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
-        return f"Something is missing that no cause of the library explains. {_left('With m, b, k', left)} {after}"
+        return f"Something is missing that no cause of the library explains. {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
     said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
-    if left.exceeds:
+    if left.exceeds and after:
         said.append(after)
     before = f"Without {them}, {percent(left.base.motion_percent)} of the motion is unexplained"
     said.append(
@@ -126,7 +126,8 @@ def _ties(causes: Sequence[Cause]) -> str:
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
     """A sentence if it is open whether a cause acts, although no other one replaces it."""
     doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability <= CERTAIN]
-    return [f"Whether {' and '.join(doubts)} acts at all is not certain."] if doubts else []
+    act = "acts" if len(doubts) == 1 else "act"
+    return [f"Whether {' and '.join(doubts)} {act} at all is not certain."] if doubts else []
 
 
 def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:

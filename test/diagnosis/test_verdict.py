@@ -60,6 +60,8 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("ambiguous", [cause(0.6, ("hysteresis",))], left(0.4), ["but this data cannot tell Coulomb friction from "
           "hysteresis."]),
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
+        ("ambiguous", [cause(0.6), cause(0.7, (), "bouc_wen")], left(0.4), ["Whether Coulomb friction and Bouc-Wen act "
+          "at all is not certain."]),
         ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
         ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "consistent with noise"]),
     ],
