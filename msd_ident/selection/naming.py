@@ -186,8 +186,8 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         )
     if named in ranking.leaves:
         said.append(
-            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {_explaining(named)}: the rig follows another "
-            "law, so no named cause is certain."
+            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {_explaining(named)}: the rig follows "
+            "another law, so no named cause is certain."
         )
     said += [
         f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "

@@ -59,7 +59,8 @@ def diagnose(
         progress=progress,
         earlier=earlier,
     )
-    explained.check(made.extended.residuals, made.records, "mass, damping, stiffness and all causes of the library")
+    whole = "mass, damping, stiffness and all causes of the library"
+    explained.check(made.extended.residuals, made.records, whole, diagnosed=True)
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
     if found.adequacy.material:
