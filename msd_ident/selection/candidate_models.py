@@ -31,6 +31,8 @@ class CandidateModel:
         scale: (p,) natural size of each free parameter.
         information: (p, p) information matrix of the free parameters, the entries of single records eliminated.
         initial: state and zero of each record at its first sample.
+        variance: of the error of the best set's laws along its features (``evidence.NoiseScale``), in units of the
+            noise's; 1 where they leave only noise.
     """
 
     causes: tuple[str, ...]
@@ -42,6 +44,7 @@ class CandidateModel:
     scale: FloatArray
     information: FloatArray
     initial: tuple[Initial, ...]
+    variance: float = 1.0
 
 
 def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]) -> tuple[CandidateModel, ...]:
@@ -81,6 +84,7 @@ def _contender(
         scale=fitted.problem.scale[:count],
         information=scale.informed(marginal(information, count)),
         initial=fitted.initial,
+        variance=scale.variance,
     )
 
 
