@@ -46,8 +46,8 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
-        said = f"Something is missing that no cause of the library explains. {_left('With m, b, k', left)}"
-        return f"{said} {after}".rstrip()
+        lead = "Something is missing that no cause of the library explains."
+        return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
     said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
     if left.exceeds and after:

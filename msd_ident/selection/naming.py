@@ -179,7 +179,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     named = ranking.best.causes
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
-        rest = named - {name} or {COULOMB}  # alone it is compared with its own limit
+        rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
         said.append(
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
             "law could do the same, so it is not certain that it is a cause of its own."
