@@ -12,9 +12,9 @@ import numpy as np
 
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import intervals, ranges, verdict
+from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
 from msd_ident.diagnosis.choice import chosen
-from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
+from msd_ident.diagnosis.result import Cause, Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.base_fits import Shared
@@ -48,11 +48,8 @@ from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking
+from msd_ident.selection.ranking import DECISIVE, Ranking
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
-from msd_ident.tuning import fixed
-
-_RIVAL = fixed(1e-4, "interface", "probability below which a rival is not listed")
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:
@@ -238,7 +235,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         still_missing=still,
         characteristics=characteristics,
         spread=moved,
-        rivals=_rivals(ranking, best, experiment),
+        rivals=rival_sets.listed(ranking, best, experiment),
         calibration=choice.matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=_read(task.ring_down, causes),
@@ -341,16 +338,3 @@ def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[Disturbanc
         whole = missing_force(part.record, plant, part.noise)
         found.append(replace(force, position=part.record.position, velocity=whole.velocity, applied=whole.applied))
     return tuple(found)
-
-
-def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:
-    """Other sets by falling probability."""
-    pieces = experiment.evidence
-    found = [
-        Rival(tuple(sorted(fitted.causes)), ranking.stated(fitted.causes), math.sqrt(fitted.chi / pieces))
-        for fitted in ranking.sets
-        if fitted is not best
-    ]
-    found.sort(key=lambda rival: -rival.probability)
-    kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[:LEADERS]

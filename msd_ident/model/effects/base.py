@@ -31,8 +31,7 @@ LOT = 5.0
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
 PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
 
-#: What an effect makes of a ring-down as the amplitude falls (``Effect.ring_down``): the damping ratio rises as with
-#: dry friction or falls as with drag, the frequency rises as with a softening spring or falls as with a hardening one.
+#: As the amplitude falls, the damping ratio rises, or falls; the frequency rises, or falls: see ``Effect.ring_down``.
 RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
 
 #: Kinds of law that an effect may have, see ``Effect``.
