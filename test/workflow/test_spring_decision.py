@@ -121,7 +121,7 @@ def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None
     ],
 )
 def test_odds_are_said_in_words(value: float, std: float, words: str) -> None:
-    """They were e^11250 times as likely, and 1 times as likely."""
+    """They were powers of e, and 1 times as likely."""
     record = open_loop(np.repeat(np.random.default_rng(2).normal(0.0, 3.0, 100), 20), stiffness=0.0)
     found = fit(Plant(1.0, 3.0, 100.0), [record], zero="known")
     held = replace(found, quantities={**found.quantities, "stiffness": Quantity(value, std, "N/m")})
