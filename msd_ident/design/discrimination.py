@@ -53,14 +53,15 @@ class Discrimination:
 
 
 def weights(prediction: Prediction, on: Grid, seen: Sensing) -> FloatArray:
-    """Weights (n,) [1/m²] of the instants of a grid: weight over noise squared, for the samples that each stands for.
+    """Weights (n,) [1/m²] of the instants of a grid, for the samples that each stands for: weight over noise squared,
+    and over the variance of what the laws leave, which counts in a new record as it does in the measured ones.
 
     Args:
         prediction: gives the speeds.
         on: the grid.
         seen: noise, encoder step and sample period of the rig.
     """
-    return np.asarray(seen.weight(prediction.speed) * (on.each / seen.noise**2))
+    return np.asarray(seen.weight(prediction.speed) * (on.each / (seen.variance * seen.noise**2)))
 
 
 def prior(predictor: Predictor, noise: float) -> FloatArray:

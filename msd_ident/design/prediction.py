@@ -41,11 +41,14 @@ class Sensing:
         noise: standard deviation of a reading, rounding included [m].
         step: of the encoder, 0 where none is seen [m].
         period: between samples [s].
+        variance: of what the explanations leave along the features of a motion, in units of the noise's: 1 where that
+            is noise. No law of a rig is exact, and a new record will hold its error too.
     """
 
     noise: float
     step: float
     period: float
+    variance: float = 1.0
 
     @cached_property
     def dither(self) -> float:

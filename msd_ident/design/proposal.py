@@ -23,6 +23,7 @@ from msd_ident.design.rival_refits import Refitted
 from msd_ident.design.rivals import names, rivals, shares
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
+from msd_ident.estimate.levels import ALIKE
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def design(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     chosen = rivals(diagnosis)
     if len(chosen) < 2:
         return None
-    seen = sensing(diagnosis.records, diagnosis.noise_floor)
+    seen = replace(sensing(diagnosis.records, diagnosis.noise_floor), variance=chosen[0].variance)
     question = Question.of(chosen, shares(chosen), seen, limits, diagnosis.records)
     return _proposed(question, diagnosis, names(chosen), "parts")
 
@@ -112,7 +113,7 @@ def check(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
     chosen = hidden(diagnosis, seen)
     if len(chosen) < 2:
         return None
-    hiding = len(chosen) - 1
+    hiding, seen = len(chosen) - 1, replace(seen, variance=chosen[0].variance)
     question = Question.of(chosen, [0.5, *[0.5 / hiding] * hiding], seen, limits, diagnosis.records)
     return _proposed(question, diagnosis, names(chosen), "shows")
 
@@ -157,7 +158,9 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
     pair = _closest_pair(option)
     left = refits[pair[0]][pair[1]]
     assert left is not None
-    hardest = _hardest(option, (called[pair[0]], called[pair[1]]), left, question.sensing.noise)
+    hardest = _hardest(
+        option, (called[pair[0]], called[pair[1]]), left, (question.sensing.noise, diagnosis.adequacy.ratio)
+    )
     sentence = _sentence(option, called, verb, hardest, (unit, length))
     looked = sorted(found.all, key=lambda one: -one.probability)
     return Proposal(
@@ -181,14 +184,21 @@ def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], v
 
 
 def _closest_pair(option: Option) -> tuple[int, int]:
-    """The two rivals that are hardest to tell apart: (true, refitted)."""
-    chi = option.parting.chi.copy()
-    np.fill_diagonal(chi, np.inf)
-    hopeless = option.parting.decided < HOPELESS
-    if not hopeless.all():
-        chi[hopeless] = np.inf
-    a, b = np.unravel_index(int(np.argmin(chi)), chi.shape)
-    return int(a), int(b)
+    """The two rivals that are hardest to tell apart: (true, refitted).
+
+    A law that is a special case of another one is found again by its refit, whatever is played: simplicity decides
+    then. What a profile shows of a pair is what is left when the richer one of them is true.
+    """
+    chi = option.parting.chi
+    told = option.parting.decided >= HOPELESS
+    true = [a for a in range(len(chi)) if told[a] or not told.any()]
+    shown: dict[frozenset[int], tuple[int, int]] = {}
+    for a in true:
+        for b in range(len(chi)):
+            other = shown.get(frozenset({a, b}))
+            if a != b and (other is None or chi[a, b] > chi[other]):
+                shown[frozenset({a, b})] = (a, b)
+    return min(shown.values(), key=lambda pair: float(chi[pair]))
 
 
 def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]) -> tuple[str, ...]:
@@ -204,13 +214,18 @@ def _hopeless(question: Question, found: Sequence[Option], called: Sequence[str]
     return measurements.between(pairs)
 
 
-def _hardest(option: Option, pair: tuple[str, str], left: Refitted, noise: float) -> str:
-    """Which two rivals are hardest to tell apart, and what a refit leaves beside the noise [m], in words."""
+def _hardest(option: Option, pair: tuple[str, str], left: Refitted, floors: tuple[float, float]) -> str:
+    """Which two rivals are hardest to tell apart, and what a refit leaves, in words; ``floors``: noise of a reading
+    [m], and what the model leaves of the measured record, in such noise.
+    """
+    noise, model = floors
     worst = int(np.argmax(np.abs(left.difference)))
     levels = abs(float(left.difference[worst])) / noise
+    shown = f"{levels:.0f}" if levels >= 100.0 else f"{levels:.3g}"
+    beside = f" (the model leaves {model:.3g})" if model > ALIKE else ""
     return (
-        f"The most difficult pair is {pair[0]} and {pair[1]}: even after a refit they differ by up to {levels:.3g} "
-        f"noise levels, at {option.grid.record.time[worst]:.1f} s."
+        f"The most difficult pair is {pair[0]} and {pair[1]}: even after a refit they differ by up to {shown} "
+        f"noise levels{beside}, at {option.grid.record.time[worst]:.1f} s."
     )
 
 
@@ -221,9 +236,15 @@ def _sentence(option: Option, called: Sequence[str], verb: str, hardest: str, un
     force = f"with {low:.3g} to {high:.3g} {units[0]}" if low < high else "without force"
     what = "tell" if verb == "parts" else "show"
     aim = " or ".join(called) if verb == "parts" else ", ".join(called[1:])
+    promise = f"It should {what} {aim} with probability {option.probability:.2f}."
+    if option.probability < HOPELESS:
+        promise = (
+            f"No profile within the limits is likely to {what} {aim}; this one does with probability "
+            f"{option.probability:.2f}."
+        )
     return (
-        f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. It should {what} {aim} with "
-        f"probability {option.probability:.2f}. {hardest} The cart will move "
+        f"Play {profile.name!r} for {profile.duration:.1f} s {force}: {why(profile.name)}. {promise} {hardest} "
+        "The cart will move "
         f"{option.travel[0]:.3g} to {option.travel[1]:.3g} {units[1]} from its start, at {option.peak_speed:.3g} "
         f"{units[1]}/s at most, whichever of them is true."
     )

@@ -53,6 +53,8 @@ def chosen(experiment: Experiment, base: Hypothesis, ranking: Ranking, calibrate
         ranking, matrix = replication.checked(experiment, base, ranking, calibrate, progress)
         if (ranking := naming.leading(ranking)).best is not best:
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
+    elif ranking.best.causes:
+        ranking = replace(ranking, unchecked=True)  # what left-out data do not confirm is not certain
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)
     if (law := gain_laws.leading(best, alike, scale)) is not best:

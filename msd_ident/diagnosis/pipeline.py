@@ -12,9 +12,9 @@ import numpy as np
 
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import intervals, verdict
+from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
 from msd_ident.diagnosis.choice import chosen
-from msd_ident.diagnosis.result import Cause, Diagnosis, Rival
+from msd_ident.diagnosis.result import Cause, Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, see, see_reduction
 from msd_ident.estimate.base_fits import Shared
@@ -25,7 +25,6 @@ from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.model.parameters import FORCES
 from msd_ident.quantity import Quantity
 from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
@@ -41,7 +40,6 @@ from msd_ident.selection import (
     naming,
     replication,
     rest_constraint,
-    spread,
 )
 from msd_ident.selection.base_hypotheses import base_fit, shared_fits
 from msd_ident.selection.candidate_models import CandidateModel, of_ranking
@@ -50,11 +48,8 @@ from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.ranking import DECISIVE, LEADERS, Ranking
+from msd_ident.selection.ranking import DECISIVE, Ranking
 from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
-from msd_ident.tuning import fixed
-
-_RIVAL = fixed(1e-4, "interface", "probability below which a rival is not listed")
 
 
 def silent(stage: str, fraction: float, cause: str) -> None:
@@ -212,20 +207,20 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     if lacks.exceeds:
         characteristics = nonparametric.measure(heard.readings, shown.model, shown.initial, fits[0].see)
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
-    moved = spread.between([_resting(experiment, one) for one in [*tied, *alike]], best.causes in ranking.exact)
-    if not scale_known(fits[1].quantities):
-        moved = {name: ends for name, ends in moved.items() if name not in FORCES}
+    others = [_resting(experiment, one) for one in (*tied, *alike) if one is not best]
+    moved = ranges.over(extended, others, best.causes in ranking.exact, shared)
     said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
     if best.causes == ranking.best.causes:
         said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
+    after = " ".join(filter(None, (dependence.sentence(still), verdict.unpredicted(best.causes, ranking.best.causes))))
     return Diagnosis(
         records=task.records,
         findings=task.findings,
         verdict=decision,
-        summary=verdict.summary(decision, causes, lacks, choice.heldout, dependence.sentence(still)),
+        summary=verdict.summary(decision, causes, lacks, choice.heldout, after),
         causes=causes,
         base=fits[0],
         extended=fits[1],
@@ -240,7 +235,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         still_missing=still,
         characteristics=characteristics,
         spread=moved,
-        rivals=_rivals(ranking, best, experiment),
+        rivals=rival_sets.listed(ranking, best, experiment),
         calibration=choice.matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=_read(task.ring_down, causes),
@@ -267,8 +262,10 @@ def _beside(
 
 def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:
     """The ring-down, its sentences read with the causes that are named."""
-    named = {cause.name: next(iter(cause.parameters.values())).value for cause in causes if cause.parameters}
-    return ring_down and ring_down.read_with(named, {name for cause in causes for name in cause.tied_with})
+    strengths = ((cause.name, cause.parameters.get(by_name(cause.name).neutral[0][0])) for cause in causes)
+    named = {name: strength.value for name, strength in strengths if strength is not None}
+    tied = dict.fromkeys(name for cause in causes for name in cause.tied_with)
+    return ring_down and ring_down.read_with(named, tied)
 
 
 def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Cause, ...]:
@@ -336,14 +333,3 @@ def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[Disturbanc
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
     parts = zip(experiment.readings, best.residuals(), strict=True)
     return tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in parts)
-
-
-def _rivals(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:
-    pieces = experiment.evidence
-    found = [
-        Rival(tuple(sorted(fitted.causes)), p, math.sqrt(fitted.chi / pieces))
-        for fitted, p in zip(ranking.sets, ranking.probability, strict=True)
-        if fitted is not best
-    ]
-    kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[:LEADERS]

@@ -49,7 +49,7 @@ class Rival:
 
     Attributes:
         causes: names of the set.
-        probability: of the set.
+        probability: of the set, at most that of its least probable cause.
         floors: residual that it leaves, in noise floors.
     """
 

@@ -11,6 +11,7 @@ from msd_ident.diagnosis.result import Cause, Verdict
 from msd_ident.model.effects import spoken
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection.cross_validation import HeldOut
+from msd_ident.selection.hypothesis import Causes
 from msd_ident.selection.ranking import CERTAIN
 
 
@@ -32,7 +33,7 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
     return "mostly_explained" if left.exceeds else "explained"
 
 
-def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, depends: str) -> str:
+def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout: HeldOut, after: str) -> str:
     """The verdict in sentences.
 
     Args:
@@ -40,22 +41,36 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
         causes: named causes, strongest first.
         left: missing force and unexplained motion of base and extended model.
         heldout: prediction of left-out data.
-        depends: sentence on the signals that the remaining force depends on.
+        after: what follows on what is left: the signals that the remaining force depends on.
     """
     if verdict == "adequate":
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
-        return f"Something is missing that no cause of the library explains. {_left('With m, b, k', left)} {depends}"
+        lead = "Something is missing that no cause of the library explains."
+        return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
     said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
-    if left.exceeds:
-        said.append(depends)
+    if left.exceeds and after:
+        said.append(after)
     before = f"Without {them}, {percent(left.base.motion_percent)} of the motion is unexplained"
     said.append(
         f"{before}; left-out data is predicted {heldout.reduction_percent:.3g} % better "
         f"({heldout.interval_percent[0]:.3g} to {heldout.interval_percent[1]:.3g} %)."
     )
     return " ".join(said)
+
+
+def unpredicted(named: Causes, leading: Causes) -> str:
+    """Why the leading explanation is not named, a sentence; empty if it is, or if it has no causes.
+
+    Args:
+        named: causes that are named.
+        leading: those of the set that leads the ranking.
+    """
+    if named or not leading:
+        return ""
+    them = " and ".join(spoken(name) for name in sorted(leading))
+    return f"The leading explanation, {them}, is not named: it predicts left-out data no better than m, b, k."
 
 
 def force(left: Remainder, unit: str) -> str:
@@ -112,7 +127,8 @@ def _ties(causes: Sequence[Cause]) -> str:
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
     """A sentence if it is open whether a cause acts, although no other one replaces it."""
     doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability <= CERTAIN]
-    return [f"Whether {' and '.join(doubts)} acts at all is not certain."] if doubts else []
+    act = "acts" if len(doubts) == 1 else "act"
+    return [f"Whether {' and '.join(doubts)} {act} at all is not certain."] if doubts else []
 
 
 def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
@@ -121,4 +137,4 @@ def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...
         return ()
     moved = ", ".join(f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in spread.items())
     said = "The data does not distinguish between some explanations or laws of one cause; between them the parameters"
-    return (f"{said} differ by more than their intervals: {moved}.",)
+    return (f"{said} are {moved}.",)

@@ -31,7 +31,14 @@ def explained_variance(residuals: Sequence[FloatArray], records: Sequence[Record
     return 1.0 - left / moved
 
 
-def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str, doubts: Sequence[str] = ()) -> None:
+def check(
+    residuals: Sequence[FloatArray],
+    records: Sequence[Record],
+    model: str,
+    doubts: Sequence[str] = (),
+    *,
+    diagnosed: bool = False,
+) -> None:
     """Refuse records that no mass-spring-damper model carries.
 
     Args:
@@ -39,6 +46,7 @@ def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str
         records: what it was fitted to.
         model: what the model holds, in words.
         doubts: sentences on the units of the data, which the reader of a refusal sees nowhere else.
+        diagnosed: whether other laws were looked for already.
 
     Raises:
         DataError: it explains less than half of the position's variance.
@@ -47,7 +55,15 @@ def check(residuals: Sequence[FloatArray], records: Sequence[Record], model: str
     if share < LEAST:
         raise DataError(
             f"{model} explain {100.0 * max(share, 0.0):.0f} % of the position's variance; expected more than "
-            f"{100.0 * LEAST:.0f} %, as else their values mean nothing: a hand may have moved the cart, or the "
-            "force be another quantity; check --force, or leave that part out with --start or --end"
+            f"{100.0 * LEAST:.0f} %, as else their values mean nothing: {_reasons(records, diagnosed)}"
             + "".join(f"; also, {doubt}" for doubt in doubts)
         )
+
+
+def _reasons(records: Sequence[Record], diagnosed: bool) -> str:
+    """What may be the matter with records that a model does not carry, each with the next step."""
+    law = "the rig may follow another law, as a pendulum does that swings far: msd diagnose looks for it; or "
+    hand = "a hand may have moved the cart: leave that part out with --start or --end"
+    force = "; or the force may be another quantity: check --force"
+    forced = any(bool(np.any(record.force)) for record in records)
+    return f"{'' if diagnosed else law}{hand}{force if forced else ''}"

@@ -81,12 +81,19 @@ def _share(count: int, row: Row) -> str:
 
 
 def corrections(found: Calibration) -> tuple[str, ...]:
-    """Each probability before and after the correction."""
-    return tuple(
-        f"{words.effect(name)[0].upper()}{words.effect(name)[1:]}: probability {words.probability(before)} by the "
-        f"evidence, {words.probability(found.corrected[name])} after correction by {found.copies} copies of this "
-        "record."
-        for name, before in found.stated.items()
+    """Each probability before and after the correction, and why it is limited where no copy confirms it."""
+    return tuple(_correction(found, name, before) for name, before in found.stated.items())
+
+
+def _correction(found: Calibration, name: str, before: float) -> str:
+    cause = words.effect(name)
+    after = f"{words.probability(found.corrected[name])} after correction by {found.copies} copies of this record"
+    said = f"{cause[0].upper()}{cause[1:]}: probability {words.probability(before)} by the evidence, {after}"
+    if found.confirms(name):
+        return f"{said}."
+    return (
+        f"{said}: none of the {found.rows[0].copies} copies of the leading explanation was diagnosed with it, so they "
+        "do not check it, and its odds are limited as without copies."
     )
 
 

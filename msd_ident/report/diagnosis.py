@@ -55,9 +55,14 @@ def models_table(diagnosis: Diagnosis) -> Table:
     """Base and extended model side by side, ± half of the 95 % interval.
 
     Where other explanations or laws fit equally well, the interval of one of them need not contain the truth: the range
-    over all of them replaces it.
+    over all of them replaces it, unless the interval holds the whole range.
     """
-    ranges = {name: f"{low:.4g} to {high:.4g}" for name, (low, high) in diagnosis.spread.items()}
+    stated, quantities = diagnosis.spread, diagnosis.extended.quantities
+    ranges = {
+        name: f"{low:.4g} to {high:.4g}"
+        for name, (low, high) in stated.items()
+        if name in quantities and not quantities[name].low <= low <= high <= quantities[name].high
+    }
     title = "Models, ± 95 %; ranges: over all equally good fits" if ranges else "Models, ± 95 %"
     table = new_table(title, "", "base", "extended", "unit")
     for name, quantity in diagnosis.base.quantities.items():

@@ -49,9 +49,9 @@ def _share(signal: FloatArray, force: FloatArray) -> float:
 
 
 def sentence(missing: Sequence[DisturbanceEstimate]) -> str:
-    """Which signals the missing force depends on, in a sentence."""
+    """Which signals the missing force depends on, in a sentence; empty if on none of them, as most do."""
     known = [item for item in dependences(missing) if item.share >= TENTH]
     if not known:
-        return "This force depends on neither position, velocity, time nor applied force."
+        return ""
     listed = ", ".join(f"{100.0 * item.share:.0f} % depends on the {item.signal}" for item in known)
     return f"Of its variance, {listed}, each signal taken alone."

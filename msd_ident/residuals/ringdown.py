@@ -16,13 +16,13 @@ from scipy.special import chdtri
 from msd_ident.data.record import FloatArray
 from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
-from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects import LIBRARY, spoken
 from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
 from msd_ident.residuals.adequacy import LEVEL
 from msd_ident.tuning import fixed, tuned
 
 _FEWEST = fixed(3, "mathematics", "swings from which on a trend with the amplitude differs from two values")
-#: A law in words, and the effects that are one: name → signs of their first parameter for which they are.
+#: A law in words, and the effects that make the same ring-down: name → signs of their strength for which they do.
 Reading = tuple[str, Mapping[str, tuple[int, ...]]]
 
 
@@ -49,7 +49,7 @@ class Observation:
     Attributes:
         seen: the observation, a sentence without its end.
         law: the law that causes it, in words.
-        causes: effects with that law: name → signs of their first parameter for which they cause it.
+        causes: effects that cause the same: name → signs of their strength for which they do.
     """
 
     seen: str
@@ -57,19 +57,21 @@ class Observation:
     causes: Mapping[str, tuple[int, ...]]
 
     def told(self, named: Mapping[str, float], tied: Collection[str] = ()) -> str:
-        """The observation as a sentence, with the law that causes it and whether a diagnosis names that law.
+        """The observation as a sentence, with the cause of the diagnosis that makes it, or the law that would.
 
         Args:
-            named: causes of the diagnosis, each with the value of its first parameter.
+            named: causes of the diagnosis, each with its strength, the first value of ``Effect.neutral``.
             tied: causes that could stand in the place of those.
         """
-        if any(np.sign(value) in self.causes.get(name, ()) for name, value in named.items()):
-            return f"{self.seen}, as expected from {self.law}."
-        if any(name in self.causes for name in tied):
-            return (
-                f"{self.seen}; {self.law} would cause this, which is one of the causes that this data cannot tell "
-                "apart."
-            )
+        for name, strength in named.items():
+            if np.sign(strength) in self.causes.get(name, ()):
+                return f"{self.seen}, as expected from {spoken(name)}."
+        for name in tied:
+            if name in self.causes:
+                return (
+                    f"{self.seen}; {spoken(name)} would cause this, which is one of the causes that this data cannot "
+                    "tell apart."
+                )
         return f"{self.seen}; {self.law} would cause this, but the diagnosis does not name it."
 
 
@@ -97,7 +99,7 @@ class RingDown:
         """The same with sentences that never contradict a diagnosis.
 
         Args:
-            named: causes of the diagnosis, each with the value of its first parameter.
+            named: causes of the diagnosis, each with its strength, the first value of ``Effect.neutral``.
             tied: causes that could stand in the place of those.
         """
         return replace(self, sentences=tuple(one.told(named, tied) for one in self.observations))

@@ -15,10 +15,11 @@ work when they were chosen, and how often one law of a family acts on rigs, and 
 the prior odds of the evidence, Coulomb friction was stated with 0.95 where it acted in 10 of 12 rigs). For
 the leading set with nothing in the place of c, R is 1.
 Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T led to c, the replicates say nothing against
-it and the stated odds stand. A rival's odds are never lowered: the copies are drawn from the fitted explanations, so
-they cannot make any of them surer than the record itself does. r(T) counts as larger than r(S) only where it is so by
-more than chance. Last, N copies without c, none called c, allow no more certainty than (N + 1) / (N + 2) (Laplace's
-rule of succession).
+it and the stated odds stand. Where no copy of S itself led to c, they say nothing for it either: the copies are not
+like the record, and c has the odds of a cause that no copies check (``Ranking.limit``). A rival's odds are never
+lowered: the copies are drawn from the fitted explanations, so they cannot make any of them surer than the record itself
+does. r(T) counts as larger than r(S) only where it is so by more than chance. Last, N copies without c, none called c,
+allow no more certainty than (N + 1) / (N + 2) (Laplace's rule of succession).
 
 Sources: parametric bootstrap of model selection, E.-J. Wagenmakers et al. 2004, J. Math. Psychol. 48; a summary
 as data, as in approximate Bayesian computation, K. Csilléry et al. 2010, Trends Ecol. Evol. 25.
@@ -37,7 +38,7 @@ import numpy as np
 from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.ranking import Ranking, kinds
+from msd_ident.selection.ranking import Ranking, kinds, probability_at
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,10 @@ class Calibration:
     rows: tuple[Row, ...]
     stated: Mapping[str, float]
     corrected: Mapping[str, float]
+
+    def confirms(self, cause: str) -> bool:
+        """Whether some copy of the leading explanation, which holds the cause, was diagnosed with it."""
+        return self.rows[0].named(cause) > 0
 
     @property
     def columns(self) -> tuple[Causes, ...]:
@@ -166,6 +171,9 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, H
         )
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
+    for cause in sorted(lead.causes):
+        if not lead.named(cause):
+            ranking = _capped(ranking, cause, probability_at(ranking.limit(cause)))
     for cause in sorted(lead.causes):
         kind = by_name(cause).cause()
         copies = sum(row.copies for row in rows if kind not in kinds(row.causes))

@@ -23,7 +23,7 @@ class CandidateModel:
 
     Attributes:
         causes: sorted names of its causes; none for the base model.
-        probability: given the data, among all sets that were fitted.
+        probability: given the data, among all sets that were fitted; at most that of its least probable cause.
         evidence: log evidence [nats], prior included; only differences mean anything.
         chi: sum of squares that it leaves, in units of the noise.
         model: fitted.
@@ -31,6 +31,8 @@ class CandidateModel:
         scale: (p,) natural size of each free parameter.
         information: (p, p) information matrix of the free parameters, the entries of single records eliminated.
         initial: state and zero of each record at its first sample.
+        variance: of the error of the best set's laws along its features (``evidence.NoiseScale``), in units of the
+            noise's; 1 where they leave only noise.
     """
 
     causes: tuple[str, ...]
@@ -42,6 +44,7 @@ class CandidateModel:
     scale: FloatArray
     information: FloatArray
     initial: tuple[Initial, ...]
+    variance: float = 1.0
 
 
 def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]) -> tuple[CandidateModel, ...]:
@@ -57,9 +60,9 @@ def of_ranking(ranking: Ranking, scale: NoiseScale, readings: Sequence[Readings]
     """
     top = max(ranking.evidence)
     found = []
-    for fitted, value, probability in zip(ranking.sets, ranking.evidence, ranking.probability, strict=True):
+    for fitted, value in zip(ranking.sets, ranking.evidence, strict=True):
         if fitted is ranking.best or value >= top - 0.5 * NEAR:
-            found.append(_contender(fitted, value, probability, (scale, readings)))
+            found.append(_contender(fitted, value, ranking.stated(fitted.causes), (scale, readings)))
     return tuple(found[:LEADERS])
 
 
@@ -81,6 +84,7 @@ def _contender(
         scale=fitted.problem.scale[:count],
         information=scale.informed(marginal(information, count)),
         initial=fitted.initial,
+        variance=scale.variance,
     )
 
 

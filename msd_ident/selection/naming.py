@@ -169,22 +169,25 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def _explaining(causes: Causes) -> str:
+    """``A explains``, or ``A and B explain``."""
+    return f"{' and '.join(spoken(name) for name in sorted(causes))} explain{'s' if len(causes) == 1 else ''}"
+
+
 def other_forms(ranking: Ranking) -> tuple[str, ...]:
     """A sentence for each named cause that may be another form of the law of the others."""
     named = ranking.best.causes
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
-        rest = named - {name} or {COULOMB}  # alone it is compared with its own limit
-        others = " and ".join(spoken(other) for other in sorted(rest))
+        rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
         said.append(
-            f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {others} explains: another form of that "
+            f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
             "law could do the same, so it is not certain that it is a cause of its own."
         )
     if named in ranking.leaves:
-        others = " and ".join(spoken(other) for other in sorted(named))
         said.append(
-            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {others} explains: the rig follows another "
-            "law, so no named cause is certain."
+            f"what is left is {100.0 * ranking.leaves[named]:.0f} % of what {_explaining(named)}: the rig follows "
+            "another law, so no named cause is certain."
         )
     said += [
         f"what is left is {100.0 * part:.0f} % of what is left without {spoken(name)}, and may move like it, so it is "

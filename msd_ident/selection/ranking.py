@@ -75,8 +75,8 @@ class Ranking:
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
         slow: causes of a set that bring a motion of which the records hold less than a period: a drift of another kind
             may do the same, so they are not certain.
-        unchecked: whether a poor experiment has no copies that check the leading set (``replication``): no cause is
-            certain.
+        unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
+            data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
             is certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
@@ -159,7 +159,11 @@ class Ranking:
         )
         if not (self.unchecked or self.foretold):
             return found
-        return min(found, _probability(self.greatest_odds(Effect if self.foretold else by_name(kind))))
+        return min(found, probability_at(self.limit(kind)))
+
+    def stated(self, causes: Causes) -> float:
+        """Probability of a set as it is stated: no more than that of its least probable cause."""
+        return min((self.of_set(causes), *map(self.of_cause, causes)))
 
     def _greatest(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law of a set acts, if the set is the right one.
@@ -178,7 +182,7 @@ class Ranking:
             clear = self.clear.get(causes, {}).get(law, math.inf)
             clear *= max(min(clear, _usual(by_name(law))), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
-        return _probability(odds)
+        return probability_at(odds)
 
     def _of_its_own(self, causes: Causes, law: str) -> float:
         """Greatest odds that a cause which may be another form of the other laws acts by itself.
@@ -197,8 +201,9 @@ class Ranking:
             clear = min(clear, CERTAIN_ODDS)
         return clear * odds / Effect.prior_odds
 
-    def greatest_odds(self, effect: type[Effect]) -> float:
-        """Greatest odds of a cause if the experiment is poor and has no copies, or the evidence is against the set."""
+    def limit(self, name: str) -> float:
+        """Greatest odds of a cause if no copies check it (``unchecked``), or the evidence is against the set."""
+        effect = Effect if self.foretold else by_name(by_name(name).cause())
         return _uncertain(effect) if self.best.causes not in self.exact else CERTAIN_ODDS * _usual(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:
@@ -217,7 +222,7 @@ def _usual(effect: type[Effect]) -> float:
     return max(effect.prior_odds / Effect.prior_odds, 1.0)
 
 
-def _probability(odds: float) -> float:
+def probability_at(odds: float) -> float:
     """Probability at these odds."""
     return odds / (1.0 + odds) if math.isfinite(odds) else 1.0
 

@@ -13,7 +13,7 @@ from msd_ident import parallel, seeds
 from msd_ident.data.record import Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
 from msd_ident.estimate.levels import CONFIDENCE
-from msd_ident.model.effects import Effect, by_name
+from msd_ident.model.effects import by_name, spoken
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import judge
 from msd_ident.selection import coarse_to_fine, naming
@@ -215,14 +215,21 @@ def left_unchecked(ranking: Ranking, matrix: Calibration | None) -> tuple[str, .
     """
     if not ranking.unchecked or not ranking.best.causes:
         return ()
-    most = ranking.greatest_odds(Effect), ranking.greatest_odds(by_name(COULOMB))
-    limit = f"odds are at most {most[0]:g} to 1 ({most[1]:g} to 1 for Coulomb friction)"
+    limit = f"odds are at most {_limits(ranking)}"
     if matrix is not None:
         return (f"The copies of this record were made of another explanation, which they did not confirm: {limit}.",)
     return (
         "One step, a ramp or a release excites little, and copies of this long record were not simulated to check "
         f"the probabilities: {limit}. --calibrate makes the copies; steps in both directions need none.",
     )
+
+
+def _limits(ranking: Ranking) -> str:
+    """Greatest odds of the named causes in words, for each cause if they differ."""
+    most = {spoken(name): f"{ranking.limit(name):g} to 1" for name in sorted(ranking.best.causes)}
+    if len(set(most.values())) == 1:
+        return next(iter(most.values()))
+    return ", ".join(f"{odds} for {name}" for name, odds in most.items())
 
 
 def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Sequence[Explanation]) -> Study:

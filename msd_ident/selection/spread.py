@@ -12,25 +12,27 @@ from msd_ident.model import Model
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.model.effects import Effect
 from msd_ident.model.effects.base import ARGUMENTS, PLAY
-from msd_ident.selection.hypothesis import Hypothesis
 
 _WATCHED = (*PLANT, FRICTION_FORCE)
 
 
-def between(sets: Sequence[Hypothesis], exact: bool = True) -> dict[str, tuple[float, float]]:
-    """Least and largest value of m, b, k and Fc over sets that fit alike and have them; empty if there is one value.
+def between(models: Sequence[Model], exact: bool = True) -> dict[str, tuple[float, float]]:
+    """Least and largest value of m, b, k and Fc over models that fit alike and have them.
 
     Args:
-        sets: the explanations.
+        models: the explanations, each fitted in the same way.
         exact: whether the first one leaves only noise. If not, the form of its laws is not that of the rig, and does
             not tell a constant force from a shifted zero: the stiffness about the place of rest counts as well.
+
+    Returns:
+        The ranges by name; without those of one value, or of two that are printed alike.
     """
     found = {}
     for name in _WATCHED:
-        values = [fitted.model[name] for fitted in sets if name in fitted.model.names]
+        values = [model[name] for model in models if name in model.names]
         if name == "stiffness" and not exact:
-            values += [value for one in sets if math.isfinite(value := stiffness_at_rest(one.model))]
-        if len(values) > 1:
+            values += [value for model in models if math.isfinite(value := stiffness_at_rest(model))]
+        if values and f"{min(values):.4g}" != f"{max(values):.4g}":
             found[name] = (min(values), max(values))
     return found
 

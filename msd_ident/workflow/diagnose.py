@@ -59,8 +59,8 @@ def diagnose(
         progress=progress,
         earlier=earlier,
     )
-    carried = "mass, damping, stiffness and all causes of the library"
-    explained.check(made.extended.residuals, made.records, carried, data.doubtful_units)
+    whole = "mass, damping, stiffness and all causes of the library"
+    explained.check(made.extended.residuals, made.records, whole, data.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
     found = proposing(replace(made, turned=data.turned))
     if found.adequacy.material:

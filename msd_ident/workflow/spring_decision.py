@@ -11,14 +11,17 @@ import numpy as np
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.estimate.objective import Loss
 from msd_ident.features import StandardForm
 from msd_ident.model.base_model import DryFriction, Offset
-from msd_ident.quantity import Z95
+from msd_ident.quantity import Z95, Quantity
+from msd_ident.tuning import fixed
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import typical_plant
 
+_MANY = fixed(1000, "interface", "odds beyond which a number says no more to a reader")
 #: An error so many times smaller than without a spring decides, even where the data leaves the stiffness open.
 _PLAIN = 0.2
 #: A stiffness that the data knows is taken to act where it takes a fifth of the error away.
@@ -95,16 +98,30 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
     stiffness, share = held.quantities["stiffness"], 100.0 * _share(held, records)
     found = f"fitted, its stiffness is {stiffness.value:.3g} {stiffness.unit}, which the data leaves open"
     if stiffness.known:
-        odds = 0.5 * (stiffness.value / stiffness.std) ** 2 if stiffness.std > 0.0 else math.inf
-        times = f"{math.exp(odds):.2g}" if odds < 20.0 else f"e^{odds:.0f}"
         forced = math.isfinite(share)
         found = (
             f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
-            f"{'' if forced else ' for one unit of mass'}, {times} times as likely as none"
-            f"{f', and carries {share:.2g} % of the force' if forced else ''}"
+            f"{'' if forced else ' for one unit of mass'}, {_likelihood(stiffness)}"
+            f"{f'; it carries {share:.2g} % of the force' if forced else ''}"
         )
+    change = f"without it the error is {_times(free.see / held.see)}as large"
     if sprung:
-        change = f"without it the error is {free.see / held.see:.3g} times as large"
         said = f"No response shows whether a spring acts; a spring is assumed: {found}, and {change}. If there is none,"
         return f"{said} use --model no_spring."
-    return f"No response shows a spring, and none is assumed: {found}. If there is one, use --model spring."
+    said = f"No response shows a spring, and none is assumed: {found}, and {change}. If there is one,"
+    return f"{said} use --model spring."
+
+
+def _likelihood(stiffness: Quantity) -> str:
+    """How likely a known stiffness is, compared with none: the likelihood ratio of a normal distribution, in words."""
+    deviations = abs(stiffness.value) / stiffness.std if stiffness.std > 0.0 else math.inf
+    if deviations > BEYOND_DOUBT:
+        return "beyond doubt not 0"
+    times = math.exp(0.5 * deviations**2)
+    return f"more than {_MANY:g} times as likely as none" if times > _MANY else f"{_times(times)}as likely as none"
+
+
+def _times(ratio: float) -> str:
+    """``3.2 times``, with the space that follows; empty where the ratio is printed as 1."""
+    said = f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
+    return "" if said == "1" else f"{said} times "

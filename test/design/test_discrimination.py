@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from designrigs import SEEN, STEP, explanation
@@ -60,6 +62,18 @@ def test_what_a_real_refit_leaves_scales_the_chi() -> None:
     whole, half = compared(*models), compared(*models, shares=np.full((2, 2), 0.5))
     np.testing.assert_allclose(half.chi, 0.5 * whole.chi)
     assert np.all(half.decided <= whole.decided)
+
+
+def test_the_error_of_the_laws_counts_in_a_new_record_too() -> None:
+    """A difference of some noise levels was said to decide, between laws that leave 50 of the measured record."""
+    predictors = [Predictor(explanation(one, known=1e-4), 1e-4) for one in (PLANT, PLANT.with_values({"mass": 0.945}))]
+    on = grid(STEP, PERIOD, SEEN)
+    made = [one.predict(on.record) for one in predictors]
+    exact, rough = (
+        discriminate(predictors, made, on, seen) for seen in (SEEN, replace(SEEN, variance=50.0**2 * 100.0))
+    )
+    assert np.min(exact.decided) > 0.95 and np.max(rough.decided) < 0.05
+    assert weights(made[0], on, replace(SEEN, variance=4.0)) == pytest.approx(weights(made[0], on, SEEN) / 4.0)
 
 
 def test_a_rival_alone_is_decided() -> None:

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from designrigs import LIMITS, Rig, stepped
 
-from msd_ident.design import Limits, Proposal, check, default_limits, design, proposing
+from msd_ident.data.record import Record
+from msd_ident.design import Limits, Profile, Proposal, Segment, check, default_limits, design, proposing
+from msd_ident.design.discrimination import Discrimination
+from msd_ident.design.evaluation import Option
+from msd_ident.design.prediction import Grid
+from msd_ident.design.proposal import _closest_pair, _hardest, _sentence
+from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
 from msd_ident.workflow import pipeline
 
@@ -86,3 +92,33 @@ def test_a_verdict_that_is_not_ambiguous_needs_no_proposal() -> None:
     assert proposing(diagnosis) is diagnosis
     alone = replace(diagnosis, verdict="ambiguous")
     assert proposing(alone) is alone, "nothing is tied"
+
+
+def parted(chi: list[list[float]], decided: list[float]) -> Option:
+    """An option of which nothing else is asked."""
+    on = Grid(Record(np.arange(20.0), np.zeros(20), np.zeros(1), np.zeros(1)), 1.0)
+    parting = Discrimination(np.array(chi), np.array(decided), float(np.mean(decided)))
+    return Option(
+        Profile((Segment("step", 2.0, force=8.0),), "one step"), on, (), parting, (0.0, 0.01), 0.1, np.ones(2)
+    )
+
+
+def test_the_hardest_pair_is_seen_with_the_richer_law_true() -> None:
+    """Refitted, the richer one becomes the simpler one: that they differ by nothing then says nothing."""
+    assert _closest_pair(parted([[0.0, 900.0], [0.01, 0.0]], [1.0, 1.0])) == (0, 1)
+    assert _closest_pair(parted([[0.0, 900.0], [0.01, 0.0]], [0.1, 1.0])) == (1, 0), "the other one is not found out"
+    three = [[0.0, 900.0, 800.0], [0.01, 0.0, 70.0], [0.02, 50.0, 0.0]]
+    assert _closest_pair(parted(three, [1.0, 1.0, 1.0])) == (1, 2)
+    assert _closest_pair(parted(three, [0.0, 0.0, 0.0])) == (1, 2)
+
+
+def test_a_measurement_that_cannot_tell_promises_nothing() -> None:
+    left = Refitted(1.0, 2e-3 * np.eye(20)[1], np.zeros(20))
+    for probability, words in (
+        (0.9, "It should tell A or B with probability 0.90."),
+        (0.2, "is likely to tell A or B;"),
+    ):
+        option = parted([[0.0, 9.0], [9.0, 0.0]], [probability, probability])
+        said = _sentence(option, ("A", "B"), "parts", _hardest(option, ("A", "B"), left, (1e-5, 50.0)), ("N", "m"))
+        assert words in said and ("It should" in said) == (probability > 0.5)
+        assert "they differ by up to 200 noise levels (the model leaves 50), at 1.0 s." in said

@@ -60,6 +60,8 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("ambiguous", [cause(0.6, ("hysteresis",))], left(0.4), ["but this data cannot tell Coulomb friction from "
           "hysteresis."]),
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
+        ("ambiguous", [cause(0.6), cause(0.7, (), "bouc_wen")], left(0.4), ["Whether Coulomb friction and Bouc-Wen act "
+          "at all is not certain."]),
         ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
         ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "consistent with noise"]),
     ],
@@ -69,3 +71,10 @@ def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words:
     for part in words:
         assert part in said
     assert ("DEPENDS" in said) == ("DEPENDS" in words)
+
+
+def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> None:
+    said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}))
+    assert said.startswith("The leading explanation, Bouc-Wen and Coulomb friction, is not named: it predicts left-out")
+    named = frozenset({"cogging"})
+    assert verdict.unpredicted(named, named) == verdict.unpredicted(frozenset(), frozenset()) == ""

@@ -11,8 +11,10 @@ import pytest
 from bench.real.rigs import RIGS, folder
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError
-from msd_ident.estimate.explained import explained_variance
+from msd_ident.estimate.explained import check, explained_variance
 from msd_ident.io import read
+from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
 
@@ -53,6 +55,28 @@ def test_a_refusal_names_a_doubtful_unit_too() -> None:
         DataError, match=r"expected more than 50 %.*; also, the samples lie 10 s apart.*--time-scale 0.0"
     ):
         pipeline.identify([replace(record, time=1000.0 * record.time, force_time=1000.0 * record.force_time)])
+
+
+def test_a_pendulum_that_swings_far_is_sent_to_the_diagnosis(asking_about: Callable[..., None]) -> None:
+    """It was said that a hand moved the cart or the force was another quantity, although it had none."""
+    asking_about("gravity", "coulomb_friction", "cubic_spring")
+    time = np.arange(0.0, 20.0, 0.01)
+    still = replace(from_samples(time, np.zeros(time.size), np.full(time.size, 3.05)), position_unit="rad")
+    still = replace(still, force_unit="N·m")
+    swing = simulate(Plant(1.0, 0.05, 0.0) + Gravity(40.0), still, 3.05).position
+    record = replace(still, position=np.round(swing / 1e-3) * 1e-3)
+    with pytest.raises(DataError, match="as a pendulum does that swings far: msd diagnose looks for it") as refused:
+        pipeline.identify([record])
+    assert "--force" not in str(refused.value), "no force acts"
+    assert [cause.name for cause in pipeline.diagnose([record]).causes] == ["gravity"]
+
+
+def test_where_a_force_acts_it_may_be_another_quantity() -> None:
+    time = np.arange(0.0, 5.0, 0.01)
+    record = from_samples(time, np.sin(time), np.cos(7.0 * time))
+    with pytest.raises(DataError, match="check --force$") as refused:
+        check([record.position], [record], "mass and all", diagnosed=True)
+    assert "msd diagnose" not in str(refused.value), "that has been done"
 
 
 @pytest.mark.long

@@ -13,6 +13,7 @@ from msd_ident.model import Model, Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.report.calibration import corrections
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.calibration import Calibration, Row, corrected, odds
 from msd_ident.selection.experiment import Experiment, formulated
@@ -131,7 +132,25 @@ def test_a_set_that_was_not_checked_says_why(fitted: dict[frozenset[str], Hypoth
     (alone,), (after,) = left_unchecked(open_, None), left_unchecked(open_, matrix)
     assert "copies of this long record were not simulated" in alone and "--calibrate makes the copies" in alone
     assert after.startswith("The copies of this record were made of another explanation, which they did not confirm:")
+    both = replace(ranking(fitted, both=0.98, nothing=0.02), unchecked=True)
+    assert "odds are at most 60 to 1. " in alone
+    assert "odds are at most 60 to 1 for Coulomb friction, 3 to 1 for quadratic drag. " in left_unchecked(both, None)[0]
     assert left_unchecked(replace(ranking(fitted, nothing=1.0), unchecked=True), None) == (), "nothing is named"
+
+
+def test_a_cause_that_its_own_copies_never_give_is_not_checked(fitted: dict[frozenset[str], Hypothesis]) -> None:
+    stated = ranking(fitted, both=0.98, rub=0.02, nothing=1e-9)
+    rows = [row(RUB | DRAG, rub=8), row(RUB, False, rub=14), row(NOTHING, False, nothing=60)]
+    after = corrected(stated, rows, fitted)
+    assert after.of_cause("quadratic_drag") == pytest.approx(3.0 / 4.0, rel=0.02), "the odds of a cause without copies"
+    assert after.of_cause("coulomb_friction") > 0.95 and sum(after.probability) == pytest.approx(1.0)
+    probabilities = [{name: one.of_cause(name) for name in sorted(RUB | DRAG)} for one in (stated, after)]
+    found = Calibration(tuple(rows), *probabilities)
+    rub, drag = corrections(found)
+    assert rub.endswith("copies of this record.")
+    assert "73.8 % after correction" in drag and "none of the 8 copies of the leading explanation was diagnosed" in drag
+    weak = ranking(fitted, both=0.5, rub=0.3, nothing=0.2)
+    assert corrected(weak, rows, fitted).of_cause("quadratic_drag") == pytest.approx(0.5), "never surer than before"
 
 
 def test_json_holds_every_count() -> None:

@@ -90,6 +90,9 @@ def test_what_may_be_another_form_is_told_with_its_part() -> None:
         "certain that it is a cause of its own.",
     )
     assert naming.other_forms(one) == ()
+    three = frozenset({"bouc_wen", "cogging", "quadratic_drag"})
+    (told,) = naming.other_forms(replace(ranking({tuple(three): 1.0}), further={three: {"cogging": 0.084}}))
+    assert told.startswith("Cogging explains 8 % of what Bouc-Wen and quadratic drag explain: ")
 
 
 def test_without_what_may_be_another_form_the_others_have_the_probability_that_it_does_not_act() -> None:

@@ -10,8 +10,10 @@ import pytest
 
 from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
+from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant, simulate
+from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
 from msd_sim import api
@@ -98,9 +100,35 @@ def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None
     assert found.refined.model["stiffness"] == 0.0
     said = next(one for one in found.warnings if "spring" in one)
     assert said.startswith("No response shows a spring, and none is assumed: fitted, its stiffness is ")
-    assert "times as likely as none" in said and said.endswith("% of the force. If there is one, use --model spring.")
+    assert (
+        "(95 %), as likely as none; it carries" in said
+        and "% of the force, and without it the error is as large." in said
+    )
+    assert said.endswith("as large. If there is one, use --model spring.")
     told = pipeline.identify([record], pipeline.Options(model="no_spring"))
     assert not any("spring" in one for one in told.warnings), "who decides needs no odds"
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "words"),
+    [
+        (1.0, 5.0, "as likely as none"),
+        (2.0, 1.0, "7.4 times as likely as none"),
+        (3.0, 1.0, "90 times as likely as none"),
+        (-6.0, 1.0, "more than 1000 times as likely as none"),
+        (150.0, 1.0, "beyond doubt not 0"),
+        (1.0, 0.0, "beyond doubt not 0"),
+    ],
+)
+def test_odds_are_said_in_words(value: float, std: float, words: str) -> None:
+    """They were powers of e, and 1 times as likely."""
+    record = open_loop(np.repeat(np.random.default_rng(2).normal(0.0, 3.0, 100), 20), stiffness=0.0)
+    found = fit(Plant(1.0, 3.0, 100.0), [record], zero="known")
+    held = replace(found, quantities={**found.quantities, "stiffness": Quantity(value, std, "N/m")})
+    for sprung in (True, False):
+        said = spring_decision._sentence(sprung, held, replace(found, see=2.5 * found.see), (record,))
+        assert f" (95 %), {words}; it carries " in said and ", and without it the error is 2.5 times as large. " in said
+        assert "e^" not in said and " 1 times" not in said
 
 
 def test_a_release_through_a_wide_play_shows_a_spring() -> None:

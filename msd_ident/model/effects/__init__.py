@@ -53,6 +53,6 @@ def saturation() -> type[Effect] | None:
 
 
 def spoken(name: str) -> str:
-    """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``."""
-    words = name.replace("_", " ")
-    return words[0].upper() + words[1:] if any(effect.name == name and effect.eponym for effect in LIBRARY) else words
+    """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``, ``Bouc-Wen``."""
+    person = next((effect.eponym for effect in LIBRARY if effect.name == name), "")
+    return person + name[len(person) :].replace("_", " ")

@@ -31,7 +31,7 @@ LOT = 5.0
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
 PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
 
-#: What an effect makes of a ring-down, see ``Effect.ring_down``.
+#: As the amplitude falls, the damping ratio rises, or falls; the frequency rises, or falls: see ``Effect.ring_down``.
 RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
 
 #: Kinds of law that an effect may have, see ``Effect``.
@@ -88,8 +88,8 @@ class Effect:
     jumps: ClassVar[bool] = False
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
-    #: Its name begins with a person's.
-    eponym: ClassVar[bool] = False
+    #: Person, or persons joined by hyphens, with whom its name begins, as people write them.
+    eponym: ClassVar[str] = ""
     #: Its position is an angle: it means nothing on a slide.
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
@@ -124,8 +124,8 @@ class Effect:
     limits_force: ClassVar[str] = ""
     #: It acts on the spring so that the spring's zero is seen, beside those whose force depends on the place.
     shows_zero: ClassVar[bool] = False
-    #: Ring-down that it makes (``RUBS``, ``DRAGS``, ``SOFTENS``, ``HARDENS``): signs of its first parameter for which
-    #: it does.
+    #: Ring-down that it makes (``RUBS``, ``DRAGS``, ``SOFTENS``, ``HARDENS``): signs of its strength, the first
+    #: parameter in ``neutral``, for which it may. Time counts too: over a decay the amplitude falls with it.
     ring_down: ClassVar[Mapping[str, tuple[int, ...]]] = {}
     #: What to measure, without any force profile, to know whether it acts.
     measured_by: ClassVar[str] = ""

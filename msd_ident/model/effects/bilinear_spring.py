@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import OUTSIDE, Effect
+from msd_ident.model.effects.base import HARDENS, OUTSIDE, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -40,6 +40,7 @@ class BilinearSpring(Effect):
     piecewise_linear = True
     mirror = False
     knee = ("bend_position", "bend_stiffness", OUTSIDE)
+    ring_down = {SOFTENS: (-1,), HARDENS: (1,)}
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -39,8 +39,10 @@ class BoucWen(Effect):
     source = "Bouc 1967, Wen 1976 (J. Eng. Mech. 102) with n = 1; Noël & Schoukens 2016, hysteretic benchmark"
     neutral = (("hysteresis_stiffness", 0.0),)
     form_of = "hysteresis"
+    eponym = "Bouc-Wen"
     prior_odds = 1.0 / 100.0
     memory = (("wen_x", 0.0), ("wen_z", 0.0))
+    ring_down = {RUBS: (1,), DRAGS: (1,), SOFTENS: (1,), HARDENS: (1,)}
 
     @staticmethod
     def force(

@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import DRAGS, HARDENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -48,6 +48,7 @@ class BufferedStop(Effect):
     mirror = False
     jumps = True
     knee = ("buffer_centre", "buffer_stiffness", "buffer_reach")
+    ring_down = {HARDENS: (1,), DRAGS: (0, 1)}
 
     @staticmethod
     def force(

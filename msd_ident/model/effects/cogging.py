@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.model.declarations import PLACE, Harmonic, Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -52,6 +52,7 @@ class Cogging(Effect):
     neutral = (("cogging_amplitude", 0.0),)
     mirror = False
     harmonic = Harmonic("cogging_amplitude", "cogging_pitch", "cogging_phase", PLACE)
+    ring_down = {SOFTENS: (1,), HARDENS: (1,)}
     measured_by = "move the cart through its travel by hand and read the force at rest in steps far below its pitch"
 
     @staticmethod

@@ -40,6 +40,7 @@ class CoggingHarmonic(Effect):
     prior_odds = 1.0 / 100.0
     mirror = False
     harmonic = Cogging.harmonic
+    ring_down = Cogging.ring_down
 
     @staticmethod
     def force(

@@ -40,7 +40,7 @@ class CoulombFriction(Effect):
     source = "C. A. Coulomb 1785; equation 2 of the 2014 report, Fc = µ·m·g"
     neutral = (("coulomb_force", 0.0),)
     family = "dry friction"
-    eponym = True
+    eponym = "Coulomb"
     dissipative = True
     piecewise_linear = True
     prior_odds = 1.0

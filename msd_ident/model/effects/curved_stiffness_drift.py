@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ class CurvedStiffnessDrift(Effect):
     stands_alone = True
     prior_odds = 1.0 / 100.0
     steady = False
+    ring_down = {SOFTENS: (-1, 0, 1), HARDENS: (-1, 0, 1)}
 
     @staticmethod
     def force(

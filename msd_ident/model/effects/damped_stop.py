@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import DRAGS, HARDENS, Effect
 from msd_ident.model.effects.end_stop import EndStop
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ class DampedStop(Effect):
     prior_odds = 1.0 / 100.0
     knee = EndStop.knee
     turns = True
+    ring_down = {HARDENS: (1,), DRAGS: (1,)}
 
     @staticmethod
     def force(x: float, v: float, stop_position: float, stop_stiffness: float, stop_damping: float) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import RUBS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -48,6 +48,7 @@ class FadingDamping(Effect):
     form_of = "quadratic_drag"
     stands_alone = True
     prior_odds = 1.0 / 40.0
+    ring_down = {RUBS: (1,)}
     measured_by = "take the magnet or the film away, and record again"
     turns = True
 

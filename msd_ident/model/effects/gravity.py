@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -29,6 +29,7 @@ class Gravity(Effect):
     source = "Newton's pendulum; for small angles a spring of stiffness G"
     neutral = (("gravity_moment", 0.0),)
     angular = True
+    ring_down = {SOFTENS: (1,)}
 
     @staticmethod
     def force(x: float, gravity_moment: float) -> float:

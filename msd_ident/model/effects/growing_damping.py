@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import DRAGS, RUBS, Effect
 from msd_ident.model.effects.position_dependent_damping import PositionDependentDamping
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class GrowingDamping(Effect):
     form_of = "position_dependent_damping"
     prior_odds = 1.0 / 100.0
     mirror = False
+    ring_down = {RUBS: (-1, 1), DRAGS: (-1, 1)}
 
     @staticmethod
     def force(x: float, v: float, damping_slope: float, damping_growth: float) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import RUBS, SOFTENS, Effect
+from msd_ident.model.effects.base import DRAGS, RUBS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -41,7 +41,7 @@ class Hysteresis(Effect):
     neutral = (("hysteresis_force", 0.0),)
     memory = (("anchor_x", 0.0), ("anchor_z", 0.0))
     dry_limit = "hysteresis_force"
-    ring_down = {RUBS: (1,), SOFTENS: (-1, 1)}
+    ring_down = {RUBS: (1,), DRAGS: (1,), SOFTENS: (1,)}
     measured_by = "load and unload the spring in small steps and read the force at rest"
 
     @staticmethod

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import AT_ZERO, Effect
+from msd_ident.model.effects.base import AT_ZERO, RUBS, Effect
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ class LoadDependentFriction(Effect):
     dry_limit = "coulomb_force"
     needs_spring = True
     knee = AT_ZERO
+    ring_down = {RUBS: (1,)}
 
     @staticmethod
     def friction(spring_force: float, coulomb_force: float, load_ratio: float) -> float:

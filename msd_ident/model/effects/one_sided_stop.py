@@ -10,7 +10,7 @@ import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import OUTSIDE, Effect
+from msd_ident.model.effects.base import HARDENS, OUTSIDE, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -42,6 +42,7 @@ class OneSidedStop(Effect):
     piecewise_linear = True
     mirror = False
     knee = ("one_stop_position", "one_stop_stiffness", OUTSIDE)
+    ring_down = {HARDENS: (1,)}
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

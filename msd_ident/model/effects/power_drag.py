@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import DRAGS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -38,6 +38,7 @@ class PowerDrag(Effect):
     prior_odds = 1.0 / 100.0
     turns = True
     held = ("drag_speed",)
+    ring_down = {DRAGS: (1,)}
 
     @staticmethod
     def force(direction: float, speed: float, drag_force: float, drag_speed: float, drag_exponent: float) -> float:

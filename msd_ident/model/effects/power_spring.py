@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -37,6 +37,7 @@ class PowerSpring(Effect):
     prior_odds = 1.0 / 100.0
     needs_spring = True
     held = ("power_position",)
+    ring_down = {SOFTENS: (-1,), HARDENS: (1,)}
 
     @staticmethod
     def force(x: float, power_force: float, power_position: float, power_exponent: float) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -34,6 +34,7 @@ class SettlingStiffness(Effect):
     form_of = "stiffness_drift"
     prior_odds = 1.0 / 100.0
     steady = False
+    ring_down = {SOFTENS: (1,), HARDENS: (-1,)}
 
     @staticmethod
     def force(t: float, spring_force: float, settling_ratio: float, settling_time: float) -> float:

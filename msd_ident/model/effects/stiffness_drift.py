@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -33,6 +33,7 @@ class StiffnessDrift(Effect):
     source = "first order in time of a heating or creeping spring"
     neutral = (("stiffness_drift_rate", 0.0),)
     steady = False
+    ring_down = {SOFTENS: (1,), HARDENS: (-1,)}
     measured_by = "repeat the first record after an hour of running"
 
     @staticmethod

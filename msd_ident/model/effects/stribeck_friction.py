@@ -59,10 +59,10 @@ class StribeckFriction(Effect):
     source = "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994 (Automatica 30): Gaussian form of Stribeck's curve"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
-    eponym = True
+    eponym = "Stribeck"
     dissipative = True
     dry_limit = "coulomb_force"
-    ring_down = {RUBS: (1,)}
+    ring_down = {RUBS: (0, 1)}
     measured_by = "pull the cart slowly with a spring balance and read the force at which it breaks away"
 
     @staticmethod

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
-from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.base import RUBS, Effect
 from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak
 
 if TYPE_CHECKING:
@@ -34,11 +34,12 @@ class StribeckShape(Effect):
     source = "Bo & Pavelescu 1982 (Wear 82): exponents from 1/2 to 1; Armstrong-Hélouvry 1991: 2"
     neutral = (("coulomb_force", 0.0), ("static_force", 0.0))
     family = "dry friction"
-    eponym = True
+    eponym = "Stribeck"
     dissipative = True
     dry_limit = "coulomb_force"
     form_of = "stribeck_friction"
     prior_odds = 1.0 / 100.0
+    ring_down = {RUBS: (0, 1)}
 
     @staticmethod
     def friction(
