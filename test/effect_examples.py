@@ -47,6 +47,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "gravity": {"gravity_moment": 300.0},
     "growing_damping": {"damping_slope": 100.0, "damping_growth": 30.0},
     "hysteresis": {"hysteresis_force": 0.4, "hysteresis_length": 0.003},
+    "lagging_drive_damping": {"drive_damping": 3.0, "relaxation_time": 0.02},
     "load_dependent_friction": {"coulomb_force": 0.1, "load_ratio": 0.03},
     "modulated_disturbance": {
         "disturbance_amplitude": 0.3, "disturbance_frequency": 60.0, "disturbance_phase": 0.3,
@@ -62,6 +63,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "power_drag": {"drag_force": 0.5, "drag_speed": 0.4, "drag_exponent": 1.5},
     "power_spring": {"power_force": 1.5, "power_position": 0.02, "power_exponent": 2.0},
     "quadratic_drag": {"drag_coefficient": 3.0},
+    "relaxing_spring": {"relaxing_damping": 4.0, "relaxation_time": 0.05},
     "second_mode": {"second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5},
     "sensor_eccentricity": {"eccentricity": 1e-4, "eccentricity_pitch": 0.02, "eccentricity_phase": 0.5},
     "settling_sensor": {"sensor_settling": 2e-4, "sensor_settling_time": 0.7},
@@ -91,8 +93,10 @@ RIG: dict[str, tuple[str, dict[str, float], dict[str, float]]] = {
     ),
     "direction_dependent_damping": ("one_way_damping", {"up_damping": 3.0}, {"damping": DAMPING - 1.5}),
     "drive_damping": ("drive_brake", {"driven_damping": 2.0}, {}),
+    "lagging_drive_damping": ("slow_brake", {"slow_brake_damping": 3.0, "slow_brake_time": 0.02}, {}),
     "load_dependent_friction": ("load_friction", EXAMPLES["load_dependent_friction"], {}),
     "power_drag": ("power_drag", {"power_drag": 0.5 / 0.4**1.5}, {}),
+    "relaxing_spring": ("creeping_spring", {"creep_stiffness": 80.0, "creep_time": 0.05}, {}),
     "settling_sensor": ("settling_sensor", EXAMPLES["settling_sensor"], {}),
     "settling_stiffness": (
         "settling_stiffness",

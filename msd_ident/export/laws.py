@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from msd_ident.errors import DataError
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS, VELOCITY_LAG
 
 
 def number(value: float) -> str:
@@ -152,7 +152,8 @@ def fastest(model: Model) -> float:
     rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
     if second:
         rates += [math.sqrt(coupling / second), coupling_damping / second]
-    rates += [1.0 / lag for lag in model.structure(LAG) if lag]
+    lags = (*model.structure(LAG), *model.structure(VELOCITY_LAG)[-1:])
+    rates += [1.0 / lag for lag in lags if lag]
     return float(max(rates))
 
 

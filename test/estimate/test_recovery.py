@@ -18,7 +18,7 @@ from msd_ident.model.effects import LIBRARY, by_name
 #: Causes whose law the rig has in another form, so that the study does not draw them; the variants do.
 NOT_DRAWN = (
     "bilinear_spring", "direction_dependent_damping", "drive_damping", "gravity", "load_dependent_friction",
-    "position_dependent_damping", "sensor_eccentricity",
+    "position_dependent_damping", "relaxing_spring", "sensor_eccentricity",
 )  # fmt: skip
 
 

@@ -100,9 +100,9 @@ def test_twenty_random_pairs_agree(names: tuple[str, ...], rate: float, hold: st
 
 
 def test_all_that_goes_together_agrees() -> None:
-    """Every effect at once, with each of the dry frictions."""
+    """Every effect at once, with each of the dry frictions and one second state."""
     frictions = [name for name in TOGETHER if by_name(name).family == "dry friction"]
-    rest = [name for name in TOGETHER if name not in frictions and not by_name(name).form_of]
+    rest = [name for name in TOGETHER if not by_name(name).family and not by_name(name).form_of] + ["second_mode"]
     for friction in frictions:
         # The rig's load is that of a spring without play; here it is what the spring makes.
         others = [name for name in rest if name != "backlash" or friction != "load_dependent_friction"]

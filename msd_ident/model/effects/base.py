@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import FloatArray, Model
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u")
 
 #: Sides of a knee, see ``Effect.knee``.
 BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
@@ -30,6 +30,9 @@ LOT = 5.0
 
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
 PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
+#: Beside a law: its ``lagged_v`` [m/s] follows the velocity, from 0 at the start, with the effect's last parameter [s]
+#: as time constant. Several effects may have it, all with one name for the time constant and of one family.
+VELOCITY_LAG = "velocity lag"
 
 #: What an effect makes of a ring-down, see ``Effect.ring_down``.
 RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
@@ -48,7 +51,8 @@ class Effect:
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
     motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
-    commanded, else 0), a commanded force ``u`` [N], any parameter of the effect or of the plant, any of its ``memory``.
+    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), a commanded force ``u`` [N], any parameter of the
+    effect or of the plant, any of its ``memory``.
     Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 
@@ -114,7 +118,7 @@ class Effect:
     #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
     #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
     #: [kg], stiffness [N/m], damping [N·s/m] between them), ``COMMAND_LOOP`` of the force (half its width [N], the
-    #: change of the command that crosses it [N]). Empty for an effect with a law.
+    #: change of the command that crosses it [N]). Empty for an effect with a law, but for ``VELOCITY_LAG``.
     structure: ClassVar[str] = ""
     #: Its harmonic term, which is found by a scan and not by going down from anywhere.
     harmonic: ClassVar[Harmonic | None] = None
@@ -242,7 +246,12 @@ class Effect:
     @classmethod
     def remembers(cls) -> bool:
         """Whether its force depends on more than time, position and velocity of the instant."""
-        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS, COMMAND_LOOP)
+        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS, COMMAND_LOOP, VELOCITY_LAG)
+
+    @classmethod
+    def asks_drive(cls) -> bool:
+        """Whether its force depends on whether any is commanded."""
+        return any("driven" in inspect.signature(law).parameters for law in cls.laws().values())
 
     @classmethod
     def cause(cls) -> str:

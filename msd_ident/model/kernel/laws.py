@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.model.effects import LIBRARY, structural
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE, VELOCITY_LAG
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.plant import PLANT_PARAMETERS
@@ -54,9 +54,7 @@ TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or eff
 #: Effects whose force may change quickly just after a turn.
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
 #: Effects whose force depends on whether any is commanded.
-DRIVEN_BITS = sum(
-    BIT[e.name] for e in LIBRARY for law in e.laws().values() if "driven" in inspect.signature(law).parameters
-)
+DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
@@ -72,6 +70,18 @@ def structure(role: str, count: int) -> tuple[int, tuple[int, ...]]:
     if effect is None:
         return 0, (0,) * count
     return BIT[effect.name], tuple(INDEX[parameter.name] for parameter in effect.parameters)
+
+
+def velocity_lag() -> tuple[int, int]:
+    """Bits of the effects whose law is given ``lagged_v`` (0 without any), and where their one time constant stands."""
+    lagged = [effect for effect in LIBRARY if effect.structure == VELOCITY_LAG]
+    places = {INDEX[effect.parameters[-1].name] for effect in lagged} or {0}
+    (place,) = places  # one name for all
+    return sum(BIT[effect.name] for effect in lagged), place
+
+
+#: See ``velocity_lag``.
+LAGGED_BITS, RELAXATION_TIME = velocity_lag()
 
 
 def _argument(name: str) -> str:
@@ -165,7 +175,7 @@ def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
 disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, lagged_v", "0.0", "+=")
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")

@@ -20,6 +20,8 @@ from msd_ident.model.kernel.spring import characteristic
 
 #: Radians a sample beyond which the second mass is joined to the first: its own motion is far beyond what samples show.
 RIGID = 150.0
+#: Damping [N·s/m] between the cart and a second mass, too light to be felt, that has the lagged velocity.
+_WEIGHTLESS = 1e-60
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _PARAMETERS = len(laws.INDEX)
@@ -80,6 +82,8 @@ def row(bits, values, place, plan, out):
     if bits & _SECOND_MODE and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
         m, m2, k2, b2 = m + m2, 0.0, 0.0, 0.0
         bits &= ~_SECOND_MODE
+    if bits & laws.LAGGED_BITS and RIGID * time.size * p[laws.RELAXATION_TIME] > time[-1] - time[0]:
+        m2, b2 = _WEIGHTLESS * p[laws.RELAXATION_TIME], _WEIGHTLESS
     world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
     path = _path(out, cut.start.size, pick)
     if bits & ~laws.EXACT_BITS:
