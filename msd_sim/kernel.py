@@ -87,7 +87,8 @@ class Mode(Protocol):
 
 class World(NamedTuple):
     """Everything that a step needs. y = (x, v, x2, v2, creep force, slow brake's force), ``reach`` its largest
-    values so far, ``segments`` (s, 4) = (start, value, slope, lagged force at start) of the commands; ``k`` and ``out`` are room.
+    values so far, ``segments`` (s, 4) = (start, value, slope, lagged force at start) of the commands; ``k`` and ``out``
+    are room.
     """
 
     p: Parameters

@@ -63,6 +63,7 @@ def _slave(plan: Plan, name: str) -> str:
     parts = {**python_source.structure(plan), **python_source.memory(plan), "CLASS": name}
     lag = ", lag" if plan.model.structure(LAG) else ""
     parts["FMU_START"] = lag + python_source.begun(plan.model)
+    parts["HELD"] = python_source.held(plan.model, "level")
     return filled("fmu_slave.py.txt", **parts)
 
 

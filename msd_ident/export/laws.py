@@ -132,6 +132,22 @@ def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
     return found[0] if found else otherwise
 
 
+def chained(effects: Iterable[Effect], kind: str, given: str, of: str) -> str:
+    """Expression that puts a value through all laws of a kind, one after the other.
+
+    Args:
+        effects: of a model.
+        kind: ``input_map`` or ``reading``.
+        given: the argument of the laws that is the value: ``u`` or ``x``.
+        of: expression of the value.
+    """
+    for effect in effects:
+        if kind in effect.laws():
+            names = (of if name == given else name for name in arguments(effect.laws()[kind]))
+            of = f"{kind}_of_{effect.name}({', '.join(names)})"
+    return of
+
+
 def fastest(model: Model) -> float:
     """Fastest rate of a model [1/s], for the step of an integration: swings, damping, stops, lag, second mass, laws.
 

@@ -43,10 +43,12 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "HOLD": "linear" if plan.saved.force_hold in ("linear", "band_limited") else "zero",
         "RATE": laws.number(laws.fastest(plan.model)),
         "FUNCTIONS": f"\n{functions}\n\n" if functions else "",
-        "COMMAND": laws.one(effects, "input_map", "u"),
+        "COMMAND": laws.chained([e for e in effects if e.steady], "input_map", "u", "u"),
+        "LINE": held(plan.model, "level + slope * (t - since)"),
+        "HELD": held(plan.model, "level"),
         "FRICTION": laws.one(effects, "friction", "0.0"),
         "BREAKAWAY": laws.one(effects, "breakaway", "0.0"),
-        "READING": laws.one(effects, "reading", "x"),
+        "READING": laws.chained(effects, "reading", "x", "x"),
         "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if any(e.asks_drive() for e in effects) else "",
         "FORCES": "".join(f"    total -= {one}\n" for one in calls),
     }
@@ -80,6 +82,11 @@ def structure(plan: Plan) -> dict[str, str]:
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + begun(model),
         "DELAY": delay[0] if delay else "0.0",
     }
+
+
+def held(model: Model, level: str) -> str:
+    """Expression of the force [N] that a level [N] is at the time ``t``."""
+    return laws.chained([effect for effect in model.effects if not effect.steady], "input_map", "u", level)
 
 
 def begun(model: Model) -> str:

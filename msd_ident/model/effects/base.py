@@ -63,8 +63,10 @@ class Effect:
     - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
       name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
       in which ``direction`` is 0;
-    - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;
+    - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
     - ``reading(...)`` [m]: what the sensor makes of x.
+
+    Of several maps or readings in a model, each is given what the one before made, in the order of their names.
 
     An effect without any of these changes the structure (backlash, lag, time offset, ...), names its part in that as
     ``structure``, and the kernel itself carries it.
@@ -84,6 +86,8 @@ class Effect:
     form_of: ClassVar[str] = ""
     #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
     stands_alone: ClassVar[bool] = False
+    #: Causes that it may be mistaken for: like a form, it is tried where a law of one of these explains something.
+    mistaken_for: ClassVar[tuple[str, ...]] = ()
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
     #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE`` or ``OUTSIDE`` (seen from zero), or
     #: the name of the distance [m] from that position beyond which it is, on either side.
@@ -201,6 +205,14 @@ class Effect:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
 
+    def pushes(self, u: float, t: float = 0.0) -> float:
+        """Force [N] that it makes of a command u [N] at a time t [s]."""
+        law = self.laws().get("input_map")
+        if law is None:
+            return u
+        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | {"u": u, "t": t}
+        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+
     def longest_period(self) -> float:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
         least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
@@ -257,6 +269,12 @@ class Effect:
     def cause(cls) -> str:
         """Name of the cause that acts where this law does."""
         return cls.form_of or cls.name
+
+    @classmethod
+    def alike(cls, other: type[Effect]) -> bool:
+        """Whether the other is a law of the same cause, or one of the two may be mistaken for the other's cause."""
+        mistaken = cls.cause() in other.mistaken_for or other.cause() in cls.mistaken_for
+        return cls.cause() == other.cause() or mistaken
 
     @classmethod
     def placed(cls) -> bool:

@@ -50,6 +50,8 @@ DRY_BITS, READING_BITS, MAP_BITS = (
     sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws())
     for kind in ("friction", "reading", "input_map")
 )
+#: Effects that make another force of the same command at another time.
+TIMED_MAP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "input_map" in effect.laws() and not effect.steady)
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 #: Effects whose force may change quickly just after a turn.
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
@@ -97,17 +99,22 @@ def _call(function: str, law: Callable[..., float]) -> str:
 
 
 def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
-    """Compile ``kind``: ``start`` is the value without effects, ``join`` how a law's value enters."""
+    """Compile ``kind``: ``start`` is the value without effects, ``join`` how a law's value enters.
+
+    Where ``start`` is one of the arguments, each law is given what the one before made of it.
+    """
     scope: dict[str, Any] = {}
-    lines = [f"def {kind}(active, p, w, {given}):", f"    value = {start}"]
+    lines = [f"def {kind}(active, p, w, {given}):"]
+    value = start if start in given.split(", ") else "value"
+    lines += [f"    value = {start}"] if value == "value" else []
     for effect in LIBRARY:
         law = effect.laws().get(kind)
         if law is None:
             continue
         function = f"{effect.name}_{kind}"
         scope[function] = joined(with_own_sine(law))
-        lines += [f"    if active & {BIT[effect.name]}:", f"        value {join} {_call(function, law)}"]
-    lines.append("    return value")
+        lines += [f"    if active & {BIT[effect.name]}:", f"        {value} {join} {_call(function, law)}"]
+    lines.append(f"    return {value}")
     return _compile(kind, lines, scope)
 
 
@@ -179,6 +186,6 @@ force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, l
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
-input_map = _dispatcher("input_map", "u", "u", "=")
+input_map = _dispatcher("input_map", "t, u", "u", "=")
 reading = _dispatcher("reading", "t, x", "x", "=")
 remember = _remember()
