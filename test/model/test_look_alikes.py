@@ -10,6 +10,7 @@ from effect_examples import DAMPING, EXAMPLES, MASS, STIFFNESS, example, model, 
 
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import fit
+from msd_ident.estimate.resolution import ranges
 from msd_ident.model import simulate
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
@@ -64,6 +65,18 @@ def test_the_gain_drifts_while_one_command_is_held() -> None:
     assert STIFFNESS * np.mean(seen[late]) == pytest.approx(8.0 * (1.0 + 0.02 * 1.9), rel=2e-3)
     lagged = simulate(model("gain_drift", "actuator_lag").with_values(calm), measured).position
     assert STIFFNESS * np.mean(lagged[late]) == pytest.approx(8.0 * (1.0 + 0.02 * 1.9), rel=2e-3)
+
+
+def test_an_eccentric_wheel_is_seen_to_repeat() -> None:
+    """A bent scale over the whole travel is one turn of a wheel, nearly; of one and a half, half a turn repeats."""
+    x = np.linspace(-0.02, 0.02, 2001)
+    bent = x + 100.0 * x**3
+    wheel = by_name("sensor_eccentricity")
+    seen = replace(record(), time=np.arange(x.size) / 100.0, position=bent, force_time=np.zeros(1), force=np.zeros(1))
+    _, longest = ranges([seen], plant())["eccentricity_pitch"]
+    assert 1.5 * longest == pytest.approx(np.ptp(bent))
+    assert all(guess.values[1] <= longest for guess in wheel.guess(seen, plant()))
+    assert all(start.values[1] <= longest for start in wheel.from_residual(seen, x - bent))
 
 
 def test_each_law_is_given_what_the_one_before_made() -> None:
