@@ -41,7 +41,8 @@ _NAMES = [
     *("cable_damping", "cable_start", "cable_end", "rational_coulomb", "rational_static", "rational_velocity"),
     *("exponential_coulomb", "exponential_static", "exponential_velocity", "load_coulomb", "load_ratio"),
     *("one_stop_position", "one_stop_stiffness", "soft_stop_position", "soft_stop_stiffness", "soft_stop_damping"),
-    *("power_drag", "up_damping", "driven_damping", "bend_position", "bend_stiffness"),
+    *("power_drag", "up_damping", "driven_damping", "slow_brake_damping", "slow_brake_time"),
+    *("bend_position", "bend_stiffness", "gain_drift_rate"),
     *("settling_ratio", "settling_time", "low_tone_amplitude", "low_tone_frequency"),
     *("high_tone_amplitude", "high_tone_frequency", "longest_move", "longest_step"),
 ]
@@ -57,7 +58,7 @@ MOST_IDLE_EVENTS = 1000
 FARTHEST = 1e4
 RUNS_AWAY, CHATTERS = 1, 2
 
-_STAGES, _STATES = 12, 5
+_STAGES, _STATES = 12, 6
 _A, _B, _C = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C))
 _E3, _E5 = np.ascontiguousarray(DOP853.E3), np.ascontiguousarray(DOP853.E5)
 _REVERSAL, _EDGE, _SLOWEST, _BREAKAWAY = 0, 1, 2, 3
@@ -85,8 +86,9 @@ class Mode(Protocol):
 
 
 class World(NamedTuple):
-    """Everything that a step needs. y = (x, v, x2, v2, creep force), ``reach`` its largest values so far,
-    ``segments`` (s, 4) = (start, value, slope, lagged force at start) of the commands; ``k`` and ``out`` are room.
+    """Everything that a step needs. y = (x, v, x2, v2, creep force, slow brake's force), ``reach`` its largest
+    values so far, ``segments`` (s, 4) = (start, value, slope, lagged force at start) of the commands; ``k`` and ``out``
+    are room.
     """
 
     p: Parameters
@@ -141,6 +143,12 @@ def _spring(p: Parameters, m: Mode, t: float, x: float) -> float:
 
 
 @njit(cache=True)
+def _driven(w: World) -> bool:
+    """Whether a force is commanded."""
+    return bool(w.segments[w.m.segment, 1] != 0.0 or w.segments[w.m.segment, 2] != 0.0)
+
+
+@njit(cache=True)
 def _variant_losses(w: World, t: float, x: float, v: float) -> float:
     """Damping of other laws, stops with losses, two tones [N]: on the left-hand side."""
     p, m = w.p, w.m
@@ -153,7 +161,7 @@ def _variant_losses(w: World, t: float, x: float, v: float) -> float:
         force += p.power_drag * m.direction * abs(v) ** 1.5
     if m.direction > 0.0:
         force += p.up_damping * v
-    if p.driven_damping != 0.0 and (w.segments[m.segment, 1] != 0.0 or w.segments[m.segment, 2] != 0.0):
+    if p.driven_damping != 0.0 and _driven(w):
         force += p.driven_damping * v
     if p.low_tone_amplitude != 0.0:
         force += p.low_tone_amplitude * math.sin(p.low_tone_frequency * t)
@@ -175,7 +183,9 @@ def _bouc_wen(p: Parameters, m: Mode, x: float) -> float:
 def other_forces(w: World, t: float, y: FloatArray) -> float:
     """Sum of all forces on the cart except dry friction [N]."""
     p, m, x, v = w.p, w.m, y[0], y[1]
-    force = applied_force(p, w.segments[m.segment], t) - p.offset_force - y[4]
+    force = applied_force(p, w.segments[m.segment], t) * (1.0 + p.gain_drift_rate * t) - p.offset_force - y[4]
+    if p.slow_brake_damping != 0.0 and _driven(w):
+        force -= y[5]
     force -= p.damping * v + _spring(p, m, t, x) + p.drag_coefficient * m.direction * v * v
     force -= _variant_losses(w, t, x, v)
     if p.hysteresis_force != 0.0:
@@ -232,7 +242,7 @@ def _static_friction(p: Parameters, m: Mode, t: float, x: float) -> float:
 def _slope(w: World, t: float, y: FloatArray, dy: FloatArray) -> None:
     """Time derivative of y."""
     p, m = w.p, w.m
-    dy[0] = dy[1] = dy[2] = dy[3] = dy[4] = 0.0
+    dy[0] = dy[1] = dy[2] = dy[3] = dy[4] = dy[5] = 0.0
     if m.direction != 0.0:
         mass = p.mass if m.t_side < p.drop_time else p.mass - p.dropped_mass
         dy[0] = y[1]
@@ -242,6 +252,8 @@ def _slope(w: World, t: float, y: FloatArray, dy: FloatArray) -> None:
         dy[3] = (p.second_stiffness * (y[0] - y[2]) + p.second_damping * (y[1] - y[3])) / p.second_mass
     if p.creep_stiffness > 0.0:
         dy[4] = p.creep_stiffness * y[1] - y[4] / p.creep_time
+    if p.slow_brake_damping != 0.0:
+        dy[5] = (p.slow_brake_damping * y[1] - y[5]) / p.slow_brake_time
 
 
 @njit(cache=True)
@@ -289,7 +301,9 @@ def _error(w: World, h: float) -> float:
 @njit(cache=True)
 def _probe(w: World, kind: int, edge: float, h: float) -> float:
     """Value whose root in h is the event of this kind."""
-    if kind != _BREAKAWAY or w.p.second_mass > 0.0 or w.p.creep_stiffness > 0.0:  # else nothing moves while it sticks
+    p = w.p
+    moves = p.second_mass > 0.0 or p.creep_stiffness > 0.0 or p.slow_brake_damping != 0.0
+    if kind != _BREAKAWAY or moves:  # else nothing moves while it sticks
         _trial(w, h)
     if kind == _REVERSAL:
         return float(w.out[1] / h)  # v/h, not v: the root at h = 0 of a cart that starts from rest is none

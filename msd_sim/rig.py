@@ -64,7 +64,7 @@ class Rig:
         self._edges, self._instants = truth.edges(), truth.instants()
 
     def _place(self, position: float, velocity: float, time: float) -> None:
-        self._y = np.array([position, velocity, position, velocity, 0.0])
+        self._y = np.array([position, velocity, position, velocity, 0.0, 0.0])
         self._reach = np.abs(self._y)
         self._begin(time)
 

@@ -173,6 +173,9 @@ VARIANT_STRENGTHS: Mapping[str, Callable[[Sizes], dict[str, float]]] = {
     "power_drag": lambda s: {"power_drag": s.force * s.log(0.01, 0.4) / s.speed**1.5},
     "one_way_damping": lambda s: {"up_damping": s.mass * s.omega * s.log(0.01, 0.3)},
     "drive_brake": lambda s: {"driven_damping": s.mass * s.omega * s.log(0.03, 0.3)},
+    "slow_brake": lambda s: {
+        "slow_brake_damping": s.mass * s.omega * s.log(0.03, 0.3), "slow_brake_time": s.even(0.2, 1.5) / s.omega,
+    },
     "two_slope_spring": _two_slopes,
     "settling_stiffness": lambda s: {
         "settling_ratio": s.sign() * s.log(0.005, 0.1), "settling_time": s.duration * s.even(0.15, 0.6),
@@ -182,6 +185,12 @@ VARIANT_STRENGTHS: Mapping[str, Callable[[Sizes], dict[str, float]]] = {
         "high_tone_amplitude": s.force * s.log(0.003, 0.1), "high_tone_frequency": s.omega * s.even(1.3, 4.0),
     },
     "soft_saturation": lambda s: {"soft_limit": s.force * s.log(1.2, 6.0)},
+    "gain_drift": lambda s: {"gain_drift_rate": s.sign() * s.log(0.01, 0.15) / s.duration},
+    "scale_drift": lambda s: {"scale_drift_rate": s.sign() * s.log(0.01, 0.1) / s.duration},
+    "sensor_nonlinearity": lambda s: {
+        "sensor_curvature": s.sign() * s.log(0.003, 0.05) / s.reach,
+        "sensor_cubic": s.sign() * s.log(0.003, 0.05) / s.reach**2,
+    },
     "settling_sensor": lambda s: {
         "sensor_settling": s.sign() * s.reach * s.log(0.005, 0.1),
         "sensor_settling_time": s.duration * s.even(0.15, 0.6),

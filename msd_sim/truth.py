@@ -24,7 +24,7 @@ _NEUTRAL = {
     "cogging_pitch": 1.0, "creep_time": 1.0, "magnet_gap": 1.0, "stop_position": math.inf, "drop_time": math.inf,
     "change_time": math.inf, "cable_start": math.inf, "cable_end": math.inf, "rational_velocity": 1.0,
     "exponential_velocity": 1.0, "one_stop_position": math.inf, "soft_stop_position": math.inf,
-    "bend_position": math.inf, "settling_time": 1.0,
+    "bend_position": math.inf, "settling_time": 1.0, "slow_brake_time": 1.0,
 }  # fmt: skip
 
 #: Friction whose breakaway force is at least the sliding one.
@@ -151,7 +151,7 @@ class Truth:
         return np.asarray(made, dtype=np.float64)
 
     def sensed(self, time: FloatArray, position: FloatArray) -> FloatArray:
-        """What the sensor has before it at ``time`` [s] with the cart at ``position``: drifts, slip, wheel [m]."""
+        """What the sensor has before it at ``time`` [s] with the cart at ``position`` [m]: drift, bend, slip, wheel."""
         seen = position + self.value("sensor_drift", "sensor_drift_rate") * time
         if "settling_sensor" in self.effects:
             settling = self.effects["settling_sensor"]
@@ -159,6 +159,10 @@ class Truth:
         if "sensor_eccentricity" in self.effects:
             wheel = self.effects["sensor_eccentricity"]
             seen = seen + wheel["eccentricity"] * np.sin(2.0 * math.pi * position / wheel["wheel_circumference"])
+        seen = seen + position * self.value("scale_drift", "scale_drift_rate") * time
+        if "sensor_nonlinearity" in self.effects:
+            bend = self.effects["sensor_nonlinearity"]
+            seen = seen + position**2 * (bend["sensor_curvature"] + bend["sensor_cubic"] * position)
         if "encoder_slip" in self.effects:
             slip = self.effects["encoder_slip"]
             seen = seen + np.where(time >= slip["slip_time"], slip["slip_distance"], 0.0)

@@ -72,6 +72,14 @@ VARIANTS = (
         (_p("driven_damping", "N s/m", 2.0, "c", lower=0.0),),
     ),
     RigEffect(
+        "slow_brake",
+        "f while a force is commanded, with T f' + f = c v: the current of the brake lags",
+        (
+            _p("slow_brake_damping", "N s/m", 2.0, "c", lower=0.0),
+            _p("slow_brake_time", "s", 0.02, "T", lower=1e-6),
+        ),
+    ),
+    RigEffect(
         "two_slope_spring",
         "kb (x - xb) beyond xb, beside the spring",
         (
@@ -102,6 +110,27 @@ VARIANTS = (
         "the actuator makes Fmax tanh(F / Fmax) of a commanded F",
         (_p("soft_limit", "N", 30.0, "Fmax; 0: none", lower=0.0, slot="-"),),
         place="input",
+    ),
+    RigEffect(
+        "gain_drift",
+        "the actuator makes F (1 + g t) of a commanded F, behind its lag",
+        (_p("gain_drift_rate", "1/s", 0.005, "g"),),
+        place="input",
+    ),
+    RigEffect(
+        "scale_drift",
+        "the reading is x (1 + s t)",
+        (_p("scale_drift_rate", "1/s", 0.005, "s", slot="-"),),
+        place="sensor",
+    ),
+    RigEffect(
+        "sensor_nonlinearity",
+        "the reading is x + q x^2 + c x^3",
+        (
+            _p("sensor_curvature", "1/m", 1.0, "q", slot="-"),
+            _p("sensor_cubic", "1/m^2", -50.0, "c", slot="-"),
+        ),
+        place="sensor",
     ),
     RigEffect(
         "settling_sensor",

@@ -100,6 +100,9 @@ def _facts(effect: type[Effect]) -> str:
         if effect.acts_on != "force"
         else "It is a **force on the mass**.",
         f"It is another law of the cause [`{effect.form_of}`]({effect.form_of}.md)." if effect.form_of else "",
+        f"It may be mistaken for {', '.join(_links(list(effect.mistaken_for)))}: tried where one explains something."
+        if effect.mistaken_for
+        else "",
         f"It vanishes, exactly, with {gone}.",
         "It acts on the linear spring and has no effect without one." if effect.needs_spring else "",
         "It only dissipates energy." if effect.dissipative else "",

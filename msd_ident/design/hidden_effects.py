@@ -183,9 +183,8 @@ def _resting(trial: CandidateModel) -> CandidateModel:
 
 def _gain(effect: Effect, records: Sequence[Record]) -> float:
     """Gain of the effect at the largest force; 1 if it does not act on the input."""
-    law = effect.laws().get("input_map")
     largest = max((float(np.max(np.abs(record.force))) for record in records), default=0.0)
-    return law(largest, *effect.values) / largest if law is not None and largest > 0.0 else 1.0
+    return effect.pushes(largest) / largest if largest > 0.0 else 1.0
 
 
 def _around(

@@ -19,7 +19,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
 from msd_ident.export.target import InitialState
 from msd_ident.export.templates import filled
-from msd_ident.model.effects.base import LAG, SECOND_MASS
+from msd_ident.model.effects.base import LAG
 
 
 class FmuTarget(PythonTarget):
@@ -62,7 +62,8 @@ class FmuTarget(PythonTarget):
 def _slave(plan: Plan, name: str) -> str:
     parts = {**python_source.structure(plan), **python_source.memory(plan), "CLASS": name}
     lag = ", lag" if plan.model.structure(LAG) else ""
-    parts["FMU_START"] = lag + (", position, velocity" if plan.model.structure(SECOND_MASS) else "")
+    parts["FMU_START"] = lag + python_source.begun(plan.model)
+    parts["HELD"] = python_source.held(plan.model, "level")
     return filled("fmu_slave.py.txt", **parts)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from msd_ident.errors import DataError
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS, VELOCITY_LAG
 
 
 def number(value: float) -> str:
@@ -132,6 +132,22 @@ def one(effects: Iterable[Effect], kind: str, otherwise: str) -> str:
     return found[0] if found else otherwise
 
 
+def chained(effects: Iterable[Effect], kind: str, given: str, of: str) -> str:
+    """Expression that puts a value through all laws of a kind, one after the other.
+
+    Args:
+        effects: of a model.
+        kind: ``input_map`` or ``reading``.
+        given: the argument of the laws that is the value: ``u`` or ``x``.
+        of: expression of the value.
+    """
+    for effect in effects:
+        if kind in effect.laws():
+            names = (of if name == given else name for name in arguments(effect.laws()[kind]))
+            of = f"{kind}_of_{effect.name}({', '.join(names)})"
+    return of
+
+
 def fastest(model: Model) -> float:
     """Fastest rate of a model [1/s], for the step of an integration: swings, damping, stops, lag, second mass, laws.
 
@@ -152,7 +168,8 @@ def fastest(model: Model) -> float:
     rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
     if second:
         rates += [math.sqrt(coupling / second), coupling_damping / second]
-    rates += [1.0 / lag for lag in model.structure(LAG) if lag]
+    lags = (*model.structure(LAG), *model.structure(VELOCITY_LAG)[-1:])
+    rates += [1.0 / lag for lag in lags if lag]
     return float(max(rates))
 
 

@@ -76,11 +76,11 @@ def _installed(plan: Plan, called: Sequence[Effect], kinds: set[str], remembers:
         body += _passive(called, kinds, remembers)
         setters.append("set_mjcb_passive")
     if "input_map" in kinds:
-        mapped = laws.one(called, "input_map", "u")
+        mapped = laws.chained(called, "input_map", "u", "u")
         body += _command(plan, mapped)
         setters.append("set_mjcb_act_dyn" if plan.model.structure(LAG) else "set_mjcb_act_gain")
     if "reading" in kinds:
-        body += _sensor(laws.one(called, "reading", "x"))
+        body += _sensor(laws.chained(called, "reading", "x", "x"))
         setters.append("set_mjcb_sensor")
     return body + "\n" + "".join(f"    mujoco.{one}({one.removeprefix('set_mjcb_')})\n" for one in setters), setters
 
@@ -125,6 +125,8 @@ def _command(plan: Plan, mapped: str) -> str:
             "    line = model.actuator_history[number, 1]",
             "    u = mujoco.mj_readCtrl(model, data, number, data.time, numpy.zeros(1), line)[0]",
         ]
+    if "t" in mapped.replace("(", " ").replace(",", " ").split():
+        reading.insert(0, "    t = data.time")
     if lag := plan.model.structure(LAG):
         own = ["def act_dyn(model, data, number):", *reading,
                "    act = data.act[model.actuator_actadr[number]]",

@@ -12,7 +12,6 @@ made physical here by ``solref`` in its direct form (-k, -b) and a constant impe
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,7 +22,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
 from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import AT_ZERO, DELAY, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.base import AT_ZERO, DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
 
 #: Rate at which friction turns round, in 1/step: the fourth-order Runge-Kutta method is stable up to 2.78.
 SLIP = 2.5
@@ -190,8 +189,11 @@ def supports(effect: type[Effect]) -> Support:
     """How MuJoCo carries an effect: by its own elements, by the callback file, or not at all."""
     if (role := roles.role(effect)) in NATIVE:
         return Support("exact", NATIVE[role][1])
-    driven = any("driven" in inspect.signature(law).parameters for law in effect.laws().values())
-    if driven or effect.knee not in (None, AT_ZERO):
+    if role == VELOCITY_LAG:
+        return Support(
+            "cannot", "no element for a damper behind a spring, and the callback file has no state of its own"
+        )
+    if effect.asks_drive() or effect.knee not in (None, AT_ZERO):
         return Support("cannot", "no element for its spring or damper, and the callback file has no events")
     if any(kind in effect.laws() for kind in CALLED):
         return Support("exact", "the callback file beside it")

@@ -180,9 +180,7 @@ def lagged(record: Record, plan: Plan) -> float:
 def _mapped(plan: Plan, force: float) -> float:
     """What the actuator makes of a command [N]."""
     for effect in plan.model.effects:
-        law = effect.laws().get("input_map")
-        if law is not None:
-            return float(law(force, *effect.values))
+        force = effect.pushes(force)
     return force
 
 

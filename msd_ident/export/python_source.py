@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from msd_ident.export import laws
 from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
-from msd_ident.model import Effect, Model
-from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
+from msd_ident.model import Model
+from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
 
 #: Parts of the structure (``Effect.structure``) that the file has.
-STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS)
+STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS, VELOCITY_LAG)
 
 
 def text(plan: Plan, header: str, module: str) -> str:
@@ -45,18 +43,15 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "HOLD": "linear" if plan.saved.force_hold in ("linear", "band_limited") else "zero",
         "RATE": laws.number(laws.fastest(plan.model)),
         "FUNCTIONS": f"\n{functions}\n\n" if functions else "",
-        "COMMAND": laws.one(effects, "input_map", "u"),
+        "COMMAND": laws.chained([e for e in effects if e.steady], "input_map", "u", "u"),
+        "LINE": held(plan.model, "level + slope * (t - since)"),
+        "HELD": held(plan.model, "level"),
         "FRICTION": laws.one(effects, "friction", "0.0"),
         "BREAKAWAY": laws.one(effects, "breakaway", "0.0"),
-        "READING": laws.one(effects, "reading", "x"),
-        "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if _driven(effects) else "",
+        "READING": laws.chained(effects, "reading", "x", "x"),
+        "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if any(e.asks_drive() for e in effects) else "",
         "FORCES": "".join(f"    total -= {one}\n" for one in calls),
     }
-
-
-def _driven(effects: Iterable[Effect]) -> bool:
-    """Whether a law asks if any force is commanded."""
-    return any("driven" in laws.arguments(law) for effect in effects for law in effect.laws().values())
 
 
 def _names(model: Model, role: str) -> tuple[str, ...]:
@@ -67,22 +62,37 @@ def _names(model: Model, role: str) -> tuple[str, ...]:
 def structure(plan: Plan) -> dict[str, str]:
     """What lag, second mass, stops, play and delay put into the text."""
     model = plan.model
-    play, lag, delay, second = (_names(model, role) for role in STRUCTURES)
+    play, lag, delay, second, slow = (_names(model, role) for role in STRUCTURES)
     spring = "".join(f"stiffness * (x - min(max(x, -{gap}), {gap}))" for gap in play)
     m2, k2, b2 = second or ("", "", "")
     coupling = f"{k2} * (x - x2) + {b2} * (v - v2)"
     return {
         "BEHIND": " behind its play" if play else "",
         "SPRING": spring or "stiffness * x",
-        "STATE": (", lagged force" if lag else "") + (", the second mass's" if second else ""),
-        "UNPACK": (", f" if lag else "") + (", x2, v2" if second else ""),
+        "STATE": (", lagged force" if lag else "")
+        + (", the second mass's" if second else "")
+        + (", lagged velocity" if slow else ""),
+        "UNPACK": (", f" if lag else "") + (", x2, v2" if second else "") + (", lagged_v" if slow else ""),
         "APPLIED": "f" if lag else "push",
         "STOP": "".join(f" - {force}" for force in laws.knees(model.effects)),
         "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
-        "RATES": "".join(f", (push - f) / {tau}" for tau in lag) + (f", v2, ({coupling}) / {m2}" if second else ""),
-        "START": (", lagged(time[0], stamps, levels)" if lag else "") + (", position, velocity" if second else ""),
+        "RATES": "".join(f", (push - f) / {tau}" for tau in lag)
+        + (f", v2, ({coupling}) / {m2}" if second else "")
+        + "".join(f", (v - lagged_v) / {tau}" for tau in slow[-1:]),
+        "START": (", lagged(time[0], stamps, levels)" if lag else "") + begun(model),
         "DELAY": delay[0] if delay else "0.0",
     }
+
+
+def held(model: Model, level: str) -> str:
+    """Expression of the force [N] that a level [N] is at the time ``t``."""
+    return laws.chained([effect for effect in model.effects if not effect.steady], "input_map", "u", level)
+
+
+def begun(model: Model) -> str:
+    """Start values of the states beside the cart's and the lagged force's, as the file has them."""
+    second = ", position, velocity" if model.structure(SECOND_MASS) else ""
+    return second + (", 0.0" if model.structure(VELOCITY_LAG) else "")
 
 
 def edges(plan: Plan) -> dict[str, str]:

@@ -19,8 +19,9 @@ FRICTION, CONSTANT, GAIN = "friction", "constant", "gain"
 STOPS, ONE_STOP, BUFFERS = "stops", "one stop", "buffers"
 #: Forces c·x², c·x³ and c·v·|v|, of the one parameter c.
 SQUARE, CUBE, DRAG = "square of the position", "cube of the position", "square of the speed"
-#: What depends on the time: a force, the spring, the reading.
+#: What depends on the time: a force, the spring, the reading, the gain of the force.
 DISTURBANCE, SPRING_DRIFT, READING_DRIFT = "disturbance", "drift of the spring", "drift of the reading"
+GAIN_DRIFT = "drift of the gain"
 
 _POWERS: Mapping[str, Callable[[float, float], float]] = {
     SQUARE: lambda x, v: x * x,
@@ -43,7 +44,7 @@ def role(effect: type[Effect]) -> str:
     if "disturbance" in laws:
         return DISTURBANCE
     if not effect.steady:
-        return READING_DRIFT if "reading" in laws else SPRING_DRIFT
+        return READING_DRIFT if "reading" in laws else GAIN_DRIFT if "input_map" in laws else SPRING_DRIFT
     return _stop(effect) or _power(effect)
 
 

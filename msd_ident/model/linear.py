@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
-from msd_ident.model.effects.base import LAG, SECOND_MASS
+from msd_ident.model.effects.base import LAG, SECOND_MASS, VELOCITY_LAG
 from msd_ident.model.plant import Model, Plant
 
 if TYPE_CHECKING:
@@ -55,7 +55,8 @@ def physical(form: LinearForm) -> Model:
 
 
 def transfer_function(model: Model) -> control.TransferFunction:
-    """Position over commanded force of all that is linear in the model: plant, second mode and actuator lag.
+    """Position over commanded force of all that is linear in the model: plant, second mode,
+    relaxing spring and actuator lag.
 
     Dry friction and every other effect are left out.
     """
@@ -67,6 +68,10 @@ def transfer_function(model: Model) -> control.TransferFunction:
         m2, k2, b2 = second
         coupling = b2 * s + k2
         impedance = impedance + coupling * (m2 * s**2) / (m2 * s**2 + coupling)
+    for effect in model.effects:
+        if effect.structure == VELOCITY_LAG and not effect.asks_drive():
+            damping, time_constant = effect.values
+            impedance = impedance + damping * s / (time_constant * s + 1)
     plant = 1 / impedance
     for time_constant in model.structure(LAG):
         plant = plant / (time_constant * s + 1)

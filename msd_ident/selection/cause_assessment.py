@@ -116,6 +116,9 @@ def _not_needed(name: str, alone: float, left: Left, named: Causes) -> str:
             return (
                 f"another law of {spoken(by_name(name).form_of)}, which is fitted only if that one explains something."
             )
+        if taken_for := by_name(name).mistaken_for:
+            alike = ", ".join(map(spoken, taken_for))
+            return f"may be mistaken for {alike}; it is fitted only if one of these explains something."
         best = min(left.values())
         return (
             f"not fitted completely: its first fits are far from the {best:.3g} noise floors of the best explanation."

@@ -107,13 +107,18 @@ class Experiment:
 
     @property
     def tried_alone(self) -> tuple[str, ...]:
-        """Causes that are tried in every search: all except those that are only another form of a simple law."""
-        return tuple(name for name in self.library if by_name(name).stands_alone or not by_name(name).form_of)
+        """Causes that are tried in every search: all except those that are only another form of a simple law, or may
+        be mistaken for another cause.
+        """
+        return tuple(
+            name
+            for name in self.library
+            if by_name(name).stands_alone or not (by_name(name).form_of or by_name(name).mistaken_for)
+        )
 
     def forms(self, name: str) -> tuple[str, ...]:
-        """Other laws of the same cause."""
-        cause = by_name(name).cause()
-        return tuple(other for other in self.library if by_name(other).cause() == cause and other != name)
+        """Other laws of the same cause, and of causes for which one of the two may be mistaken."""
+        return tuple(other for other in self.library if by_name(name).alike(by_name(other)) and other != name)
 
     @cached_property
     def nuisances(self) -> tuple[Nuisance, ...]:

@@ -33,7 +33,7 @@ def alike(experiment: Experiment, best: Hypothesis, scale: NoiseScale) -> list[H
         bare = refine(experiment, best.causes - {name}, *without(best, name))
         for form in (name, *experiment.forms(name)):
             causes = best.causes - {name} | {form}
-            if causes_that_fit(causes):
+            if causes_that_fit(causes) and by_name(form).cause() == by_name(name).cause():
                 found += _fitted(experiment, causes, bare, best)
     return [one for one in found if scale.of(one) > scale.of(best) - DECISIVE]
 

@@ -147,7 +147,10 @@ def test_a_buffer_only_pushes_in_mujoco(tmp_path: Path) -> None:
 
 
 @pytest.mark.xdist_group("fmu")
-@pytest.mark.parametrize("effects", [("coulomb_friction", "actuator_lag", "end_stop"), ("hysteresis", "time_offset")])
+@pytest.mark.parametrize(
+    "effects",
+    [("coulomb_friction", "actuator_lag", "end_stop"), ("hysteresis", "time_offset"), ("relaxing_spring",)],
+)
 def test_fmu_moves_alike(effects: tuple[str, ...], tmp_path: Path) -> None:
     record = effect_examples.record(1000.0, "zero", duration=1.0)
     model, target = effect_examples.model(*effects), BY_NAME["fmu"]

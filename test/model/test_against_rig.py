@@ -32,7 +32,8 @@ PLAIN: dict[str, Callable[[float], float]] = {
 #: Effects that msd_sim does not have as such, which have a test of their own, here or in their file.
 APART = {
     "bouc_wen", "buffered_stop", "curved_stiffness_drift", "drive_hysteresis", "eccentricity_harmonic",
-    "fading_damping", "growing_damping", "modulated_disturbance", "position_dependent_damping", "sensor_eccentricity",
+    "fading_damping", "gain_drift", "growing_damping", "modulated_disturbance", "position_dependent_damping",
+    "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
 }  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.
 THEIRS = [name for name in sorted(set(EXAMPLES) - set(PLAIN) - APART) if RIG.get(name, (name,))[0] in THEIR_EFFECTS]
@@ -100,9 +101,9 @@ def test_twenty_random_pairs_agree(names: tuple[str, ...], rate: float, hold: st
 
 
 def test_all_that_goes_together_agrees() -> None:
-    """Every effect at once, with each of the dry frictions."""
+    """Every effect at once, with each of the dry frictions and one second state."""
     frictions = [name for name in TOGETHER if by_name(name).family == "dry friction"]
-    rest = [name for name in TOGETHER if name not in frictions and not by_name(name).form_of]
+    rest = [name for name in TOGETHER if not by_name(name).family and not by_name(name).form_of] + ["second_mode"]
     for friction in frictions:
         # The rig's load is that of a spring without play; here it is what the spring makes.
         others = [name for name in rest if name != "backlash" or friction != "load_dependent_friction"]

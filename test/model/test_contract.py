@@ -315,5 +315,5 @@ def test_a_law_that_keeps_the_gain_passes_some_changes_of_the_command_on_as_they
     if "input_map" not in effect.laws():
         return
     commands = np.linspace(-20.0, 20.0, 4001)
-    force = np.array([effect.input_map(float(u), *effect.values) for u in commands])
+    force = np.array([effect.pushes(float(u), 1.0) for u in commands])
     assert effect.keeps_gain() is bool(np.any(np.isclose(np.diff(force), np.diff(commands), rtol=1e-6, atol=0.0)))

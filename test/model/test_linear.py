@@ -28,6 +28,14 @@ def test_plant_agrees_with_forced_response(whole: Model, rate: float) -> None:
     assert np.max(np.abs(ours - theirs)) <= 1e-9 * np.max(np.abs(theirs))
 
 
+def test_a_relaxing_spring_agrees_with_forced_response() -> None:
+    ours, theirs = linear_response(model("relaxing_spring"), 1000.0)
+    assert np.max(np.abs(ours - theirs)) <= 1e-6 * np.max(np.abs(theirs))
+    # A brake that acts while the drive is on is no part of the linear model.
+    braked = transfer_function(model("lagging_drive_damping"))(20j)
+    assert braked == transfer_function(plant())(20j)
+
+
 def test_lag_and_second_mode_agree_with_forced_response() -> None:
     ours, theirs = linear_response(model("actuator_lag"), 1000.0)
     assert np.max(np.abs(ours - theirs)) <= 1e-9 * np.max(np.abs(theirs))

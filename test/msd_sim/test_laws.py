@@ -17,7 +17,8 @@ PLANT = {"mass": 0.9, "damping": 1.5, "stiffness": 700.0}
 #: Effects on which a force acts alike in both directions.
 LOPSIDED = {"asymmetric_spring", "force_offset", "magnet", "loose_cable", "position_dependent_friction", "encoder_slip",
             "eccentric_friction", "periodic_disturbance", "cogging", "sensor_drift", "one_sided_stop",
-            "one_way_damping", "two_slope_spring", "two_tone_disturbance", "settling_sensor"}  # fmt: skip
+            "one_way_damping", "two_slope_spring", "two_tone_disturbance", "settling_sensor",
+            "sensor_nonlinearity"}  # fmt: skip
 FORCE_TIME = np.array([0.0, 0.31, 0.52, 1.1, 1.3])
 FORCE = np.array([6.0, -3.0, 9.0, -8.0, 0.0])
 
@@ -78,6 +79,7 @@ STRENGTH = {
     "rational_stribeck": ("coulomb_force", "static_force"),
     "exponential_stribeck": ("coulomb_force", "static_force"),
     "load_friction": ("coulomb_force", "load_ratio"),
+    "sensor_nonlinearity": ("sensor_curvature", "sensor_cubic"),
     "one_sided_stop": ("one_stop_stiffness",),
     "damped_stop": ("soft_stop_stiffness",),
     "two_tone_disturbance": ("low_tone_amplitude", "high_tone_amplitude"),

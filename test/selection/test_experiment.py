@@ -58,7 +58,19 @@ def test_forms_of_a_cause_are_each_others_forms() -> None:
     for name in whole.library:
         assert name not in whole.forms(name)
         assert all(name in whole.forms(other) for other in whole.forms(name)), name
-    assert {name for name in whole.library if not by_name(name).form_of} <= set(whole.tried_alone)
+    alone = {name for name in whole.library if not by_name(name).form_of and not by_name(name).mistaken_for}
+    assert alone <= set(whole.tried_alone)
+
+
+def test_what_may_be_mistaken_for_a_cause_is_tried_where_any_law_of_that_explains_something() -> None:
+    whole = pushed()
+    causes = {by_name(name).cause() for name in whole.library}
+    late = [name for name in whole.library if by_name(name).mistaken_for]
+    assert late and not set(late) & set(whole.tried_alone)
+    for name in late:
+        taken_for = set(by_name(name).mistaken_for)
+        assert taken_for <= causes, "they are causes, not forms"
+        assert set(whole.forms(name)) >= {other for other in whole.library if by_name(other).cause() in taken_for}
 
 
 @given(st.integers(0, 2**31))

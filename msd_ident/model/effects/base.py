@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import FloatArray, Model
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "u")
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u")
 
 #: Sides of a knee, see ``Effect.knee``.
 BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
@@ -30,6 +30,9 @@ LOT = 5.0
 
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
 PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
+#: Beside a law: its ``lagged_v`` [m/s] follows the velocity, from 0 at the start, with the effect's last parameter [s]
+#: as time constant. Several effects may have it, all with one name for the time constant and of one family.
+VELOCITY_LAG = "velocity lag"
 
 #: As the amplitude falls, the damping ratio rises, or falls; the frequency rises, or falls: see ``Effect.ring_down``.
 RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
@@ -48,7 +51,8 @@ class Effect:
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
     motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
-    commanded, else 0), a commanded force ``u`` [N], any parameter of the effect or of the plant, any of its ``memory``.
+    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), a commanded force ``u`` [N], any parameter of the
+    effect or of the plant, any of its ``memory``.
     Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 
@@ -59,8 +63,10 @@ class Effect:
     - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
       name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
       in which ``direction`` is 0;
-    - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes;
+    - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
     - ``reading(...)`` [m]: what the sensor makes of x.
+
+    Of several maps or readings in a model, each is given what the one before made, in the order of their names.
 
     An effect without any of these changes the structure (backlash, lag, time offset, ...), names its part in that as
     ``structure``, and the kernel itself carries it.
@@ -80,6 +86,8 @@ class Effect:
     form_of: ClassVar[str] = ""
     #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
     stands_alone: ClassVar[bool] = False
+    #: Causes that it may be mistaken for: like a form, it is tried where a law of one of these explains something.
+    mistaken_for: ClassVar[tuple[str, ...]] = ()
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
     #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE`` or ``OUTSIDE`` (seen from zero), or
     #: the name of the distance [m] from that position beyond which it is, on either side.
@@ -114,7 +122,7 @@ class Effect:
     #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
     #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
     #: [kg], stiffness [N/m], damping [N·s/m] between them), ``COMMAND_LOOP`` of the force (half its width [N], the
-    #: change of the command that crosses it [N]). Empty for an effect with a law.
+    #: change of the command that crosses it [N]). Empty for an effect with a law, but for ``VELOCITY_LAG``.
     structure: ClassVar[str] = ""
     #: Its harmonic term, which is found by a scan and not by going down from anywhere.
     harmonic: ClassVar[Harmonic | None] = None
@@ -197,6 +205,14 @@ class Effect:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
 
+    def pushes(self, u: float, t: float = 0.0) -> float:
+        """Force [N] that it makes of a command u [N] at a time t [s]."""
+        law = self.laws().get("input_map")
+        if law is None:
+            return u
+        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | {"u": u, "t": t}
+        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+
     def longest_period(self) -> float:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
         least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
@@ -242,12 +258,23 @@ class Effect:
     @classmethod
     def remembers(cls) -> bool:
         """Whether its force depends on more than time, position and velocity of the instant."""
-        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS, COMMAND_LOOP)
+        return bool(cls.memory) or cls.structure in (LAG, DELAY, SECOND_MASS, COMMAND_LOOP, VELOCITY_LAG)
+
+    @classmethod
+    def asks_drive(cls) -> bool:
+        """Whether its force depends on whether any is commanded."""
+        return any("driven" in inspect.signature(law).parameters for law in cls.laws().values())
 
     @classmethod
     def cause(cls) -> str:
         """Name of the cause that acts where this law does."""
         return cls.form_of or cls.name
+
+    @classmethod
+    def alike(cls, other: type[Effect]) -> bool:
+        """Whether the other is a law of the same cause, or one of the two may be mistaken for the other's cause."""
+        mistaken = cls.cause() in other.mistaken_for or other.cause() in cls.mistaken_for
+        return cls.cause() == other.cause() or mistaken
 
     @classmethod
     def placed(cls) -> bool:

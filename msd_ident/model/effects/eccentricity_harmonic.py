@@ -57,7 +57,7 @@ class EccentricityHarmonic(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """Over more than half a turn the error twice a turn is seen whole."""
+        """The error twice a turn is seen to repeat over half as many turns."""
         known = SensorEccentricity.resolvable(seen)
         shortest, longest = known["eccentricity_pitch"]
         size = known["eccentricity"]

@@ -29,6 +29,7 @@ class SecondMode(Effect):
     second_damping: float = 0.0
 
     name = "second_mode"
+    family = "second state"
     parameters = (
         Parameter(
             "second_mass", "m2", "kg", 0.0, math.inf, "mass that hangs on the first",

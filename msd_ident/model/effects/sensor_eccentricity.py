@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 #: Samples from which its starting values are read.
 _ENOUGH = 500
+#: Longest pitch that can be told, in parts of the travel: of one and a half turns, half a turn is seen again. A sine
+#: over one turn is a bent scale.
+_LONGEST = 1.0 / 1.5
 
 
 @dataclass(frozen=True)
@@ -48,21 +51,21 @@ class SensorEccentricity(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """Over less than a turn the error is a bent scale, which is not told from a bent spring."""
-        return {"eccentricity_pitch": (0.03 * seen.span, 1.0 * seen.span), "eccentricity": (0.0, 0.1 * seen.span)}
+        """Over less than one and a half turns the error is a bent scale, and nothing shows that it repeats."""
+        return {"eccentricity_pitch": (0.03 * seen.span, _LONGEST * seen.span), "eccentricity": (0.0, 0.1 * seen.span)}
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SensorEccentricity, ...]:
         """A hundredth of the amplitude, at several pitches and phases."""
         size, span = 0.01 * typical.amplitude(record), 2.0 * typical.amplitude(record)
         phases = (0.0, math.pi / 2.0)
-        pitches = [share * span for share in (0.7, 0.35, 0.17)]
+        pitches = [share * span for share in (0.6, 0.35, 0.17)]
         return tuple(cls.within_bounds(size, pitch, phase) for pitch in pitches for phase in phases)
 
     @classmethod
     def from_residual(cls, record: Record, residual: FloatArray) -> tuple[SensorEccentricity, ...]:
         """The harmonics of the position that explain most of it: an error of the reading is in it as it is."""
-        pitches = typical.pitches(2.0 * typical.amplitude(record), longest=1.0)
+        pitches = typical.pitches(2.0 * typical.amplitude(record), longest=_LONGEST)
         every = max(1, record.samples // _ENOUGH)
         found = typical.waves(record.position[::every], -residual[::every], pitches, count=3)
         return tuple(cls.within_bounds(*wave) for wave in found)

@@ -171,11 +171,12 @@ def _begin(run, drive, length, motion):
     laws.remember(cart.active, world.p, world.w, x, 0.0)
     s = (1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)) if run.eventful else 0.0
     i = piece(run.spring.edges, x, s)
-    place = Place(x, v, x, v)
+    u = 0.0 if cart.active & laws.LAGGED_BITS else v
+    place = Place(x, v, x, u)
     a = 0.0
     if not run.eventful or s != 0.0:
         a = acceleration_at(Phase(world, piece_of(run.spring, i), drive, length, s), 0.0, place)
-    return State(x, v, a, x, v, second_acceleration(cart, x, v, x, v)), s, i
+    return State(x, v, a, x, u, second_acceleration(cart, x, v, x, u)), s, i
 
 
 @lean

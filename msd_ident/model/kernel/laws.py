@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.model.effects import LIBRARY, structural
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE
+from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE, VELOCITY_LAG
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.plant import PLANT_PARAMETERS
@@ -50,13 +50,13 @@ DRY_BITS, READING_BITS, MAP_BITS = (
     sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws())
     for kind in ("friction", "reading", "input_map")
 )
+#: Effects that make another force of the same command at another time.
+TIMED_MAP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "input_map" in effect.laws() and not effect.steady)
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 #: Effects whose force may change quickly just after a turn.
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
 #: Effects whose force depends on whether any is commanded.
-DRIVEN_BITS = sum(
-    BIT[e.name] for e in LIBRARY for law in e.laws().values() if "driven" in inspect.signature(law).parameters
-)
+DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
@@ -74,6 +74,18 @@ def structure(role: str, count: int) -> tuple[int, tuple[int, ...]]:
     return BIT[effect.name], tuple(INDEX[parameter.name] for parameter in effect.parameters)
 
 
+def velocity_lag() -> tuple[int, int]:
+    """Bits of the effects whose law is given ``lagged_v`` (0 without any), and where their one time constant stands."""
+    lagged = [effect for effect in LIBRARY if effect.structure == VELOCITY_LAG]
+    places = {INDEX[effect.parameters[-1].name] for effect in lagged} or {0}
+    (place,) = places  # one name for all
+    return sum(BIT[effect.name] for effect in lagged), place
+
+
+#: See ``velocity_lag``.
+LAGGED_BITS, RELAXATION_TIME = velocity_lag()
+
+
 def _argument(name: str) -> str:
     if name in INDEX:
         return f"p[{INDEX[name]}]"
@@ -87,17 +99,22 @@ def _call(function: str, law: Callable[..., float]) -> str:
 
 
 def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
-    """Compile ``kind``: ``start`` is the value without effects, ``join`` how a law's value enters."""
+    """Compile ``kind``: ``start`` is the value without effects, ``join`` how a law's value enters.
+
+    Where ``start`` is one of the arguments, each law is given what the one before made of it.
+    """
     scope: dict[str, Any] = {}
-    lines = [f"def {kind}(active, p, w, {given}):", f"    value = {start}"]
+    lines = [f"def {kind}(active, p, w, {given}):"]
+    value = start if start in given.split(", ") else "value"
+    lines += [f"    value = {start}"] if value == "value" else []
     for effect in LIBRARY:
         law = effect.laws().get(kind)
         if law is None:
             continue
         function = f"{effect.name}_{kind}"
         scope[function] = joined(with_own_sine(law))
-        lines += [f"    if active & {BIT[effect.name]}:", f"        value {join} {_call(function, law)}"]
-    lines.append("    return value")
+        lines += [f"    if active & {BIT[effect.name]}:", f"        {value} {join} {_call(function, law)}"]
+    lines.append(f"    return {value}")
     return _compile(kind, lines, scope)
 
 
@@ -165,10 +182,10 @@ def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
 disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, lagged_v", "0.0", "+=")
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
-input_map = _dispatcher("input_map", "u", "u", "=")
+input_map = _dispatcher("input_map", "t, u", "u", "=")
 reading = _dispatcher("reading", "t, x", "x", "=")
 remember = _remember()

@@ -72,7 +72,9 @@ def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     if m2 > 0.0:
         plain -= k2 * (x - y) + b2 * (v - u)
     driven = 1.0 if drive[1] != 0.0 or drive[2] != 0.0 else 0.0
-    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own_intercept + own_slope * x, driven)
+    lagged = u if m2 > 0.0 else v
+    own = own_intercept + own_slope * x
+    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, lagged)
 
 
 @inlined

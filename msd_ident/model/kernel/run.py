@@ -20,6 +20,8 @@ from msd_ident.model.kernel.spring import characteristic
 
 #: Radians a sample beyond which the second mass is joined to the first: its own motion is far beyond what samples show.
 RIGID = 150.0
+#: Damping [N·s/m] between the cart and a second mass, too light to be felt, that has the lagged velocity.
+_WEIGHTLESS = 1e-60
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _PARAMETERS = len(laws.INDEX)
@@ -80,6 +82,8 @@ def row(bits, values, place, plan, out):
     if bits & _SECOND_MODE and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
         m, m2, k2, b2 = m + m2, 0.0, 0.0, 0.0
         bits &= ~_SECOND_MODE
+    if bits & laws.LAGGED_BITS and RIGID * time.size * p[laws.RELAXATION_TIME] > time[-1] - time[0]:
+        m2, b2 = _WEIGHTLESS * p[laws.RELAXATION_TIME], _WEIGHTLESS
     world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
     path = _path(out, cut.start.size, pick)
     if bits & ~laws.EXACT_BITS:
@@ -113,17 +117,20 @@ def _on_the_cart(bits, p, w, plan):
     if shift != 0.0:
         moved = segments.merge(time, Command(force_time, force, straight, shift))
         start, length, kind, force_index, pick, lengths = moved
-    if bits & laws.MAP_BITS:
+    timed = bits & laws.TIMED_MAP_BITS
+    if bits & laws.MAP_BITS & ~laws.TIMED_MAP_BITS:
         commanded, force = force, np.empty(force.size)
         for i in range(force.size):
-            force[i] = laws.input_map(bits, p, w, commanded[i])
+            force[i] = laws.input_map(bits & ~laws.TIMED_MAP_BITS, p, w, 0.0, commanded[i])
     if bits & _HYSTERETIC:
         force = _behind_loop(force, p[_REMANENT], p[_CROSSED])
     command = Command(force_time, force, straight, shift)
     if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG | _HYSTERETIC):
         level = np.empty(start.size)
-        slope = np.empty(start.size if straight else 0)
+        slope = np.zeros(start.size if straight or timed else 0)
         segments.force_lines(start, force_index, command, level, slope)
+    if timed:
+        _drifted(timed, p, w, start, length, level, slope)
     transient, decay = np.empty(0), 0.0
     if bits & _ACTUATOR_LAG:
         transient, decay = np.empty(start.size), 1.0 / p[_LAG]
@@ -131,6 +138,16 @@ def _on_the_cart(bits, p, w, plan):
     if bits & _ACTUATOR_LAG:
         segments.lag(cut, p[_LAG], segments.lagged_start(time[0], command, p[_LAG]))
     return cut, pick
+
+
+@lean
+def _drifted(timed, p, w, start, length, level, slope):
+    """Force lines as laws that know the time make them: those of their ends."""
+    for j in range(start.size):
+        end = start[j] + length[j]
+        last = laws.input_map(timed, p, w, end, level[j] + slope[j] * length[j])
+        level[j] = laws.input_map(timed, p, w, start[j], level[j])
+        slope[j] = (last - level[j]) / length[j]
 
 
 @joined
