@@ -11,9 +11,11 @@ import numpy as np
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.objective import Loss
 from msd_ident.features import StandardForm
 from msd_ident.model.base_model import DryFriction, Offset
+from msd_ident.model.effects import spoken
 from msd_ident.quantity import Z95
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.options import Options
@@ -71,6 +73,37 @@ def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, st
     return sprung, _sentence(sprung, held, free, records)
 
 
+def hidden_spring(found: FitResult, records: tuple[Record, ...]) -> str:
+    """Whether a spring does what a law of an angle does in a model without one.
+
+    Near a place such a law is a spring, and a constant force. Without a spring it would be called certain for either.
+
+    Args:
+        found: the model of a diagnosis without a spring.
+        records: its records.
+
+    Returns:
+        A sentence if a spring in that law's place, which the data knows, leaves an error less than twice as large; else
+        nothing.
+    """
+    turned = [effect for effect in found.model.effects if effect.angular]
+    if not turned:
+        return ""
+    names = " and ".join(spoken(effect.name) for effect in turned)
+    plain = found.model.without(*(effect.name for effect in turned))
+    held = [name for name in plain.names if name not in (*found.free, "stiffness")]
+    slope = turned[0].values[0]
+    starts = [plain.with_values({"stiffness": part * slope}) for part in (1.0, TENTH, TENTH**2)]
+    sprung = fit(starts[0], records, fixed=held, starts=starts[1:])
+    stiffness = sprung.quantities["stiffness"]
+    if sprung.see > found.see / MOST_OF or not (stiffness.known and stiffness.low > 0.0):
+        return ""
+    return (
+        f"No response shows a spring, but one of {stiffness.value:.3g} {stiffness.unit} does what {names} would do: a "
+        "spring is assumed. If there is none, use --model no_spring."
+    )
+
+
 def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> bool:
     """Whether the data knows a stiffness, which matters: to the error, or to the forces and the one-step errors.
 
@@ -98,13 +131,17 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
         odds = 0.5 * (stiffness.value / stiffness.std) ** 2 if stiffness.std > 0.0 else math.inf
         times = f"{math.exp(odds):.2g}" if odds < 20.0 else f"e^{odds:.0f}"
         forced = math.isfinite(share)
+        # The odds are those of a model that is right but for its spring: beside a large error they are no odds.
+        likelier = f", {times} times as likely as none" if sprung or stiffness.low <= 0.0 else ""
         found = (
             f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
-            f"{'' if forced else ' for one unit of mass'}, {times} times as likely as none"
+            f"{'' if forced else ' for one unit of mass'}{likelier}"
             f"{f', and carries {share:.2g} % of the force' if forced else ''}"
         )
     if sprung:
         change = f"without it the error is {free.see / held.see:.3g} times as large"
         said = f"No response shows whether a spring acts; a spring is assumed: {found}, and {change}. If there is none,"
         return f"{said} use --model no_spring."
-    return f"No response shows a spring, and none is assumed: {found}. If there is one, use --model spring."
+    part = max(100.0 * (1.0 - held.see / free.see), 0.0) if free.see > 0.0 else 0.0
+    little = f", and takes only {part:.2g} % of the error away" if stiffness.known and stiffness.low > 0.0 else ""
+    return f"No response shows a spring, and none is assumed: {found}{little}. If there is one, use --model spring."

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pendulums import turned
 
 from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
@@ -129,3 +130,14 @@ def test_measured_records(shared_data: Path) -> None:
     assert any("the force follows the readings (-27." in warning for warning in found.warnings)
     axis = pipeline.identify([read(shared_data / "emps" / "emps_train.csv")])
     assert axis.refined.model["stiffness"] == 0.0
+
+
+def test_no_odds_for_a_spring_are_stated_where_none_is_assumed_against_them() -> None:
+    """A pendulum that goes round: beside its error, the odds of a spring are of a model that is wrong anyway."""
+
+    def pushed(t: float, angle: float, speed: float) -> float:
+        return 4.5 * float(t < 1.0) - 4.5 * float(1.5 < t < 2.5)
+
+    sprung, said = spring_decision.decide((turned(pushed, 5.0, (0.18, 0.3, 3.7)),))
+    assert not sprung and "as likely as none" not in said
+    assert " % of the error away. If there is one, use --model spring." in said
