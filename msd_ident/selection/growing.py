@@ -16,8 +16,8 @@ from msd_ident.estimate.levels import MOST_OF, NEGLIGIBLE
 #: A start: its problem in units of the noise, and its point (p,).
 Start = tuple[Weighting, FloatArray]
 
-#: Parts of the records over which a fit grows, each twice the one before.
-_SHARES = tuple(0.5**n for n in range(LOOK, -1, -1))
+#: Equal parts of the records, by which a fit grows.
+_PARTS = 2**LOOK
 
 
 def grown(starts: list[Start], keep: int) -> list[Start]:
@@ -31,34 +31,39 @@ def grown(starts: list[Start], keep: int) -> list[Start]:
         At most ``keep``. One that follows the whole records is returned as it is.
     """
     judged = [(_followed(*start), start) for start in starts]
-    judged.sort(key=lambda one: one[0])
+    judged.sort(key=lambda one: (-one[0][0], one[0][1]))
     return [(weighting, _fitted(weighting, point, rank[0])) for rank, (weighting, point) in judged[:keep]]
 
 
 def _followed(weighting: Weighting, point: FloatArray) -> tuple[int, float]:
-    """Number of the shares that a start does not follow, and the chi² that it leaves on the last one that it does.
+    """How many parts of the records a start follows, at least one, and the chi² that it leaves on them.
 
-    It follows where it leaves less than half of what a cart leaves which stands still at the mean position.
+    It follows where it leaves less than a quarter of the chi² of a cart that stands still at the mean position.
     """
-    records = weighting.problem.records
-    left = [root * weighting.problem.residual(point, r) for r, root in enumerate(weighting.roots)]
-    for share in reversed(_SHARES):
-        ends = [part.samples for part in weighting.problem.shortened(share).records]
-        chi = sum(float(one[:end] @ one[:end]) for one, end in zip(left, ends, strict=True))
-        still = 0.0
-        for record, root, end in zip(records, weighting.roots, ends, strict=True):
-            still += float(np.sum((root[:end] * (record.position[:end] - np.mean(record.position[:end]))) ** 2))
-        if chi < MOST_OF**2 * still:
-            break
-    return len(_SHARES) - 1 - _SHARES.index(share), chi
+    left, still = np.zeros(_PARTS), np.zeros(_PARTS)
+    for r, (record, root) in enumerate(zip(weighting.problem.records, weighting.roots, strict=True)):
+        residual, position = root * weighting.problem.residual(point, r), record.position
+        for part in range(_PARTS):
+            end = max((part + 1) * record.samples // _PARTS, 1)
+            left[part] += float(residual[:end] @ residual[:end])
+            still[part] += float(np.sum((root[:end] * (position[:end] - np.mean(position[:end]))) ** 2))
+    parts = int(np.max(np.flatnonzero(left < MOST_OF**2 * still), initial=0))
+    return parts + 1, float(left[parts])
 
 
-def _fitted(weighting: Weighting, point: FloatArray, missed: int) -> FloatArray:
-    """The point after a few steps on each of the shares, from the last one that it follows to the whole."""
-    for share in _SHARES[len(_SHARES) - 1 - missed :] if missed else ():
-        part = weighting.problem.shortened(share)
-        roots = tuple(root[: record.samples] for root, record in zip(weighting.roots, part.records, strict=True))
-        short = Weighting(part, roots)
-        state = short.exact(np.clip(point, part.lower, part.upper), short.steps(None))
+def _fitted(weighting: Weighting, point: FloatArray, follows: int) -> FloatArray:
+    """The point after a few steps on the parts that it follows, as long as these let it follow more."""
+    fitted = _PARTS if follows == _PARTS else 0
+    while follows > fitted:
+        short = _shortened(weighting, follows / _PARTS)
+        state = short.exact(np.clip(point, short.problem.lower, short.problem.upper), short.steps(None))
         point = descend(short, state, LOOK, NEGLIGIBLE * state.chi).point
+        fitted, (follows, _) = follows, _followed(weighting, point)
     return point
+
+
+def _shortened(weighting: Weighting, share: float) -> Weighting:
+    """The same problem on the first part of each record."""
+    part = weighting.problem.shortened(share)
+    pairs = zip(weighting.roots, part.records, strict=True)
+    return Weighting(part, tuple(root[: record.samples] for root, record in pairs))
