@@ -88,8 +88,8 @@ def test_a_constant_moment_on_a_joint_is_not_called_gravity(most: float) -> None
 
 
 @pytest.mark.usefixtures("without_copies")
-def test_a_weak_spring_that_no_response_shows_is_not_called_gravity() -> None:
-    """Relaxed elsewhere, and weaker than what the fits of the decision tell beside the drag of the air."""
+def test_a_weak_spring_is_not_called_gravity() -> None:
+    """Relaxed elsewhere, and a little curved."""
     record = turned(to_and_fro(1.2), 8.0, (0.18, 0.4, 0.0), rest=lambda q: 0.05 - 0.02 * (q + 0.8) - 0.01 * q**3)
     found = pipeline.diagnose([record])
     assert not any(cause.name == "gravity" and cause.probability > 0.5 for cause in found.causes)

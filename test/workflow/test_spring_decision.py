@@ -11,8 +11,10 @@ from pendulums import turned
 
 from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
+from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
 from msd_sim import api
@@ -141,3 +143,19 @@ def test_no_odds_for_a_spring_are_stated_where_none_is_assumed_against_them() ->
     sprung, said = spring_decision.decide((turned(pushed, 5.0, (0.18, 0.3, 3.7)),))
     assert not sprung and "as likely as none" not in said
     assert " % of the error away. If there is one, use --model spring." in said
+
+
+def test_a_spring_that_does_what_gravity_would_is_seen_behind_it_and_gravity_is_none() -> None:
+    """Half a radian of a spring, and a pendulum that goes round."""
+
+    def pushed(t: float, angle: float, speed: float) -> float:
+        return 0.6 * float(t % 2.0 < 1.0) - 0.3
+
+    true = (0.18, 0.4, 3.7)
+    spring = turned(pushed, 5.0, (*true[:2], 0.0), rest=lambda angle: -1.5 * angle)
+    weight = turned(lambda t, _, __: 4.5 * float(t < 1.0), 4.0, true)
+    said = [
+        spring_decision.hidden_spring(fit(Plant(*true[:2], 0.0) + Gravity(2.0), one, fixed={"stiffness": 0.0}), (one,))
+        for one in (spring, weight)
+    ]
+    assert "does what gravity would do: a spring is assumed" in said[0] and said[1] == ""
