@@ -138,13 +138,19 @@ class Problem:
 
         Args:
             values: values by name, at least of all free parameters.
-            initial: one for each record.
+            initial: one for each record. Where its zero is not free here, the position is counted from the zero that
+                the problem has.
 
         Returns:
             (p,): the free parameters, then the free initial positions, velocities and zeros.
         """
         shared = [values[self.model.names[i]] for i in self.free]
-        return np.array(shared + [_get(initial[n.record], n.kind) for n in self.nuisances])
+        loose = {n.record for n in self.nuisances if n.kind == "zero"}
+        states = [
+            start if r in loose else replace(start, position=start.position + start.zero - own.zero, zero=own.zero)
+            for r, (start, own) in enumerate(zip(initial, self.initial, strict=True))
+        ]
+        return np.array(shared + [_get(states[n.record], n.kind) for n in self.nuisances])
 
     def values(self, vector: FloatArray) -> FloatArray:
         """Values of all the model's parameters (in the order of ``model.names``)."""

@@ -13,6 +13,7 @@ keeps the one whose simulation fits best.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -34,7 +35,7 @@ _SIGNALS = ("direction", "", "v", "x", "driven")
 
 
 def _arguments(name: str) -> tuple[str, ...]:
-    """Argument names of the regressor of a parameter."""
+    """Argument names of the regressor of a parameter; its quadrature has the same."""
     return tuple(inspect.signature(_regressor(name)).parameters)
 
 
@@ -51,6 +52,8 @@ def _place(name: str) -> tuple[int, str]:
 
 #: Parameters that enter the equation of motion linearly through something that x and v tell.
 LINEAR = (*PLANT, *sorted((p.name for p in PARAMETERS.values() if p.regressor), key=_place))
+#: Those of them whose force is a sine from a zero.
+_TURNED = tuple(name for name in LINEAR if name not in PLANT and PARAMETERS[name].quadrature)
 #: Those of them that every regression has: the integrals of x by parts, and the constant.
 _MOTION = (*PLANT, OFFSET_FORCE)
 #: Those that take energy out of the motion, or push back: set to 0 where they come out negative.
@@ -211,21 +214,23 @@ class Means:
         windows = sliding_window_view(signal, 2 * self._half + 1)[:: self._stride]
         return np.asarray(windows @ np.stack(weights, axis=1))
 
-    def column(self, name: str, given: Mapping[str, float]) -> FloatArray:
+    def column(self, name: str, given: Mapping[str, float], *, quarter_on: bool = False) -> FloatArray:
         """Column (r,) of the regression: the smoothed signal that a parameter's force is proportional to.
 
         Args:
             name: parameter that enters the equation of motion linearly.
             given: values by name; they give the inner parameters of the law, if it has any.
+            quarter_on: the quadrature of the signal in its place.
         """
         inner = () if name in PLANT else tuple(argument for argument in _arguments(name) if argument not in _SIGNALS)
-        key = name, tuple(given[argument] for argument in inner)
+        law = PARAMETERS[name].quadrature if quarter_on else None
+        key = _quarter(name) if law else name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
             motion = {
                 "direction": self._direction, "v": self._velocity, "x": self.grid.position,
                 "driven": self.grid.force != 0.0,
             }  # fmt: skip
-            signal = _regressor(name)(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
+            signal = (law or _regressor(name))(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
             self._columns[key] = self._over(np.asarray(signal), self._bump)[self._moving, 0]
         return self._columns[key]
 
@@ -247,28 +252,42 @@ class Means:
             names: parameters whose columns are needed beside those of the plant and the offset.
             given: values by name, for the inner parameters of the laws.
         """
-        return _Rows({name: self.column(name, given) for name in (*_MOTION, *names)}, self.constant, self.force)
+        columns = {name: self.column(name, given) for name in (*_MOTION, *names)}
+        columns |= {_quarter(name): self.column(name, given, quarter_on=True) for name in names if name in _TURNED}
+        return _Rows(columns, self.constant, self.force)
 
 
 def _regress(rows: list[_Rows], regression: Regression, held: list[bool]) -> dict[str, float] | None:
-    """Least squares over all rows; values by name, and ``constant i`` for that of a record i that is not held."""
+    """Least squares over all rows; values by name, and ``constant i`` for that of a record i that is not held.
+
+    Where no zero is known, a sine from a zero has two factors in each record i: ``name i``, and a quarter turn on.
+    """
     given = regression.given
     names = [name for name in LINEAR if name in given and name in regression.free]
-    constants = [i for i in range(len(rows)) if regression.zero_free and not held[i] and OFFSET_FORCE not in names]
+    turned = [name for name in names if name in _TURNED and regression.zero_free and not any(held)]
+    plain = bool(turned) and "stiffness" not in names and given.get("stiffness", 0.0) == 0.0
+    loose = regression.zero_free and OFFSET_FORCE not in names and not plain
+    constants = [i for i in range(len(rows)) if loose and not held[i]]
     right = np.concatenate([part.force for part in rows])
     if not any(_pushes(part.force, i in constants or OFFSET_FORCE in names) for i, part in enumerate(rows)):
         names = [name for name in names if name != "mass"]  # nothing sets the scale, so the mass keeps its value
     for name in LINEAR:
         if name in given and name not in names:
             right = right - given[name] * np.concatenate([part.columns[name] for part in rows])
+    names = [name for name in names if name not in turned]
     matrix = [np.concatenate([part.columns[name] for part in rows]) for name in names]
-    for i in constants:
-        parts = [part.constant if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
+    own = [(f"constant {i}", i, OFFSET_FORCE) for i in constants]
+    own += [(f"{one} {i}", i, one) for name in turned for one in (name, _quarter(name)) for i in range(len(rows))]
+    for _, i, column in own:
+        parts = [part.columns[column] if j == i else np.zeros(part.constant.size) for j, part in enumerate(rows)]
         matrix.append(np.concatenate(parts))
-    labels = names + [f"constant {i}" for i in constants]
+    labels = names + [label for label, _, _ in own]
     if not labels or right.size < 2 * len(labels):
         return None
-    return _solve(np.stack(matrix, axis=1), right, labels, given)
+    values = _solve(np.stack(matrix, axis=1), right, labels, given)
+    if values is None:
+        return None
+    return {**values, **{name: float(np.mean(_sizes(values, name, len(rows)))) for name in turned}}
 
 
 def _pushes(force: FloatArray, constant: bool) -> bool:
@@ -282,12 +301,16 @@ def _pushes(force: FloatArray, constant: bool) -> bool:
 def _solve(
     matrix: FloatArray, right: FloatArray, labels: list[str], given: Mapping[str, float]
 ) -> dict[str, float] | None:
-    """Least squares with unit columns; dissipative forces that come out negative are zeroed and the rest redone."""
+    """Least squares with unit columns; dissipative forces that come out negative are zeroed and the rest redone.
+
+    So is the spring beside a sine from a zero, which may be all that restores; else a negative spring is no start.
+    """
     size = np.linalg.norm(matrix, axis=0)
     size[size == 0.0] = 1.0
     solution = np.linalg.lstsq(matrix / size, right, rcond=1e-10)[0] / size
     values = dict(zip(labels, (float(value) for value in solution), strict=True))
-    negative = [name for name in _NOT_NEGATIVE if values.get(name, 0.0) < 0.0]
+    restored = any(label.startswith(name) for label in labels for name in _TURNED)
+    negative = [name for name in (*_NOT_NEGATIVE, *["stiffness"] * restored) if values.get(name, 0.0) < 0.0]
     if negative:
         keep = [i for i, name in enumerate(labels) if name not in negative]
         rest = _solve(matrix[:, keep], right, [labels[i] for i in keep], given) if keep else {}
@@ -297,9 +320,24 @@ def _solve(
     return {**{name: given[name] for name in ("stiffness",) if name in given}, **values}
 
 
+def _quarter(name: str) -> str:
+    """What the quadrature of a parameter's regressor is called."""
+    return f"{name} a quarter turn on"
+
+
+def _sizes(values: Mapping[str, float], name: str, count: int) -> list[float]:
+    """Size of a sine in each record, from its two factors."""
+    return [math.hypot(values[f"{name} {i}"], values[f"{_quarter(name)} {i}"]) for i in range(count)]
+
+
 def _zeros(values: Mapping[str, float], count: int) -> list[float]:
+    """Zero of each record: of the spring, or of a sine whose slope is steeper than it."""
     stiffness = values.get("stiffness", 0.0)
-    return [-values.get(f"constant {i}", 0.0) / stiffness if stiffness > 0.0 else 0.0 for i in range(count)]
+    zeros = [-values.get(f"constant {i}", 0.0) / stiffness if stiffness > 0.0 else 0.0 for i in range(count)]
+    for name in _TURNED:
+        if f"{name} 0" in values and values[name] > stiffness:  # G·sin(x − z) = G·cos(z)·sin(x) − G·sin(z)·cos(x)
+            zeros = [math.atan2(-values[f"{_quarter(name)} {i}"], values[f"{name} {i}"]) for i in range(count)]
+    return zeros
 
 
 def starting_state(record: Record, count: int = 15) -> tuple[float, float]:

@@ -62,6 +62,8 @@ class Parameter:
         regressor: what its force is proportional to, where the equation of motion is linear in it, as arrays (n,) of
             its arguments: ``direction`` of the motion, ``v`` [m/s] or ``x`` [m] first, or nothing for a constant; then
             ``driven``, and other parameters by name.
+        quadrature: where the regressor is a sine of the position from a zero, the same a quarter turn further: both
+            together, each with a factor of its own, are a sine from an unknown zero.
         not_below: the parameter of the same law that it is never below; from there on nothing would tell of it.
     """
 
@@ -83,6 +85,7 @@ class Parameter:
     most: float = math.inf
     ceiling: Callable[[float, float], float] | None = None
     regressor: Callable[..., Any] | None = None
+    quadrature: Callable[..., Any] | None = None
     not_below: str = ""
 
     @property

@@ -96,8 +96,15 @@ def marginal(information: FloatArray, count: int) -> FloatArray:
         count: number of parameters to keep, the first ones.
 
     Returns:
-        (count, count).
+        (count, count), without a direction about which less than nothing is known: rounding may leave one where a
+        plant is unstable, whose readings grow without bound with its initial state.
     """
     rest = information[count:, count:]
     cross = information[:count, count:]
-    return np.asarray(information[:count, :count] - cross @ np.linalg.pinv(rest, hermitian=True) @ cross.T)
+    about = np.asarray(information[:count, :count] - cross @ np.linalg.pinv(rest, hermitian=True) @ cross.T)
+    known = np.diag(about) > 0.0
+    size = np.sqrt(np.where(known, np.diag(about), 1.0))
+    values, vectors = np.linalg.eigh(np.where(np.outer(known, known), about, 0.0) / np.outer(size, size))
+    if np.all(known) and values[0] >= 0.0:
+        return about
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T * np.outer(size, size))

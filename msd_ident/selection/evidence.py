@@ -196,8 +196,12 @@ def log_prior(causes: Causes) -> float:
 
 
 def _own(fitted: Hypothesis) -> tuple[str, ...]:
-    """Names of the parameters that a set has beyond the plant's."""
-    return tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
+    """Names of what a set has beyond the plant: parameters, and zeros that no spring has."""
+    problem = fitted.problem
+    plain = fitted.model.stiffness == 0.0 and "stiffness" not in problem.names
+    zeros = problem.names[len(problem.free) :] if plain else ()
+    parameters = tuple(p.name for cause in fitted.causes for p in by_name(cause).parameters)
+    return parameters + tuple(name for name in zeros if name.startswith("zero of"))
 
 
 def prior_widths(fitted: Hypothesis) -> FloatArray:

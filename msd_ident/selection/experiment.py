@@ -120,10 +120,23 @@ class Experiment:
         """Other laws of the same cause, and of causes for which one of the two may be mistaken."""
         return tuple(other for other in self.library if by_name(name).alike(by_name(other)) and other != name)
 
+    def nuisances(self, model: Model) -> tuple[Nuisance, ...]:
+        """Free entries of each record: the same for all models, but for the zero of a law of an angle.
+
+        Such a law counts from a direction that no encoder knows, so it has a zero where no spring has one too. Within a
+        radian, a sine from anywhere is no more than a spring, which this axis has not, and a constant force.
+        """
+        return self._from_a_zero if any(effect.angular for effect in model.effects) else self._of_each
+
     @cached_property
-    def nuisances(self) -> tuple[Nuisance, ...]:
-        """Free entries of each record: the same for all candidates."""
+    def _of_each(self) -> tuple[Nuisance, ...]:
         return formulate(self.base, self.records, self.fixed).nuisances
+
+    @cached_property
+    def _from_a_zero(self) -> tuple[Nuisance, ...]:
+        known = {n.record for n in self._of_each if n.kind == "zero"}
+        far = [r for r, record in enumerate(self.records) if r not in known and np.ptp(record.position) > 1.0]
+        return (*self._of_each, *(Nuisance(r, "zero") for r in far))
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -143,7 +156,7 @@ class Experiment:
             held: further parameters that keep the model's values.
         """
         fixed = self.fixed | held | switched_off(model)
-        return resolution.within(build(model, self.records, fixed, self.nuisances, self.typical), self.ranges)
+        return resolution.within(build(model, self.records, fixed, self.nuisances(model), self.typical), self.ranges)
 
     def posed(self, model: Model, held: frozenset[str] = frozenset()) -> Weighting:
         """The same in units of the noise, made once for all models with these laws and these values of what is fixed.

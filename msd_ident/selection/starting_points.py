@@ -20,6 +20,7 @@ from msd_ident.model.base_model import DryFriction, friction_force
 from msd_ident.model.effects import by_name
 from msd_ident.model.effects.base import SECOND_MASS
 from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.growing import grown
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import SAME, StartingPoint
 from msd_ident.selection.ranking import FAINT, ROUGH
@@ -193,21 +194,22 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
         for start in regressed(experiment.problem(model), counted=True):
             initial = [Initial(*state) for state in start.initial]
             relaxed = _counted(model.with_values(start.values), initial[_liveliest(experiment.records)].zero)
-            problem, weighting, point = formulated(experiment, relaxed, initial)
-            residual = weighting.residual(point)
-            found.append((float(residual @ residual), problem, weighting, point))
-    found.sort(key=lambda one: one[0])
-    return [_exact_start(experiment, causes, _placed(experiment, *one[1:]), beside) for one in found[:2]]
+            _, weighting, point = formulated(experiment, relaxed, initial)
+            found.append((weighting, point))
+    if any(by_name(cause).angular for cause in causes):
+        best = grown(found, 2)
+    else:
+        best = sorted(found, key=lambda one: float(np.sum(one[0].residual(one[1]) ** 2)))[:2]
+    return [_exact_start(experiment, causes, _placed(experiment, *one), beside) for one in best]
 
 
-def _placed(
-    experiment: Experiment, problem: Problem, weighting: Weighting, point: FloatArray
-) -> tuple[Problem, Weighting, FloatArray]:
+def _placed(experiment: Experiment, weighting: Weighting, point: FloatArray) -> tuple[Problem, Weighting, FloatArray]:
     """The start with mass, stiffness, initial states and zeros fitted to the samples, and all other parameters kept.
 
     A regression gives good values of small forces, but a poor position of the cart. If all parameters moved at once,
     the error of the position would be put on the small forces, and the cart would stick at wrong places.
     """
+    problem = weighting.problem
     model = problem.model.with_values(problem.values(point))
     others = frozenset(model.names) - {"mass", "stiffness"}
     bare, units, place = formulated(experiment, model, problem.initials(point), others)

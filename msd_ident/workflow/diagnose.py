@@ -14,8 +14,8 @@ from msd_ident.residuals import impulses
 from msd_ident.residuals.ringdown import ring_down
 from msd_ident.selection.structure_search import Progress
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import prepared, starting_plant
-from msd_ident.workflow.spring_decision import has_spring
+from msd_ident.workflow.preparation import Prepared, prepared, starting_plant
+from msd_ident.workflow.spring_decision import has_spring, hidden_spring
 
 
 def _silent(stage: str, fraction: float, cause: str) -> None:
@@ -46,19 +46,9 @@ def diagnose(
     progress("looking at the data", 0.01, "")
     data = prepared(records)
     sprung, decided = has_spring(data.used, options, data.form)
-    made = diagnose_records(
-        data.used,
-        sprung=sprung,
-        plant=starting_plant(data.used, data.form),
-        findings=data.findings,
-        warnings=data.warnings + decided,
-        ring_down=ring_down(data.features, data.used[0].position_unit),
-        tolerance=options.tolerance,
-        rests=data.rest_before,
-        calibrate=options.calibrate,
-        progress=progress,
-        earlier=earlier,
-    )
+    made = _diagnosed(data, options, (sprung, decided), progress, earlier)
+    if decided and not sprung and (hidden := hidden_spring(made.extended, made.records)):
+        made = _diagnosed(data, options, (True, (hidden,)), progress, earlier)
     whole = "mass, damping, stiffness and all causes of the library"
     explained.check(made.extended.residuals, made.records, whole, data.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
@@ -71,3 +61,27 @@ def diagnose(
         found = replace(found, warnings=(*found.warnings, *filter(None, said)))
     progress("done", 1.0, "")
     return found
+
+
+def _diagnosed(
+    data: Prepared,
+    options: Options,
+    spring: tuple[bool, tuple[str, ...]],
+    progress: Progress,
+    earlier: Diagnosis | None,
+) -> Diagnosis:
+    """The diagnosis with or without a spring, and why."""
+    sprung, decided = spring
+    return diagnose_records(
+        data.used,
+        sprung=sprung,
+        plant=starting_plant(data.used, data.form),
+        findings=data.findings,
+        warnings=data.warnings + decided,
+        ring_down=ring_down(data.features, data.used[0].position_unit),
+        tolerance=options.tolerance,
+        rests=data.rest_before,
+        calibrate=options.calibrate,
+        progress=progress,
+        earlier=earlier,
+    )

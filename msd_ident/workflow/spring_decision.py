@@ -11,10 +11,11 @@ import numpy as np
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
-from msd_ident.estimate.levels import BEYOND_DOUBT
+from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, TENTH
 from msd_ident.estimate.objective import Loss
 from msd_ident.features import StandardForm
 from msd_ident.model.base_model import DryFriction, Offset
+from msd_ident.model.effects import spoken
 from msd_ident.quantity import Z95, Quantity
 from msd_ident.tuning import fixed
 from msd_ident.workflow import known_parameters
@@ -74,6 +75,37 @@ def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, st
     return sprung, _sentence(sprung, held, free, records)
 
 
+def hidden_spring(found: FitResult, records: tuple[Record, ...]) -> str:
+    """Whether a spring does what a law of an angle does in a model without one.
+
+    Near a place such a law is a spring, and a constant force. Without a spring it would be called certain for either.
+
+    Args:
+        found: the model of a diagnosis without a spring.
+        records: its records.
+
+    Returns:
+        A sentence if a spring in that law's place, which the data knows, leaves an error less than twice as large; else
+        nothing.
+    """
+    turned = [effect for effect in found.model.effects if effect.angular]
+    if not turned:
+        return ""
+    names = " and ".join(spoken(effect.name) for effect in turned)
+    plain = found.model.without(*(effect.name for effect in turned))
+    held = [name for name in plain.names if name not in (*found.free, "stiffness")]
+    slope = turned[0].values[0]
+    starts = [plain.with_values({"stiffness": part * slope}) for part in (1.0, TENTH, TENTH**2)]
+    sprung = fit(starts[0], records, fixed=held, starts=starts[1:])
+    stiffness = sprung.quantities["stiffness"]
+    if sprung.see > found.see / MOST_OF or not (stiffness.known and stiffness.low > 0.0):
+        return ""
+    return (
+        f"No response shows a spring, but one of {stiffness.value:.3g} {stiffness.unit} does what {names} would do: a "
+        "spring is assumed. If there is none, use --model no_spring."
+    )
+
+
 def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> bool:
     """Whether the data knows a stiffness, which matters: to the error, or to the forces and the one-step errors.
 
@@ -99,10 +131,12 @@ def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Rec
     found = f"fitted, its stiffness is {stiffness.value:.3g} {stiffness.unit}, which the data leaves open"
     if stiffness.known:
         forced = math.isfinite(share)
+        # The odds are those of a model that is right but for its spring: beside a large error they are no odds.
+        likelier = f", {_likelihood(stiffness)}" if sprung or stiffness.low <= 0.0 else ""
         found = (
             f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
-            f"{'' if forced else ' for one unit of mass'}, {_likelihood(stiffness)}"
-            f"{f'; it carries {share:.2g} % of the force' if forced else ''}"
+            f"{'' if forced else ' for one unit of mass'}{likelier}"
+            f"{f'; it carries {_whole(share)} % of the force' if forced else ''}"
         )
     change = f"without it the error is {_times(free.see / held.see)}as large"
     if sprung:
@@ -123,5 +157,10 @@ def _likelihood(stiffness: Quantity) -> str:
 
 def _times(ratio: float) -> str:
     """``3.2 times``, with the space that follows; empty where the ratio is printed as 1."""
-    said = f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
+    said = _whole(ratio)
     return "" if said == "1" else f"{said} times "
+
+
+def _whole(value: float) -> str:
+    """Two digits, or the whole number where it has more."""
+    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"

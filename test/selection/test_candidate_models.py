@@ -81,3 +81,11 @@ def test_the_information_is_that_of_the_intervals_of_a_fit() -> None:
     assert one.free == fitted.free
     np.testing.assert_allclose(np.sqrt(np.diag(np.linalg.inv(one.information))), expected, rtol=0.3)
     assert one.model["coulomb_force"] == pytest.approx(0.3, rel=0.01)
+
+
+def test_less_than_nothing_is_known_of_no_direction() -> None:
+    """The readings of an unstable plant grow with its initial state beyond all that rounding keeps of the rest."""
+    rows = np.random.default_rng(0).normal(size=(5, 40)) + 1e13 * np.exp(np.linspace(-9.0, 0.0, 40))
+    known = marginal(rows @ rows.T, 3)
+    size = np.sqrt(np.maximum(np.diag(known), 1e-300))
+    assert np.linalg.eigvalsh(known / np.outer(size, size))[0] > -1e-12

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pendulums import turned
 
 from msd_ident.data.quality import check
 from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant, simulate
+from msd_ident.model.effects.gravity import Gravity
 from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
@@ -127,7 +129,8 @@ def test_odds_are_said_in_words(value: float, std: float, words: str) -> None:
     held = replace(found, quantities={**found.quantities, "stiffness": Quantity(value, std, "N/m")})
     for sprung in (True, False):
         said = spring_decision._sentence(sprung, held, replace(found, see=2.5 * found.see), (record,))
-        assert f" (95 %), {words}; it carries " in said and ", and without it the error is 2.5 times as large. " in said
+        told = f", {words}" if sprung or value < 1.96 * std else ""  # beside the error of no spring they are no odds
+        assert f" (95 %){told}; it carries " in said and ", and without it the error is 2.5 times as large. " in said
         assert "e^" not in said and " 1 times" not in said
 
 
@@ -157,3 +160,30 @@ def test_measured_records(shared_data: Path) -> None:
     assert any("the force follows the readings (-27." in warning for warning in found.warnings)
     axis = pipeline.identify([read(shared_data / "emps" / "emps_train.csv")])
     assert axis.refined.model["stiffness"] == 0.0
+
+
+def test_no_odds_for_a_spring_are_stated_where_none_is_assumed_against_them() -> None:
+    """A pendulum that goes round: beside its error, the odds of a spring are of a model that is wrong anyway."""
+
+    def pushed(t: float, angle: float, speed: float) -> float:
+        return 4.5 * float(t < 1.0) - 4.5 * float(1.5 < t < 2.5)
+
+    sprung, said = spring_decision.decide((turned(pushed, 5.0, (0.18, 0.3, 3.7)),))
+    assert not sprung and "as likely as none" not in said
+    assert ", and without it the error is 1.1 times as large. If there is one, use --model spring." in said
+
+
+def test_a_spring_that_does_what_gravity_would_is_seen_behind_it_and_gravity_is_none() -> None:
+    """Half a radian of a spring, and a pendulum that goes round."""
+
+    def pushed(t: float, angle: float, speed: float) -> float:
+        return 0.6 * float(t % 2.0 < 1.0) - 0.3
+
+    true = (0.18, 0.4, 3.7)
+    spring = turned(pushed, 5.0, (*true[:2], 0.0), rest=lambda angle: -1.5 * angle)
+    weight = turned(lambda t, _, __: 4.5 * float(t < 1.0), 4.0, true)
+    said = [
+        spring_decision.hidden_spring(fit(Plant(*true[:2], 0.0) + Gravity(2.0), one, fixed={"stiffness": 0.0}), (one,))
+        for one in (spring, weight)
+    ]
+    assert "does what gravity would do: a spring is assumed" in said[0] and said[1] == ""

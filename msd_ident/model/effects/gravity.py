@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
@@ -15,6 +17,16 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 
+def _turned(x: Any) -> Any:
+    """sin(x), of an angle x [rad]."""
+    return np.sin(x)
+
+
+def _quarter_on(x: Any) -> Any:
+    """The same a quarter turn further."""
+    return np.cos(x)
+
+
 @dataclass(frozen=True)
 class Gravity(Effect):
     """G·sin(x): a pendulum, an arm that a joint lifts. x counts from where it hangs."""
@@ -22,7 +34,12 @@ class Gravity(Effect):
     gravity_moment: float
 
     name = "gravity"
-    parameters = (Parameter("gravity_moment", "G", "N", 0.0, math.inf, "m·g·l: weight times lever [N·m]"),)
+    parameters = (
+        Parameter(
+            "gravity_moment", "G", "N", 0.0, math.inf, "m·g·l: weight times lever [N·m]",
+            regressor=_turned, quadrature=_quarter_on,
+        ),
+    )  # fmt: skip
     prior_odds = 1.0 / 2.0
     acts_on = "force"
     law = "G·sin(x), x [rad] from where it hangs"
