@@ -199,14 +199,30 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         "it is not certain. Record longer."
         for name in sorted(ranking.slow.get(named, ()))
     ]
-    if not ranking.rich and any(by_name(name).ages_spring() for name in named):
-        said.append(
-            "in this motion the amplitude changes with time, so a stiffness that changes with time may be one that "
-            "changes with the amplitude: it is not certain. Push again later in the record, with the same force."
-        )
+    said += _aging(ranking)
     if ranking.foretold:
         said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _aging(ranking: Ranking) -> list[str]:
+    """Why a named stiffness that changes with time is not certain; empty where none is named or nothing speaks against
+    it.
+    """
+    named = ranking.best.causes
+    if not any(by_name(name).ages_spring() for name in named):
+        return []
+    if not ranking.rich:
+        return [
+            "in this motion the amplitude changes with time, so a stiffness that changes with time may be one that "
+            "changes with the amplitude: it is not certain. Push again later in the record, with the same force."
+        ]
+    if named in ranking.exact:
+        return []
+    return [
+        "more than noise is left, so a mass that changes with time could do what a stiffness that changes with time "
+        "does: it is not certain. Weigh the moving mass before and after."
+    ]
 
 
 def _unclear(ranking: Ranking) -> dict[str, float]:

@@ -171,10 +171,12 @@ class Ranking:
         What a set leaves above the noise may move like one of its causes. So the odds of a cause are no more than what
         it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows. More than the usual
         prior odds count only as far as it explains more than is left. In a poor experiment the amplitude falls with
-        time, so that no stiffness that changes with time is certain: it may change with the amplitude.
+        time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
+        more than noise is left: a mass that changes with time moves nearly alike.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
-        if (by_name(law).ages_spring() and not self.rich) or law in self.slow.get(causes, ()):
+        plain = self.rich and causes in self.exact
+        if (by_name(law).ages_spring() and not plain) or law in self.slow.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves:
             odds = min(odds, _uncertain(by_name(law)), CERTAIN_ODDS)

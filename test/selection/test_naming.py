@@ -169,3 +169,12 @@ def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str
     assert found.of_cause(name) == pytest.approx(sure)
     said = any("may be one that changes with the amplitude" in one for one in naming.other_forms(found))
     assert said is (sure < 1.0)
+
+
+@pytest.mark.parametrize(("exact", "sure"), [(False, CERTAIN), (True, 1.0)])
+def test_where_more_than_noise_is_left_it_may_be_the_mass_that_changes(exact: bool, sure: float) -> None:
+    found = replace(ranking({("stiffness_drift",): 1.0}), rich=True)
+    found = replace(found, exact=frozenset({frozenset({"stiffness_drift"})} if exact else ()))
+    assert found.of_cause("stiffness_drift") == pytest.approx(sure)
+    said = any("a mass that changes with time could do" in one for one in naming.other_forms(found))
+    assert said is not exact
