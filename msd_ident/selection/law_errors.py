@@ -74,7 +74,7 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
     what these explain. A law that holds Coulomb friction as a limit is compared with Coulomb friction in its place too.
 
     Where the set leaves more than noise, each spring beside the one that explains most may be an error of its shape,
-    whatever it explains: two curves over the position come near any third one.
+    whatever it explains: two curves over the position come near any third one. So may each curve of the sensor.
     """
     parts = further_parts(causes, sets)
     found = {
@@ -83,15 +83,21 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
         if part <= (FORM_PART if sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
     if not leaves_noise(sets[causes], noise):
-        springs = [name for name in sorted(causes) if by_name(name).is_spring()]
-        springs.sort(key=lambda name: -parts.get(name, math.inf))  # a set that was not worth a fit explains little
-        found |= {name: parts[name] for name in springs[1:] if name in parts}
+        found |= {name: parts[name] for name in _further_curves(causes, parts) if name in parts}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
         part = _part_beyond(limit, causes, sets)
         if part <= LEAST_SPREAD or (part <= FORM_PART and sets[limit].chi < FAINT**2 * noise):
             found[name] = min(part, found.get(name, part))
     return found
+
+
+def _further_curves(causes: Causes, parts: Mapping[str, float]) -> list[str]:
+    """Curves over the position beside one of their kind that explains more."""
+    order = sorted(causes, key=lambda name: (-parts.get(name, math.inf), name))  # one not worth a fit explains little
+    return [
+        name for place, name in enumerate(order) if any(by_name(name).bends_as(by_name(one)) for one in order[:place])
+    ]
 
 
 def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[str, float]:

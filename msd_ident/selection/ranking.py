@@ -191,14 +191,14 @@ class Ranking:
 
         In a set that leaves only noise, that form would have to agree with the cause but for what the noise can hide:
         the more clearly the cause is seen above this, the surer it is. A poor experiment makes none certain, and no
-        experiment a law of less than the usual prior odds, which bends to much, or a spring beside another one: two
-        curves over the position come near any third one.
+        experiment a law of less than the usual prior odds, which bends to much, or a spring or a sensor's scale beside
+        another one: two curves over the position come near any third one.
         """
         odds = by_name(law).prior_odds
         if causes not in self.exact:
             return FORM_ODDS * odds
         clear = self.clear.get(causes, {}).get(law, math.inf)
-        bends = by_name(law).is_spring() and sum(by_name(one).is_spring() for one in causes) > 1
+        bends = any(by_name(law).bends_as(by_name(one)) for one in causes - {law})
         if not self.rich or odds < Effect.prior_odds or bends:
             clear = min(clear, CERTAIN_ODDS)
         return clear * odds / Effect.prior_odds

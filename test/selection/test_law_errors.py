@@ -12,6 +12,8 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
+from msd_ident.model.effects.sensor_nonlinearity import SensorNonlinearity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.selection import naming
@@ -157,3 +159,18 @@ def test_the_second_of_two_springs_is_certain_only_where_nothing_is_left(left: f
     assert found.best.causes == {"cubic_spring", "end_stop"}
     assert found.of_cause("cubic_spring") > 0.98
     assert found.of_cause("end_stop") == pytest.approx(1.0 if sure else 0.75, abs=0.02)
+
+
+def test_the_second_of_two_curves_of_the_sensor_is_not_certain_where_more_is_left() -> None:
+    """An elliptic wheel was stated as an eccentric one and a bent sensor, with 0.995 and 0.987."""
+    data = steps()
+    wheel, bent = SensorEccentricity(1e-4, 5e-3, 0.3), SensorNonlinearity(2.0, 100.0)
+    sets = {
+        "base": fitted(data, BASE, 1e6),
+        "wheel": fitted(data, BASE + wheel, 5e4),
+        "bent": fitted(data, BASE + bent, 4e5),
+        "both": fitted(data, BASE + wheel + bent, 5000.0),
+    }
+    found = ranked(sets)
+    assert found.best.causes == {wheel.name, bent.name}
+    assert found.of_cause(wheel.name) > 0.95 and found.of_cause(bent.name) <= CERTAIN

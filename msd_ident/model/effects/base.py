@@ -285,6 +285,18 @@ class Effect:
         )
 
     @classmethod
+    def is_scale(cls) -> bool:
+        """Whether its reading is a curve over the position: a sensor of another shape."""
+        reading = cls.laws().get("reading")
+        given = inspect.signature(reading).parameters if reading is not None else ()
+        return "x" in given and "t" not in given
+
+    @classmethod
+    def bends_as(cls, other: type[Effect]) -> bool:
+        """Whether both are curves over the position, of the spring or of the sensor: two of them come near a third."""
+        return (cls.is_spring() and other.is_spring()) or (cls.is_scale() and other.is_scale())
+
+    @classmethod
     def is_spring(cls) -> bool:
         """Whether its force is a curve over the position: a spring of another shape."""
         bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
