@@ -234,7 +234,8 @@ def _limits(ranking: Ranking) -> str:
 
 def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
     """What the copies share; the model with Coulomb friction is one that a diagnosis begins with."""
-    asked = frozenset().union(*(row.causes for row in rows))
+    named = frozenset().union(*(row.causes for row in rows))
+    asked = named | kinds(named)  # another form of a law is tried only where its simple law is
     asking = replace(experiment, asked=asked)
     friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
     scale = scale_from(list(ranking.sets), experiment.readings)

@@ -16,12 +16,13 @@ RIGS = (
     (261059, "remembering_drive", "steps", "force_gain_nonlinearity"),
     (261131, "film_damping", "release", "position_dependent_damping"),
 )
-#: Left-out data alone calls for their many sharp numbers, so that they are not certain.
-FORETOLD = ("modulated_tone",)
+#: Left-out data alone calls for the many sharp numbers of a tone that swells, and a mass that changes with time moves
+#: like a stiffness that does, so that they are not certain.
+UNSURE = ("modulated_tone", "wandering_stiffness")
 
 
 @pytest.mark.parametrize(("seed", "law", "experiment", "cause"), RIGS, ids=lambda value: str(value))
 def test_the_cause_is_named_alone_and_its_plant_found(seed: int, law: str, experiment: str, cause: str) -> None:
     found = run(Case(seed, law, False, experiment, author="foreign"))
-    assert found.names == {cause} and found.verdict == ("ambiguous" if law in FORETOLD else "explained")
+    assert found.names == {cause} and found.verdict == ("ambiguous" if law in UNSURE else "explained")
     assert found.plant_error < 0.02
