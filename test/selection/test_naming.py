@@ -161,7 +161,7 @@ def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
 
 @pytest.mark.parametrize(("name", "rich", "sure"), [
     ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
-    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0),
+    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0), ("relaxing_spring", False, CERTAIN),
 ])  # fmt: skip
 def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str, rich: bool, sure: float) -> None:
     """A spring that bends does the same: the amplitude falls with time."""

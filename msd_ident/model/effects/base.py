@@ -226,7 +226,7 @@ class Effect:
 
     @classmethod
     def ages_spring(cls) -> bool:
-        """Whether it changes the linear spring with time."""
+        """Whether it changes the spring's force with time, as a spring that ages does."""
         return cls.needs_spring and not cls.steady
 
     def idle(self) -> frozenset[str]:

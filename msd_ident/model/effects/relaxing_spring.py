@@ -56,6 +56,11 @@ class RelaxingSpring(Effect):
         return relaxing_damping * lagged_v
 
     @classmethod
+    def ages_spring(cls) -> bool:
+        """Its force fades after a push: over one decay it moves like a spring, or a sensor, that settles."""
+        return True
+
+    @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Within a sample it is damping; over more than the record it is a spring."""
         return {"relaxation_time": (seen.period, seen.duration)}
