@@ -329,7 +329,7 @@ def _missing(experiment: Experiment, fitted: Hypothesis) -> tuple[DisturbanceEst
 
 
 def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[DisturbanceEstimate, ...]:
-    """The force that the extended model lacks: smoothed from its residual, which moves like the bare plant."""
+    """The force that a model lacks, one for each record (``disturbance.lacking_force``)."""
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
     parts = zip(experiment.readings, best.residuals(), strict=True)
     return tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in parts)

@@ -55,8 +55,7 @@ def physical(form: LinearForm) -> Model:
 
 
 def transfer_function(model: Model) -> control.TransferFunction:
-    """Position over commanded force of all that is linear in the model: plant, second mode,
-    relaxing spring and actuator lag.
+    """Position over commanded force of all that is linear in the model: plant, second mode, relaxing spring, lag.
 
     Dry friction and every other effect are left out.
     """

@@ -80,12 +80,13 @@ def lacking_force(
         noise: standard deviation of a reading [m].
     """
     mass, damping, stiffness = plant
-    further = equivalent(missing_force(replace(record, position=record.position + residual), plant, noise))
+    modelled = missing_force(replace(record, position=record.position + residual), plant, noise)
+    further = equivalent(modelled)
     equal = mass, damping + further[0], stiffness + further[1]
     error = replace(record, position=-residual, force_time=record.time[:1], force=np.zeros(1), upsampled=1)
     found = _smoothed(error, equal, noise, 0.0, _natural_walk(record, mass, record.position))
-    measured = missing_force(record, plant, noise)
-    return replace(found, position=record.position, velocity=measured.velocity, applied=measured.applied)
+    velocity = modelled.velocity + found.velocity
+    return replace(found, position=record.position, velocity=velocity, applied=modelled.applied)
 
 
 def equivalent(beyond: DisturbanceEstimate) -> tuple[float, float]:

@@ -200,6 +200,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         for name in sorted(ranking.slow.get(named, ()))
     ]
     said += _aging(ranking)
+    if not ranking.rich:
+        said += [
+            f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
+            "in the record."
+            for name in sorted(named)
+            if by_name(name).creeps
+        ]
     if ranking.foretold:
         said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)

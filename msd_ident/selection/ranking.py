@@ -172,17 +172,19 @@ class Ranking:
         it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows. More than the usual
         prior odds count only as far as it explains more than is left. In a poor experiment the amplitude falls with
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
-        more than noise is left: a mass that changes with time moves nearly alike.
+        more than noise is left: a mass that changes with time moves nearly alike. Nor, in a poor experiment, is a law
+        that creeps: a sensor that settles moves alike.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
-        plain = self.rich and causes in self.exact
-        if (by_name(law).ages_spring() and not plain) or law in self.slow.get(causes, ()):
+        effect, plain = by_name(law), self.rich and causes in self.exact
+        aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
+        if aged or law in self.slow.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves:
-            odds = min(odds, _uncertain(by_name(law)), CERTAIN_ODDS)
+            odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = self.clear.get(causes, {}).get(law, math.inf)
-            clear *= max(min(clear, _usual(by_name(law))), 1.0)
+            clear *= max(min(clear, _usual(effect)), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
         return probability_at(odds)
 

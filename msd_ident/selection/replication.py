@@ -234,13 +234,19 @@ def _limits(ranking: Ranking) -> str:
 
 def _study(experiment: Experiment, base: Hypothesis, ranking: Ranking, rows: Sequence[Explanation]) -> Study:
     """What the copies share; the model with Coulomb friction is one that a diagnosis begins with."""
-    named = frozenset().union(*(row.causes for row in rows))
-    asked = named | kinds(named)  # another form of a law is tried only where its simple law is
+    asked = _asked(experiment, rows)
     asking = replace(experiment, asked=asked)
     friction = [one for one in ranking.sets if one.causes == {COULOMB} <= asked]
     scale = scale_from(list(ranking.sets), experiment.readings)
     lead, thin = ranking.best, asking.thinned(SAMPLES)
     return Study(asking, thin, lead, (base, *friction), scale, Disturbed.by(lead, experiment.readings))
+
+
+def _asked(experiment: Experiment, rows: Sequence[Explanation]) -> frozenset[str]:
+    """Causes of the explanations, and those from which a search comes to one that is not tried by itself."""
+    named = frozenset().union(*(row.causes for row in rows))
+    plain = set(experiment.tried_alone)
+    return named.union(*(plain.intersection(experiment.forms(name)) for name in named - plain))
 
 
 def _poor(experiment: Experiment, base: Hypothesis) -> bool:

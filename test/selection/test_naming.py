@@ -161,7 +161,7 @@ def test_where_the_leading_set_predicts_no_better_a_set_that_leaves_less_may(
 
 @pytest.mark.parametrize(("name", "rich", "sure"), [
     ("stiffness_drift", False, CERTAIN), ("settling_stiffness", False, CERTAIN), ("stiffness_drift", True, 1.0),
-    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0), ("relaxing_spring", False, CERTAIN),
+    ("cubic_spring", False, 1.0), ("sensor_drift", False, 1.0),
 ])  # fmt: skip
 def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str, rich: bool, sure: float) -> None:
     """A spring that bends does the same: the amplitude falls with time."""
@@ -169,6 +169,15 @@ def test_over_one_decay_no_stiffness_that_changes_with_time_is_certain(name: str
     assert found.of_cause(name) == pytest.approx(sure)
     said = any("may be one that changes with the amplitude" in one for one in naming.other_forms(found))
     assert said is (sure < 1.0)
+
+
+@pytest.mark.parametrize(("rich", "sure"), [(False, CERTAIN), (True, 1.0)])
+def test_over_one_decay_a_law_that_creeps_may_be_a_sensor_that_settles(rich: bool, sure: float) -> None:
+    found = replace(ranking({("relaxing_spring",): 1.0}), rich=rich)
+    assert found.of_cause("relaxing_spring") == pytest.approx(sure)
+    said = " ".join(naming.other_forms(found))
+    assert ("Over one decay relaxing spring moves like a sensor that settles" in said) is not rich
+    assert "stiffness" not in said and "mass" not in said
 
 
 @pytest.mark.parametrize(("exact", "sure"), [(False, CERTAIN), (True, 1.0)])

@@ -10,6 +10,7 @@ import pytest
 import setrigs
 from copyrigs import DRAGS, RAMP, RUB, STEP, measured
 
+from msd_ident.model.effects import by_name
 from msd_ident.selection import replication
 from msd_ident.workflow import pipeline
 
@@ -80,3 +81,25 @@ def test_what_progress_raises_ends_it() -> None:
 
     with pytest.raises(Enough):
         pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)], progress=tell)
+
+
+@pytest.mark.parametrize(
+    ("named", "also"),
+    [
+        ("cubic_spring", set()),
+        ("eccentricity_harmonic", {"sensor_eccentricity"}),
+        ("gain_drift", {"stiffness_drift"}),
+        (
+            "sensor_nonlinearity",
+            {"cubic_spring", "asymmetric_spring", "sensor_eccentricity", "force_gain_nonlinearity"},
+        ),
+    ],
+)
+def test_copies_are_asked_about_the_causes_from_which_a_search_comes_to_the_named_one(
+    named: str, also: set[str]
+) -> None:
+    """Else no search of a copy would try it, and all copies would be called something else."""
+    rows = [replication.Explanation(frozenset({named}), None, True), replication.Explanation(frozenset(), None, True)]
+    asked = replication._asked(setrigs.steps(), rows)
+    assert asked >= {named, *also} and all(by_name(one).alike(by_name(named)) for one in asked)
+    assert also or asked == {named}, "what is tried by itself needs no other"

@@ -102,6 +102,8 @@ class Effect:
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
     dissipative: ClassVar[bool] = False
+    #: Its force fades after a push: over one decay it moves like a sensor that settles.
+    creeps: ClassVar[bool] = False
     #: Turning all forces and positions round turns the motion round.
     mirror: ClassVar[bool] = True
     #: Its law does not know what time it is: a record moved in time moves the motion, and that is all.
@@ -226,7 +228,7 @@ class Effect:
 
     @classmethod
     def ages_spring(cls) -> bool:
-        """Whether it changes the spring's force with time, as a spring that ages does."""
+        """Whether it changes the linear spring with time."""
         return cls.needs_spring and not cls.steady
 
     def idle(self) -> frozenset[str]:

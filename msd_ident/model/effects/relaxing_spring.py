@@ -48,17 +48,13 @@ class RelaxingSpring(Effect):
     prior_odds = 1.0 / 40.0
     family = "second state"
     structure = VELOCITY_LAG
+    creeps = True
     measured_by = "hold the cart off its place by hand, and read with a balance how the force falls"
 
     @staticmethod
     def force(lagged_v: float, relaxing_damping: float) -> float:
         """Force [N] against +x."""
         return relaxing_damping * lagged_v
-
-    @classmethod
-    def ages_spring(cls) -> bool:
-        """Its force fades after a push: over one decay it moves like a spring, or a sensor, that settles."""
-        return True
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
