@@ -102,3 +102,13 @@ def test_the_equivalent_plant_is_the_linear_force_next_to_what_acts() -> None:
     record, _ = made(1e-6)
     bare = missing_force(record, (PLANT[0], 0.0, 0.0), 1e-6)
     assert equivalent(bare) == pytest.approx(PLANT[1:], rel=0.02)
+
+
+def test_a_residual_moves_like_the_plant_equivalent_to_all_that_acts_in_the_simulation() -> None:
+    """The spring and the damper may be laws beside the plant, as gravity is: they are those of the simulated motion."""
+    record, _ = made(1e-6)
+    clean, _ = made(0.0)
+    found = lacking_force(record, clean.position - record.position, (PLANT[0], 0.0, 0.0), 1e-6)
+    assert found.plant == pytest.approx(PLANT, rel=0.02)
+    speed = np.gradient(clean.position, clean.time)
+    assert np.corrcoef(found.velocity, speed)[0, 1] > 0.999
