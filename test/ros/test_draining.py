@@ -100,7 +100,9 @@ def test_a_poller_hands_over_everything_in_order_and_lets_go_of_what_is_destroye
 
 
 @pytest.mark.timeout(180)
-def test_nobody_costs_much_with_nothing_to_do() -> None:
-    """At 1 kHz; measured with bench.idle, where the bounds are half of these and more."""
+def test_nobody_wakes_for_each_message() -> None:
+    """At 1 kHz. A count, since processor time depends on the machine; ``python -m bench.idle`` measures that."""
     found = measure(5.0, 1000.0)
-    assert found["identifier"] < 0.15 and found["experimenter"] < 0.05 and found["recorder"] < 0.05, found
+    wakes = {node: idle.wakes for node, idle in found.items()}
+    assert wakes["rig"] > 50, f"the rig hardly publishes: {wakes}"
+    assert wakes["identifier"] < 150 and wakes["recorder"] < 50 and wakes["experimenter"] < 50, wakes
