@@ -23,6 +23,7 @@ from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.result import scale_known
 from msd_ident.estimate.summary import summarise_fit
+from msd_ident.features import extract
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.quantity import Quantity
@@ -30,7 +31,7 @@ from msd_ident.residuals import dependence, noise_model, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force, missing_force
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
-from msd_ident.residuals.ringdown import RingDown
+from msd_ident.residuals.ringdown import RingDown, ring_down
 from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
 from msd_ident.selection import (
     coarse_to_fine,
@@ -238,7 +239,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         rivals=rival_sets.listed(ranking, best, experiment),
         calibration=choice.matrix,
         warnings=tuple(dict.fromkeys(said)),
-        ring_down=_read(task.ring_down, causes),
+        ring_down=_read(task, causes, fits[1]),
         contenders=of_ranking(ranking, scale, experiment.readings),
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
     )
@@ -260,12 +261,16 @@ def _beside(
     return [(p, _resting(experiment, one)) for p, one in found]
 
 
-def _read(ring_down: RingDown | None, causes: Sequence[Cause]) -> RingDown | None:
-    """The ring-down, its sentences read with the causes that are named."""
+def _read(task: Task, causes: Sequence[Cause], fit: FitResult) -> RingDown | None:
+    """The ring-down, its sentences read with the causes that are named and with the simulated motion."""
+    if task.ring_down is None or not task.ring_down.observations:
+        return task.ring_down
     strengths = ((cause.name, cause.parameters.get(by_name(cause.name).neutral[0][0])) for cause in causes)
     named = {name: strength.value for name, strength in strengths if strength is not None}
     tied = dict.fromkeys(name for cause in causes for name in cause.tied_with)
-    return ring_down and ring_down.read_with(named, tied)
+    pairs = zip(task.records, fit.residuals, strict=True)
+    simulated = ring_down([extract(replace(record, position=record.position + left)) for record, left in pairs])
+    return task.ring_down.beside(simulated).read_with(named, tied)
 
 
 def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Cause, ...]:

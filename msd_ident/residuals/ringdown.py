@@ -50,11 +50,13 @@ class Observation:
         seen: the observation, a sentence without its end.
         law: the law that causes it, in words.
         causes: effects that cause the same: name → signs of their strength for which they do.
+        simulated: whether the motion of the fitted model, simulated, changes in the same way.
     """
 
     seen: str
     law: str
     causes: Mapping[str, tuple[int, ...]]
+    simulated: bool = False
 
     def told(self, named: Mapping[str, float], tied: Collection[str] = ()) -> str:
         """The observation as a sentence, with the cause of the diagnosis that makes it, or the law that would.
@@ -66,6 +68,8 @@ class Observation:
         for name, strength in named.items():
             if np.sign(strength) in self.causes.get(name, ()):
                 return f"{self.seen}, as expected from {spoken(name)}."
+        if self.simulated:
+            return f"{self.seen}; the simulated motion shows the same."
         for name in tied:
             if name in self.causes:
                 return (
@@ -104,6 +108,41 @@ class RingDown:
         """
         return replace(self, sentences=tuple(one.told(named, tied) for one in self.observations))
 
+    def beside(self, simulated: RingDown | None) -> RingDown:
+        """The same, with the observations marked that a simulated motion shows too.
+
+        ζ and ωn of a swing are read off as if its losses were viscous, so that another loss shifts them. A trend that
+        the simulation has as well is no sign of a further law: nothing of it is left beside the simulation's.
+        """
+        if simulated is None:
+            return self
+        order = np.argsort(simulated.amplitude)
+
+        def beyond(value: FloatArray, other: FloatArray) -> FloatArray:
+            expected = np.interp(self.amplitude, simulated.amplitude[order], other[order])
+            return np.asarray(value - expected + np.mean(expected))
+
+        ratio = beyond(self.damping_ratio * self._rate, simulated.damping_ratio * simulated._rate)
+        frequency = beyond(self.natural_frequency, simulated.natural_frequency)
+        left = replace(self, damping_ratio=ratio / self._rate, natural_frequency=frequency)._trends("")
+        laws = {one.law for one in left}
+        return replace(
+            self, observations=tuple(replace(one, simulated=one.law not in laws) for one in self.observations)
+        )
+
+    @property
+    def _rate(self) -> FloatArray:
+        """Frequency over its median (n,): ζ times it is ζ·ωn, to which a bent spring does nothing."""
+        return self.natural_frequency / np.median(self.natural_frequency)
+
+    def _trends(self, length: str) -> tuple[Observation, ...]:
+        """How damping and frequency change with the amplitude, in this unit of length."""
+        rate, least = self._rate, _LEAST * float(np.median(self.natural_frequency))
+        damping = _Quantity("The damping ratio", "", length, _LEAST, _RUBS, _DRAGS)
+        stiffness = _Quantity("The natural frequency", " rad/s", length, least, _SOFTENS, _HARDENS)
+        found = _said(self.amplitude, self.damping_ratio * rate, self.damping_ratio_std * rate, damping)
+        return found + _said(self.amplitude, self.natural_frequency, self.natural_frequency_std, stiffness)
+
     def to_json_dict(self) -> dict[str, Any]:
         """Plain lists."""
         return {
@@ -131,14 +170,9 @@ def ring_down(features: Sequence[Features], length: str = "m") -> RingDown | Non
         return None
     swings.sort(key=lambda swing: -swing.amplitude)
     amplitude, ratio, ratio_std, frequency, frequency_std = np.array([_row(swing) for swing in swings]).T
-    rate = frequency / np.median(frequency)  # ζ·ωn: what a bent spring does to ζ is not the damping's
-    least = _LEAST * float(np.median(frequency))
-    damping = _Quantity("The damping ratio", "", length, _LEAST, _RUBS, _DRAGS)
-    stiffness = _Quantity("The natural frequency", " rad/s", length, least, _SOFTENS, _HARDENS)
-    said = _said(amplitude, ratio * rate, ratio_std * rate, damping)
-    said += _said(amplitude, frequency, frequency_std, stiffness)
-    plain = tuple(f"{one.seen}." for one in said)
-    return RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, said, plain)
+    found = RingDown(amplitude, ratio, ratio_std, frequency, frequency_std, observations=(), sentences=())
+    said = found._trends(length)
+    return replace(found, observations=said, sentences=tuple(f"{one.seen}." for one in said))
 
 
 def _row(swing: Swing) -> tuple[float, ...]:

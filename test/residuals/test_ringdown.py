@@ -123,7 +123,19 @@ def test_a_diagnosis_reads_it_with_its_own_causes() -> None:
     assert [one.name for one in result.causes] == ["coulomb_friction"] and result.ring_down is not None
     said = result.ring_down.sentences
     assert said[0].endswith("as expected from Coulomb friction.")
-    assert all("but the diagnosis does not name it" in sentence for sentence in said if "spring" in sentence)
+    assert len(said) == 2 and "frequency" in said[1] and said[1].endswith("; the simulated motion shows the same.")
+
+
+def test_a_trend_of_the_simulation_too_is_no_further_law() -> None:
+    """Losses that are not viscous shift the frequency that is read off each swing; a bent spring shifts it further."""
+    rubbing = {"coulomb_friction": {"coulomb_force": 0.15}}
+    bent = found({**rubbing, "cubic_spring": {"cubic_stiffness": -2e5}})
+    law = "a softening spring"
+    assert law in {one.law for one in found(rubbing).observations}
+    assert [one.simulated for one in found(rubbing).beside(found(rubbing)).observations if one.law == law] == [True]
+    assert [one.simulated for one in bent.beside(found(rubbing)).observations if one.law == law] == [False]
+    assert [one.simulated for one in bent.beside(bent).observations if one.law == law] == [True]
+    assert bent.beside(None) == bent
 
 
 #: Laws that change the damping or the frequency with the amplitude, and those that do so over a decay by being in time.
