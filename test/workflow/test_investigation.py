@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from designrigs import LIMITS, STEP, Rig
+from designrigs import BENT, LIMITS, STEP, Rig, share
 
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
@@ -21,9 +21,10 @@ from msd_ident.workflow import investigation
 from msd_ident.workflow.investigation import Budget, Loop, Ran
 
 
-def test_the_truth_stands_after_one_more_experiment() -> None:
-    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.006})
-    found = Loop(rig, LIMITS, Budget(2, 60.0)).run(STEP)
+@pytest.mark.xdist_group("bent gain")
+def test_the_truth_stands_after_one_more_experiment(monkeypatch: pytest.MonkeyPatch) -> None:
+    share(monkeypatch)
+    found = Loop(Rig(**BENT), LIMITS, Budget(2, 60.0)).run(STEP)
     assert found.stands and found.diagnosis.verdict == "explained"
     assert [cause.name for cause in found.diagnosis.causes] == ["force_gain_nonlinearity"]
     assert [step.diagnosis.verdict for step in found.steps] == ["adequate", "explained"]
@@ -96,8 +97,10 @@ def test_each_run_was_asked_for() -> None:
     assert seen[0][1] == seen[1][1] and max(seen[0][1].extremes) < 0.1 * max(seen[2][1].extremes)
 
 
-def test_the_budget_is_kept() -> None:
-    found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
+@pytest.mark.xdist_group("bent gain")
+def test_the_budget_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    share(monkeypatch)
+    found = Loop(Rig(**BENT), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
 
