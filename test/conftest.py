@@ -122,8 +122,18 @@ def shared_data() -> Path:
     return folder
 
 
+#: Longest that a test in a browser may take [s]: more than its longest wait, which says what it waited for.
+PATIENT = 600
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest begin first, so that no process has a long one left when the others are done."""
+    """The longest begin first, so that no process has a long one left when the others are done.
+
+    A test in a browser waits longer for one thing (``chromium.PATIENCE``) than other tests may take as a whole.
+    """
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.timeout(PATIENT))
 
     def place(item: pytest.Item) -> int:
         return next((place for place, name in enumerate(LONGEST) if name in item.nodeid), len(LONGEST))

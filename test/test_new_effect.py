@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.xdist_group("new effect")
+# The solver is compiled for it: seconds on a free core, minutes on a busy machine.
+pytestmark = [pytest.mark.xdist_group("new effect"), pytest.mark.timeout(600)]
 
 #: Damping that no law of the library has: it grows with the way out.
 EFFECT = '''"""Damping that grows with the way out."""

@@ -16,6 +16,8 @@ from msd_ident.model import Model
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 
+pytestmark = pytest.mark.xdist_group("bent gain")
+
 
 def test_what_no_reading_holds_stays_where_it_was() -> None:
     """A disturbance too faint to see: a step in its frequency changes nothing, so none may be taken at a venture."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from designrigs import LIMITS, Rig, stepped
+from designrigs import BENT, LIMITS, Rig, checked, stepped
 
 from msd_ident.data.record import Record
 from msd_ident.design import Limits, Profile, Proposal, Segment, check, default_limits, design, proposing
@@ -18,21 +18,19 @@ from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
 from msd_ident.workflow import pipeline
 
+pytestmark = pytest.mark.xdist_group("bent gain")
+
 
 @pytest.fixture(scope="module")
 def proposal() -> Proposal:
     """What to do after one step of a rig whose actuator's gain bends, which the step does not show."""
-    diagnosis = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
-    assert diagnosis.verdict == "adequate"
-    found = check(diagnosis, LIMITS)
-    assert found is not None
-    return found
+    return checked()
 
 
 def test_what_hides_behind_a_perfect_fit_is_looked_for_and_found(proposal: Proposal) -> None:
     assert "force_gain_nonlinearity" in proposal.names
     assert proposal.decided[proposal.names.index("force_gain_nonlinearity")] > 0.9
-    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.006})
+    rig = Rig(**BENT)
     first = stepped("force_gain_nonlinearity", "gain_slope", 0.006).records[0]
     together = pipeline.diagnose([first, rig.play(proposal.profile, LIMITS).record])
     assert [cause.name for cause in together.causes] == ["force_gain_nonlinearity"]
@@ -40,7 +38,7 @@ def test_what_hides_behind_a_perfect_fit_is_looked_for_and_found(proposal: Propo
 
 
 def test_the_motion_is_the_one_that_was_promised(proposal: Proposal) -> None:
-    record = Rig(force_gain_nonlinearity={"gain_slope": 0.006}).play(proposal.profile, LIMITS).record
+    record = Rig(**BENT).play(proposal.profile, LIMITS).record
     low, high = proposal.travel
     moved = record.position - record.position[0]
     assert LIMITS.travel[0] <= low and high <= LIMITS.travel[1]

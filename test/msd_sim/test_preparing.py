@@ -1,4 +1,4 @@
-"""A rig that compiles its solver says so, and ends at once when it is asked to."""
+"""A rig that compiles its solver says so, and ends when it is asked to, whatever the compiler has left."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
+from msd_sim import kernel
 from msd_sim.node.preparing import prepare
 
 WORDS = "rig: compiling its solver for "
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_rig_that_compiles_says_so_and_obeys_within_a_second(tmp_path: Path, number: int) -> None:
+def test_a_rig_that_compiles_says_so_and_obeys_before_it_is_done(tmp_path: Path, number: int) -> None:
     cold = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-m", "msd_sim.node"]
     with subprocess.Popen(command, env=cold, stderr=subprocess.PIPE, text=True) as process:
@@ -25,11 +25,11 @@ def test_a_rig_that_compiles_says_so_and_obeys_within_a_second(tmp_path: Path, n
             assert process.stderr is not None
             said = process.stderr.readline()
             assert said.startswith(WORDS) and "`msd warm` does it beforehand" in said
-            begin = time.monotonic()
             process.send_signal(number)
             process.send_signal(number)
-            code = process.wait(30.0)
-            assert time.monotonic() - begin < 1.0
+            code = process.wait(60.0)
+            outermost = f"kernel.{kernel.run.__name__}-*.nbc"
+            assert not list(tmp_path.rglob(outermost)), "it waited for the compiler's end"
             assert code == 0 and "Traceback" not in process.stderr.read()
         finally:
             process.kill()

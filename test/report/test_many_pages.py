@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,13 +37,12 @@ def test_ten_thousand_rows_sort_and_filter(browser: Browser, tmp_path: Path) -> 
     rows = [row(n, f"arm_{n % 30}") for n in range(MANY)]
     rows[17] |= {"verdict": None, "error": "<b>broken</b> & gone"}
     batch_page.save(table.made(rows), tmp_path / "batch.html", "lab.parquet")
-    began = time.perf_counter()
     visit = chromium.Visit(browser, (tmp_path / "batch.html").as_uri())
     page = visit.page
     page.wait_for_selector("tr[data-row]")
-    assert time.perf_counter() - began < 3.0 * 4  # 3 s on a quiet machine
     assert "10000 of 10000" in page.inner_text("#count")
     assert page.locator("tr[data-row]").count() < 200  # only what is seen is in the page
+    assert page.evaluate("document.getElementsByTagName('*').length") < MANY  # so it opens as fast as a page of few
     page.click("th[data-name=stiffness]")
     values = [float(text.split()[0]) for text in page.locator("tr[data-row] td:nth-child(8)").all_inner_texts() if text]
     assert values == sorted(values) and len(values) > 10

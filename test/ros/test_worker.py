@@ -11,7 +11,11 @@ import pytest
 pytest.importorskip("rclpy", reason="no ROS 2 here")
 
 from msd_ident.cancellation import Cancelled, raise_if_cancelled  # noqa: E402
+from msd_ident.ros.common import worker as worker_module  # noqa: E402
 from msd_ident.ros.common.worker import Worker  # noqa: E402
+
+#: Longest wait for what comes at once on a free machine, and for how long a job that is held stays [s].
+PATIENCE, HELD = 30.0, 60.0
 
 
 class Counting:
@@ -38,9 +42,9 @@ class Counting:
         return self.steps - before
 
     def goes_on(self) -> bool:
-        """Whether ten more steps are made within 3 s."""
+        """Whether ten more steps are made."""
         enough, begin = self.steps + 10, time.monotonic()
-        while self.steps < enough and time.monotonic() - begin < 3.0:
+        while self.steps < enough and time.monotonic() - begin < PATIENCE:
             time.sleep(1e-3)
         return self.steps >= enough
 
@@ -54,18 +58,25 @@ def workers() -> Iterator[tuple[Worker, Worker]]:
     first.close()
 
 
+@pytest.fixture
+def young(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A job that is held stays young, however slow the machine is."""
+    monkeypatch.setattr(worker_module, "_REST", HELD)
+
+
 def soon(condition: threading.Event) -> None:
-    assert condition.wait(5.0)
+    assert condition.wait(PATIENCE)
 
 
 def held(worker: Worker) -> threading.Event:
     """A job of ``worker`` that has begun, and ends when the event is set."""
     begun, end = threading.Event(), threading.Event()
-    worker.submit(lambda: (begun.set(), end.wait(5.0)))
+    worker.submit(lambda: (begun.set(), end.wait(HELD)))
     soon(begun)
     return end
 
 
+@pytest.mark.usefixtures("young")
 def test_a_worker_rests_while_a_job_that_goes_first_is_young(workers: tuple[Worker, Worker]) -> None:
     first, second = workers
     counting = Counting()
@@ -86,15 +97,15 @@ def test_it_goes_on_beside_a_job_that_takes_long(workers: tuple[Worker, Worker])
     end.set()
 
 
+@pytest.mark.usefixtures("young")
 def test_a_job_that_rests_can_be_stopped(workers: tuple[Worker, Worker]) -> None:
+    """While the job that goes first is still held: nobody waits for its end."""
     first, second = workers
     counting, stop = Counting(), threading.Event()
     second.submit(counting, stop=stop)
     end = held(first)
     stop.set()
-    begin = time.monotonic()
     soon(counting.ended)
-    assert time.monotonic() - begin < 0.2
     end.set()
 
 

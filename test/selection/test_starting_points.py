@@ -49,10 +49,15 @@ def test_friction_and_drag_of_one_step_at_few_samples_a_swing_are_not_taken_for_
     assert found.adequacy.ratio < 1.15
 
 
-def test_a_start_that_the_base_model_moved_aside_is_moved_back() -> None:
+@pytest.mark.parametrize("asked", [RIVALS, pytest.param((), marks=pytest.mark.long)], ids=["rivals", "whole library"])
+def test_a_start_that_the_base_model_moved_aside_is_moved_back(
+    asked: tuple[str, ...], asking_about: Callable[..., None]
+) -> None:
     """Without its friction the model begins a record aside, to make up for it; with friction the cart then sticks, and
     every set that starts there is lost but one that happens to get out.
     """
+    if asked:
+        asking_about(*asked)
     rig = {
         "mass": 1.7187070702549694, "damping": 15.73123380305705, "stiffness": 1999.4229808197626,
         "effects": {"cubic_spring": {"cubic_stiffness": 20454.807636276055},
@@ -117,8 +122,17 @@ def test_a_saturation_starts_from_the_largest_force_of_all_records(asking_about:
     assert found.verdict in ("explained", "ambiguous")
 
 
-def test_what_stood_on_fewer_records_is_tried_on_more_of_them() -> None:
+@pytest.mark.parametrize(
+    "asked",
+    [("backlash", "coulomb_friction", "end_stop"), pytest.param((), marks=pytest.mark.long)],
+    ids=["rivals", "whole library"],
+)
+def test_what_stood_on_fewer_records_is_tried_on_more_of_them(
+    asked: tuple[str, ...], asking_about: Callable[..., None]
+) -> None:
     """Small steps within the play lead a fresh search to an end stop, which leaves as little; play is what stood."""
+    if asked:
+        asking_about(*asked)
     rig = {
         "mass": 1.4345993608214602, "damping": 6.344912206420781, "stiffness": 1203.0158949650306,
         "effects": {"backlash": {"backlash_half_width": 0.0013837445025098331},

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from designrigs import LIMITS, STEP, Rig
+from designrigs import BENT, LIMITS, STEP, Rig, share
 
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
@@ -20,10 +20,14 @@ from msd_ident.report import investigation_page
 from msd_ident.workflow import investigation
 from msd_ident.workflow.investigation import Budget, Loop, Ran
 
+#: Causes of these tests, and what is likest to be taken for them; asking about the rest costs most of the time.
+LIKEST = ("coulomb_friction", "force_gain_nonlinearity", "quadratic_drag", "cubic_spring", "hysteresis", "backlash")
 
-def test_the_truth_stands_after_one_more_experiment() -> None:
-    rig = Rig(force_gain_nonlinearity={"gain_slope": 0.006})
-    found = Loop(rig, LIMITS, Budget(2, 60.0)).run(STEP)
+
+@pytest.mark.xdist_group("bent gain")
+def test_the_truth_stands_after_one_more_experiment(monkeypatch: pytest.MonkeyPatch) -> None:
+    share(monkeypatch)
+    found = Loop(Rig(**BENT), LIMITS, Budget(2, 60.0)).run(STEP)
     assert found.stands and found.diagnosis.verdict == "explained"
     assert [cause.name for cause in found.diagnosis.causes] == ["force_gain_nonlinearity"]
     assert [step.diagnosis.verdict for step in found.steps] == ["adequate", "explained"]
@@ -96,8 +100,10 @@ def test_each_run_was_asked_for() -> None:
     assert seen[0][1] == seen[1][1] and max(seen[0][1].extremes) < 0.1 * max(seen[2][1].extremes)
 
 
-def test_the_budget_is_kept() -> None:
-    found = Loop(Rig(force_gain_nonlinearity={"gain_slope": 0.006}), LIMITS, Budget(2, 2.4)).run(STEP)
+@pytest.mark.xdist_group("bent gain")
+def test_the_budget_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    share(monkeypatch)
+    found = Loop(Rig(**BENT), LIMITS, Budget(2, 2.4)).run(STEP)
     assert len(found.steps) == 1 and not found.stands
     assert found.sentence.startswith("the next experiment would take longer than the budget allows")
 
@@ -184,8 +190,11 @@ def test_where_no_profile_parts_what_is_tied_what_hides_is_looked_for(asking_abo
     assert not found.stands and {after.name, *after.tied_with} == {"actuator_lag", "time_offset"}
 
 
-def test_what_stands_does_so_without_a_further_look() -> None:
+@pytest.mark.parametrize("asked", [LIKEST, pytest.param((), marks=pytest.mark.long)], ids=["likest", "whole library"])
+def test_what_stands_does_so_without_a_further_look(asked: tuple[str, ...], asking_about: Callable[..., None]) -> None:
     """After a look that was likely to show what hides, another would be a gain; who declines it has an explanation."""
+    if asked:
+        asking_about(*asked)
     plant = {"mass": 0.98697, "damping": 1.00719, "stiffness": 235.586, "friction_coefficient": 0.0, "rate": 1000.0}
     encoder = {"counts_per_metre": 1839120.0, "noise": 6.3745e-7}
     effects = {"coulomb_friction": {"coulomb_force": 0.046393}, "force_gain_nonlinearity": {"gain_slope": -0.015}}
@@ -259,9 +268,16 @@ def test_bad_input(
     assert said.startswith(line) and "\n" not in said
 
 
+@pytest.mark.parametrize("asked", [LIKEST, pytest.param((), marks=pytest.mark.long)], ids=["likest", "whole library"])
 def test_investigate_and_design_by_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    asked: tuple[str, ...],
+    asking_about: Callable[..., None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
+    if asked:
+        asking_about(*asked)
     monkeypatch.chdir(tmp_path)
     Path("l.yaml").write_text("force: 10\ntravel: 0.03\nduration: 20\n")
     pushes = "".join(f"  - {{kind: step, duration: 0.8, force: {force}}}\n" for force in (8, -8, 3, -3, 0))
