@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -31,9 +32,9 @@ class Prepared:
 
     Attributes:
         given: as they came.
-        used: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
+        records: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
             after the motion is a part of it.
-        rest_before: for each of ``used`` the rest before a hand pulled the cart, which ``used`` leaves out with the
+        rest_before: for each of ``records`` the rest before a hand pulled the cart, which is left out there with the
             hand: a record of its own, in the same stamps and with the same zero of the encoder; ``None`` where nothing
             was left out, or no rest came before it. What holds at rest (no disturbance moves the cart) is tested by it;
             where it rests is not, as friction holds it anywhere.
@@ -45,7 +46,7 @@ class Prepared:
     """
 
     given: tuple[Record, ...]
-    used: tuple[Record, ...]
+    records: tuple[Record, ...]
     findings: tuple[Finding, ...]
     features: tuple[Features, ...]
     form: StandardForm | None
@@ -58,8 +59,13 @@ class Prepared:
         """Sentences of the findings on units that are wrong by a factor of 1000."""
         return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
 
+    @cached_property
+    def plant(self) -> Model:
+        """The plant that fits start from: that of the standard form; without one, one of the first record's size."""
+        return typical_plant(self.records[0]) if self.form is None else plant_of(self.form)
 
-def prepared(records: Sequence[Record]) -> Prepared:
+
+def prepare(records: Sequence[Record]) -> Prepared:
     """Check the records of one experiment, and prepare them for a fit.
 
     Raises:
@@ -73,16 +79,15 @@ def prepared(records: Sequence[Record]) -> Prepared:
     features = tuple(one.features for one in understood)
     form = pooled(features)
     turned = _is_turned(form)
-    used = tuple(_usable(one.record, one.features, turned) for one in understood)
-    used, holds = _held(used)
+    records, holds = _held(tuple(_usable(one.record, one.features, turned) for one in understood))
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
     rests = tuple(
-        _rest_before(one.record, part, one.features, form) for one, part in zip(understood, used, strict=True)
+        _rest_before(one.record, used, one.features, form) for one, used in zip(understood, records, strict=True)
     )
-    return Prepared(given, used, findings + holds, features, form, warnings, rests, turned)
+    return Prepared(given, records, findings + holds, features, form, warnings, rests, turned)
 
 
 def typical_plant(record: Record) -> Model:
@@ -92,16 +97,6 @@ def typical_plant(record: Record) -> Model:
     stiffness = force / length
     mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
     return Plant(mass=mass, damping=damping, stiffness=stiffness)
-
-
-def starting_plant(records: tuple[Record, ...], form: StandardForm | None) -> Model:
-    """The plant that fits start from.
-
-    Args:
-        records: if no response gives a standard form, the first one gives a plant of its size.
-        form: standard form of the responses, or None.
-    """
-    return typical_plant(records[0]) if form is None else plant_of(form)
 
 
 def plant_of(form: StandardForm) -> Model:

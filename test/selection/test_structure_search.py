@@ -9,7 +9,7 @@ import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.diagnosis import diagnose_records
+from msd_ident.diagnosis import Task, diagnose_records
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
 from msd_ident.model import simulate as trajectory_of
@@ -295,7 +295,7 @@ def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_wal
     force = np.where((time >= 5.0) & (time < 10.0), 491.0, 0.0)
     made = Plant(0.58e-3, 0.8e-3, 0.272) + CoulombFriction(8.0) + DriveDamping(1.2e-3) + TimeOffset(0.005)
     motion = trajectory_of(made, from_samples(time, force, np.zeros(time.size))).position
-    found = diagnose_records([from_samples(time, force, np.round(motion))])
+    found = diagnose_records(Task((from_samples(time, force, np.round(motion)),)))
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "drive_damping", "time_offset"}
     assert found.extended.see < 0.5
 
