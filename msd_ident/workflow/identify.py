@@ -17,8 +17,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult, explained, fit, noise_floor, see
 from msd_ident.estimate.base_fits import joint_fit, linear_fit, structure
 from msd_ident.estimate.formulation import Zero
-from msd_ident.features import StandardForm
-from msd_ident.features.form import pool
+from msd_ident.features import StandardForm, pool
 from msd_ident.model import Simulator
 from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.paper.refinement import GRAVITY, paper_refine, record_start
@@ -83,7 +82,7 @@ def identify(
     joint, shifted = _joint(prepared, sprung, options)
     explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
     progress("the linear model", 0.6)
-    two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
+    two_peaks = pool(found.two_peak_form for found in features)
     original = _original(records, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
     raised = _raised(records, original) if form is not None and len(records) == 1 else None

@@ -14,7 +14,7 @@ from msd_ident.data.quality import Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
-from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.workflow import force_hold
 
@@ -77,7 +77,7 @@ def prepare(records: Sequence[Record]) -> Prepared:
     _refuse(findings)
     understood = tuple(_understood(quality.clean(record).record) for record in given)
     features = tuple(one.features for one in understood)
-    form = pooled(features)
+    form = pool(found.standard_form for found in features)
     turned = _is_turned(form)
     records, holds = _held(tuple(_usable(one.record, one.features, turned) for one in understood))
     warnings = (
