@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from msd_ident.data.noise import Noise, noise_of
+from msd_ident.data.onsets import Onset, is_constant, onsets
 from msd_ident.data.record import Record
 from msd_ident.features.decay import free_decay
 from msd_ident.features.form import StandardForm, combine, combine_chain, pool
-from msd_ident.features.onsets import Onset, is_constant, onsets
 from msd_ident.features.response import Response, step_response, with_dead_width
 
 Kind = Literal["step", "free_decay", "none"]

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.noise import Noise
+from msd_ident.data.onsets import Onset
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.features import equations, oscillation
 from msd_ident.features.form import StandardForm, gain_unit
-from msd_ident.features.onsets import Onset
 from msd_ident.features.rest_and_turns import (
     FEWEST,
     SHORTEST,

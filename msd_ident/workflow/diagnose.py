@@ -11,7 +11,6 @@ from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, same_plant
 from msd_ident.errors import UsageError
 from msd_ident.estimate import explained
 from msd_ident.residuals import impulses
-from msd_ident.residuals.ringdown import ring_down
 from msd_ident.selection.structure_search import Progress
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, prepare
@@ -49,7 +48,8 @@ def diagnose(
     task = _task(prepared, options, sprung, decided)
     diagnosis = diagnose_records(task, progress, earlier)
     if decided and not sprung and (hidden := hidden_spring(diagnosis.extended, diagnosis.records)):
-        diagnosis = diagnose_records(_task(prepared, options, True, (hidden,)), progress, earlier)
+        task = replace(task, sprung=True, warnings=(*prepared.warnings, hidden))
+        diagnosis = diagnose_records(task, progress, earlier)
     whole = "mass, damping, stiffness and all causes of the library"
     explained.check(diagnosis.extended.residuals, diagnosis.records, whole, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
@@ -72,7 +72,7 @@ def _task(prepared: Prepared, options: Options, sprung: bool, decided: tuple[str
         plant=prepared.plant,
         findings=prepared.findings,
         warnings=prepared.warnings + decided,
-        ring_down=ring_down(prepared.features, prepared.records[0].position_unit),
+        ring_down=prepared.ring_down,
         tolerance=options.tolerance,
         rest_before=prepared.rest_before,
         calibrate=options.calibrate,

@@ -10,16 +10,15 @@ from functools import cached_property
 import numpy as np
 
 from msd_ident.data import quality
-from msd_ident.data.quality import Finding
+from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
+from msd_ident.residuals.ringdown import RingDown, ring_down
 from msd_ident.workflow import force_hold
 
-#: What quality finds where nothing happens in a record.
-_NOTHING = {"constant_position", "no_excitation"}
 #: What quality finds where a unit is doubtful.
 _UNITS = {"wrong_unit", "wrong_time_unit"}
 #: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
@@ -64,6 +63,11 @@ class Prepared:
         """The plant that fits start from: that of the standard form; without one, one of the first record's size."""
         return typical_plant(self.records[0]) if self.form is None else plant_of(self.form)
 
+    @cached_property
+    def ring_down(self) -> RingDown | None:
+        """ζ(A) and ωn(A) of all responses, if they swing often enough."""
+        return ring_down(self.features, self.records[0].position_unit)
+
 
 def prepare(records: Sequence[Record]) -> Prepared:
     """Check the records of one experiment, and prepare them for a fit.
@@ -72,10 +76,11 @@ def prepare(records: Sequence[Record]) -> Prepared:
         DataError: the data cannot carry any estimate (a constant signal, for one).
         UsageError: no records, or records in different units.
     """
-    given, idle = _moving(_checked(records))
-    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse_units(records)
+    examined, idle = _examined(records)
+    given, findings = tuple(one.given for one in examined), tuple(each for one in examined for each in one.findings)
     _refuse(findings)
-    understood = tuple(_understood(quality.clean(record).record) for record in given)
+    understood = tuple(_understood(one.record) for one in examined)
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
     turned = _is_turned(form)
@@ -152,29 +157,23 @@ def _is_turned(form: StandardForm | None) -> bool:
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
 
 
-def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
+def _refuse_units(records: Sequence[Record]) -> None:
     if not records:
         raise UsageError("no records to identify; expected at least one")
     units = sorted({(record.force_unit, record.position_unit) for record in records})
     if len(units) > 1:
         listed = " and ".join(f"{force}, {position}" for force, position in units)
         raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
-    return tuple(records)
 
 
-def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+def _examined(records: Sequence[Record]) -> tuple[tuple[Examined, ...], tuple[str, ...]]:
     """The records in which anything happens, and a sentence for each that is left out; all, if nothing does in any."""
-    if len(records) == 1:
-        return records, ()
-    idle = [not np.ptp(record.force) and bool(_NOTHING & {f.code for f in quality.check(record)}) for record in records]
-    if all(idle) or not any(idle):
-        return records, ()
-    said = (
-        f"{record.name} is left out: its force never changes and its cart never moves."
-        for record, still in zip(records, idle, strict=True)
-        if still
-    )
-    return tuple(record for record, still in zip(records, idle, strict=True) if not still), tuple(said)
+    examined = tuple(quality.examine(record) for record in records)
+    moving = tuple(one for one in examined if not one.idle)
+    if not moving:
+        return examined, ()
+    idle = (one.given.name for one in examined if one.idle)
+    return moving, tuple(f"{name} is left out: its force never changes and its cart never moves." for name in idle)
 
 
 def _refuse(findings: Sequence[Finding]) -> None:
