@@ -17,7 +17,8 @@ from msd_ident.estimate import Initial, noise_floor, see
 from msd_ident.estimate.least_squares import minimise
 from msd_ident.estimate.multistart import limits
 from msd_ident.estimate.objective import SquaredError
-from msd_ident.estimate.problem import Nuisance, Problem, build
+from msd_ident.estimate.posing import build
+from msd_ident.estimate.problem import Nuisance, Problem
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import Adequacy, judge
