@@ -113,7 +113,7 @@ def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() 
     search._fit_new = fit  # type: ignore[method-assign]
     assert search._fit([peak, drag, rubs], 0.0, 1.0)
     assert begun == [(drag, False), (rubs, False), (peak, True)]
-    assert [one.causes for one in search._parents(peak)] == [frozenset({"end_stop"}), rubs]
+    assert [one.causes for one in search.neighbours.parents(peak, search.sets)] == [frozenset({"end_stop"}), rubs]
     assert not search._fit([peak], 0.0, 1.0)
 
 
@@ -182,16 +182,16 @@ def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_b
     both = frozenset({"cogging", "quadratic_drag"})
     experiment = pushed(ripple, drag)
     search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
-    assert search._rippled == {"cogging"}
+    assert search.neighbours.rippled == {"cogging"}
     base = refine(experiment, frozenset(), BASE, experiment.problem(BASE).initial)
     alone = refine(experiment, frozenset({"quadratic_drag"}), BASE + QuadraticDrag(1.0), base.initial)
     search.sets = {one.causes: one for one in (base, alone)}
-    assert base in search._parents(both), "a regression starts next to the base model"
+    assert base in search.neighbours.parents(both, search.sets), "a regression starts next to the base model"
     search._fit([both], 0.0, 1.0)
     assert search.sets[both].chi < 1.2 * experiment.evidence
     assert np.isclose(search.sets[both].model["cogging_pitch"], 3e-3, rtol=1e-3)
     plain = Search(pushed(drag), lambda fitted: False, lambda stage, part, cause: None)
-    assert plain._rippled == frozenset()
+    assert plain.neighbours.rippled == frozenset()
 
 
 def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
