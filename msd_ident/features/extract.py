@@ -53,13 +53,13 @@ class Features:
 def extract(record: Record) -> Features:
     """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
     noise = noise_of(record)
-    steps = onsets(record)
+    steps, constant = onsets(record), is_constant(record)
     responses = _responses(record, steps, noise)
     if responses:
         return Features(
             "step", _step_route(responses), responses, _together(responses), _left_out(record, steps, responses)
         )
-    if is_constant(record):
+    if constant:
         return _decay(record, noise)
     if steps:
         count = f"{len(steps)} force step{'s' if len(steps) > 1 else ''}"

@@ -16,6 +16,9 @@ from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, prepare
 from msd_ident.workflow.spring_decision import has_spring, hidden_spring
 
+#: What the best model of a diagnosis may hold, in words.
+_WHOLE = "mass, damping, stiffness and all causes of the library"
+
 
 def _silent(stage: str, fraction: float, cause: str) -> None:
     """Report to nobody."""
@@ -50,8 +53,7 @@ def diagnose(
     if decided and not sprung and (hidden := hidden_spring(diagnosis.extended, diagnosis.records)):
         task = replace(task, sprung=True, warnings=(*prepared.warnings, hidden))
         diagnosis = diagnose_records(task, progress, earlier)
-    whole = "mass, damping, stiffness and all causes of the library"
-    explained.check(diagnosis.extended.residuals, diagnosis.records, whole, prepared.doubtful_units, diagnosed=True)
+    explained.check(diagnosis.extended.residuals, diagnosis.records, _WHOLE, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
     diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
     if diagnosis.adequacy.material:

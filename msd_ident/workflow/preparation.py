@@ -84,14 +84,12 @@ def prepare(records: Sequence[Record]) -> Prepared:
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
     turned = _is_turned(form)
-    records, holds = _held(tuple(_usable(one.record, one.features, turned) for one in understood))
+    records, holds = _held(tuple(_usable(one, turned) for one in understood))
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
-    rests = tuple(
-        _rest_before(one.record, used, one.features, form) for one, used in zip(understood, records, strict=True)
-    )
+    rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))
     return Prepared(given, records, findings + holds, features, form, warnings, rests, turned)
 
 
@@ -141,15 +139,15 @@ def _understood(record: Record) -> _Understood:
     if quality.rests_under_force(record):
         said = f"{acts} is assumed to have acted before the record began, because the cart is at rest under it."
         return _Understood(before, extract(before), said)
-    found = extract(record)
-    if _is_turned(found.standard_form) and not np.ptp(before.force):
+    features = extract(record)
+    if _is_turned(features.standard_form) and not np.ptp(before.force):
         said = (
             f"{acts} never changes and the cart moves against it. The record is treated as a release under this "
             "force, a "
             "free decay; if the force stepped there and the encoder is inverted, use a negative --position-scale."
         )
         return _Understood(before, extract(before), said)
-    return _Understood(record, found)
+    return _Understood(record, features)
 
 
 def _is_turned(form: StandardForm | None) -> bool:
@@ -182,25 +180,27 @@ def _refuse(findings: Sequence[Finding]) -> None:
             raise DataError(finding.sentence)
 
 
-def _usable(record: Record, found: Features, turned: bool) -> Record:
+def _usable(understood: _Understood, turned: bool) -> Record:
     """The record that models are fitted to: from the release on, and the force turned where K is negative."""
-    if found.kind == "free_decay" and found.responses:
-        record = record.window(found.responses[0].onset, float(record.time[-1]))
+    record, features = understood.record, understood.features
+    if features.kind == "free_decay" and features.responses:
+        record = record.window(features.responses[0].onset, float(record.time[-1]))
         record = quality.since_before(record) if quality.begins_pushed(record) else record
     return replace(record, force=-record.force) if turned else record
 
 
-def _rest_before(record: Record, used: Record, found: Features, form: StandardForm | None) -> Record | None:
+def _rest_before(understood: _Understood, used: Record, form: StandardForm | None) -> Record | None:
     """Rest that lies before the part of a record that is used; a period before the first motion may be a hand's.
 
     Where the cart stands far from where it comes to rest in the end, a hand holds it: that is no rest.
     """
+    record = understood.record
     if used.time[0] == record.time[0] or form is None:
         return None
     rest = quality.rest_before(record, 2.0 * math.pi / form.natural_frequency.value)
     if rest is None:
         return None
-    end = found.responses[0].steady_state.value
+    end = understood.features.responses[0].steady_state.value
     away = abs(float(np.median(rest.position)) - end)
     return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
 
