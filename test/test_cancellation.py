@@ -10,7 +10,7 @@ import pytest
 
 from msd_ident import cancellation, parallel
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import diagnose_records
+from msd_ident.diagnosis import Task, diagnose_records
 from msd_ident.estimate import fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -54,7 +54,7 @@ def test_the_threads_of_a_search_hear_it_too() -> None:
             stop.set()
 
     with parallel.limited_to(2), pytest.raises(cancellation.Cancelled), cancellation.cancel_when(enough):
-        diagnose_records([stepped()], progress=progress)
+        diagnose_records(Task((stepped(),)), progress=progress)
     assert any(name.startswith("ThreadPoolExecutor") for name in heard)
     assert stages.count("search") < 5 and "verdict" not in stages
 

@@ -74,7 +74,7 @@ LONGEST_FUNCTION = 60
 #: Parameters from which on a function has many, and how many of msd_ident may have: commands, one for each option;
 #: the innermost functions of the solver; and a few that are called from outside. Laws of effects are not counted: the
 #: names of their parameters say what they depend on.
-MANY_PARAMETERS, MOST_WITH_MANY = 6, 22
+MANY_PARAMETERS, MOST_WITH_MANY = 6, 21
 
 #: The one module outside the library that names single effects and their parameters: the dry friction and the offset of
 #: the paper's base model. All others ask an effect for what it is (a role, a sign, a sentence, a bound).

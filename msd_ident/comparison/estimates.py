@@ -13,7 +13,7 @@ from msd_ident.errors import DataError
 from msd_ident.estimate import FitResult, fit
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
-from msd_ident.workflow.preparation import prepared
+from msd_ident.workflow.preparation import prepare
 
 #: A cause belongs to the common model where it is named in this part of the records of a group.
 _OFTEN = 0.5
@@ -102,7 +102,7 @@ def estimate(one: Measured, model: Model, fixed: Collection[str]) -> Estimate:
     Raises:
         DataError: the record cannot carry it.
     """
-    used = prepared([one.record]).used[0]
+    used = prepare([one.record]).records[0]
     own = {name: one.parameters.get(name, model[name]) for name in model.names}
     start = model.with_values([own[name] for name in model.names])
     kept = {name: own[name] for name in fixed if name in model.names}

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from msd_ident.data.motion import observe
-from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality import missing_samples
 from msd_ident.data.record import Record
 
@@ -60,8 +59,7 @@ def data_sheet(record: Record) -> DataSheet:
     intervals = np.diff(record.time)
     gaps = intervals > 1.5 * record.period
     regular = intervals[~gaps]
-    step, floor = encoder_step(record), noise_floor(record)
-    motion = observe(record, step, floor)
+    motion = observe(record)
     early = motion.early > max(2.0 * record.period, 0.002)
     return DataSheet(
         name=record.name,
@@ -73,8 +71,8 @@ def data_sheet(record: Record) -> DataSheet:
         gaps=int(np.count_nonzero(gaps)),
         longest_gap_s=float(intervals.max()),
         missing_samples=missing_samples(record),
-        encoder_step=step,
-        noise_floor=floor,
+        encoder_step=motion.step,
+        noise_floor=motion.floor,
         step_delay_s=-motion.early if early else motion.late,
         position_unit=record.position_unit,
         force_unit=record.force_unit,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.data.noise import noise_of
 from msd_ident.data.record import FloatArray, Record
 
 
@@ -72,14 +73,10 @@ class Motion:
         return self.force_span / (self.span * (math.pi / self.half_period) ** 2)
 
 
-def observe(record: Record, step: float, floor: float) -> Motion:
-    """Motion of a record.
-
-    Args:
-        record: the measurement.
-        step: encoder step, 0 if there is none.
-        floor: noise floor.
-    """
+def observe(record: Record) -> Motion:
+    """Motion of a record."""
+    noise = noise_of(record)
+    floor, step = noise.floor, noise.step
     position = record.position
     span = float(np.ptp(position))
     turns = turning_points(position, max(12 * floor, 3.5 * step, 0.02 * span))

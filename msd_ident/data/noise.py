@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 
 import numpy as np
@@ -21,6 +22,26 @@ _REACH = 4
 _END, _FEWEST, _OVERRATED = 0.125, 400, 0.5
 #: Samples that are interpolated at once: few enough to stay in the cache.
 _BLOCK = 16_384
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of an encoder.
+
+    Attributes:
+        floor: noise floor [unit].
+        step: encoder step [unit], 0 if none is seen.
+        unit: of the position.
+    """
+
+    floor: float
+    step: float
+    unit: str
+
+
+def noise_of(record: Record) -> Noise:
+    """Noise floor and encoder step of a record."""
+    return Noise(noise_floor(record), encoder_step(record), record.position_unit)
 
 
 def _asked_once(what: Callable[[Record], float]) -> Callable[[Record], float]:

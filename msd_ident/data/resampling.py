@@ -1,4 +1,4 @@
-"""Force between its samples: a band-limited one, interpolated.
+"""A record with more force values, or with fewer samples: a band-limited force interpolated, or every n-th sample.
 
 A force that was filtered before it was sampled changes no faster than its samples tell, and is determined by them at
 every instant (Shannon 1949). It is interpolated to a multiple of its rate, and read as linear in between. Straight
@@ -69,3 +69,24 @@ def _raised(force: FloatArray) -> FloatArray:
     bend = np.zeros(force.size)
     bend[1:-1] = np.diff(force, 2)
     return np.asarray(force - bend / 12.0)
+
+
+def thinned(record: Record, every: int, fewest: int) -> Record:
+    """Every n-th sample of a record, and the mean force in between where it may change with every sample.
+
+    Args:
+        record: the measurement.
+        every: n.
+        fewest: samples that must remain; a record of which fewer would is returned as it is.
+    """
+    count = record.samples // every if every > 1 else 0
+    if count < fewest:
+        return record
+    stop = count * every
+    time, position = record.time[:stop:every], record.position[:stop:every]
+    if record.force_time.size < count // 4:
+        return replace(record, time=time, position=position)
+    if not record.shared_clock or record.hold != "zero":
+        return record
+    force = record.force[:stop].reshape(count, every).mean(axis=1)
+    return replace(record, time=time, position=position, force_time=time, force=force)

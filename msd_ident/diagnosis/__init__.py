@@ -6,7 +6,7 @@ Begin with ``pipeline``, then ``result`` and ``verdict``.
 
 from __future__ import annotations
 
-from msd_ident.diagnosis.pipeline import diagnose_records
+from msd_ident.diagnosis.pipeline import Task, diagnose_records
 from msd_ident.diagnosis.result import Cause, Diagnosis, Rival, Verdict
 
-__all__ = ["Cause", "Diagnosis", "Rival", "Verdict", "diagnose_records"]
+__all__ = ["Cause", "Diagnosis", "Rival", "Task", "Verdict", "diagnose_records"]

@@ -62,14 +62,14 @@ class Task:
     """What to diagnose.
 
     Attributes:
-        records: one experiment, of one record or several.
-        sprung: whether the plant has a spring.
+        records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
+        sprung: False for a plain axis, whose stiffness is 0.
         plant: mass, damping and stiffness from the features, to start from.
         findings, warnings, ring_down: what is known about the data before any model; they go into the result.
         tolerance: part of the motion's rms that the lab does not care about [%].
-        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
-        calibrate: whether copies of the records are diagnosed too; if False, only where ``selection.replication`` finds
-            it worth the cost.
+        rest_before: for each record the rest before a hand moved the cart, which the record leaves out; None without.
+        calibrate: whether copies of the records are diagnosed too, and the probabilities corrected by what they are
+            called; if False, only where ``selection.replication`` finds it worth the cost.
     """
 
     records: tuple[Record, ...]
@@ -79,7 +79,7 @@ class Task:
     warnings: tuple[str, ...] = ()
     ring_down: RingDown | None = None
     tolerance: float = TOLERANCE
-    rests: tuple[Record | None, ...] = ()
+    rest_before: tuple[Record | None, ...] = ()
     calibrate: bool = False
 
     @property
@@ -93,41 +93,19 @@ class Task:
         return (self.records[0].force_unit, self.records[0].position_unit) in (("N", "m"), ("N·m", "rad"))
 
 
-def diagnose_records(
-    records: Sequence[Record],
-    *,
-    sprung: bool = True,
-    plant: Model | None = None,
-    findings: Sequence[Finding] = (),
-    warnings: Sequence[str] = (),
-    ring_down: RingDown | None = None,
-    tolerance: float = TOLERANCE,
-    rests: Sequence[Record | None] = (),
-    calibrate: bool = False,
-    progress: Progress = silent,
-    earlier: Diagnosis | None = None,
-) -> Diagnosis:
+def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis | None = None) -> Diagnosis:
     """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
 
     Args:
-        records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
-        sprung: False for a plain axis, whose stiffness is 0.
-        plant: mass, damping and stiffness from the features, to start from.
-        findings, warnings, ring_down: of earlier stages, to be carried into the result.
-        tolerance: part of the motion's rms that the lab does not care about [%].
-        rests: for each record the rest before a hand moved the cart, which the record leaves out, if there is one.
-        calibrate: diagnose copies of the records too, and correct the probabilities by what they are called; it is done
-            unasked where the experiment is poor and the copies are cheap.
+        task: what to diagnose.
         progress: called with the stage, the fraction done and the cause being tried; its exceptions end the work.
         earlier: of some of these records: its explanations are tried too, from where they stood.
 
     Raises:
         UsageError: no records.
     """
-    if not records:
+    if not task.records:
         raise UsageError("no records to diagnose; expected at least one")
-    said = tuple(findings), tuple(warnings)
-    task = Task(tuple(records), sprung, plant, *said, ring_down, tolerance, tuple(rests), calibrate)
     progress("base model", 0.02, "")
     experiment = prepare(task)
     shared = shared_fits(experiment, task.plant or experiment.base)
@@ -155,7 +133,7 @@ def prepare(task: Task) -> Experiment:
         stiffness = (20.0 / duration) ** 2
     model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
     parts = noise_model.prepare(task.records)
-    rests = zip(task.rests, parts, strict=False)
+    rests = zip(task.rest_before, parts, strict=False)
     quiet = tuple(noise_model.of_record(rest, part.noise, part.step) for rest, part in rests if rest is not None)
     return Experiment(parts, model, frozenset(fixed), quiet)
 

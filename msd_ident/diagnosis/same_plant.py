@@ -8,14 +8,14 @@ from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import DataError
 from msd_ident.estimate.levels import ALIKE
-from msd_ident.features import extract, pooled
+from msd_ident.features import extract
 
 
 def warning(records: Sequence[Record]) -> str:
     """A sentence where natural frequencies are far apart, else an empty one, as for a single record."""
     found = []
     for record in records if len(records) > 1 else ():
-        form = pooled((extract(record),))
+        form = extract(record).standard_form
         if form is not None and form.natural_frequency.known:
             found.append((form.natural_frequency.value, record.name))
     if len(found) < 2:

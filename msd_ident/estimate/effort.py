@@ -6,7 +6,7 @@ Work is counted and never timed, so that a record has the same answer on any mac
 from __future__ import annotations
 
 from msd_ident.estimate.levels import FEWEST
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed, tuned
 
 LOOK = tuned(5, unit="steps", why="first look at a start: enough to sort starts, not to finish any", chosen="by hand")
 SHORT = tuned(12, unit="steps", why="descent that begins close to its end", chosen="by hand")
@@ -25,3 +25,8 @@ A_SWING = tuned(
 )
 #: Fewest samples that a thinned record or a prediction keeps: those of the fewest swings that make a statistic.
 FEWEST_READINGS = round(FEWEST * A_SWING)
+LONG_RECORD = fixed(
+    200_000,
+    "resources",
+    "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
+)

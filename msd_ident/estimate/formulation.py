@@ -15,8 +15,10 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate.levels import CONFIDENCE, MOST_OF, NATURAL_RANGE, TENTH
 from msd_ident.estimate.objective import SquaredError
-from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint, build
-from msd_ident.estimate.regression_init import LINEAR, Regression, Start, candidates, starting_state
+from msd_ident.estimate.posing import build
+from msd_ident.estimate.problem import Initial, Nuisance, Problem, RestConstraint
+from msd_ident.estimate.regression_init import Regression, Start, candidates, starting_state
+from msd_ident.estimate.weak_form import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.declarations import PLACE
 from msd_ident.model.effects.base import PLAY, Effect

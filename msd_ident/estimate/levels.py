@@ -70,3 +70,7 @@ STUCK = 1.0 / math.sqrt(sys.float_info.epsilon)
 NULL = fixed(
     1e-10, "accuracy", "finite differences leave 1e-13 of the largest eigenvalue along an exactly null direction"
 )
+
+RELATIVE_STEP = fixed(
+    1e-5, "accuracy", "effect of a finite-difference step, as a part of the motion: far above rounding, far below bends"
+)

@@ -16,25 +16,16 @@ import numpy.typing as npt
 
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.errors import UsageError
-from msd_ident.estimate.bounds import bounds
-from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
-from msd_ident.estimate.levels import NATURAL_RANGE
-from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
+from msd_ident.data.resampling import thinned
+from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS, LONG_RECORD
+from msd_ident.estimate.levels import NATURAL_RANGE, RELATIVE_STEP
+from msd_ident.estimate.parameter_units import Magnitudes
 from msd_ident.model import Model, Parameter, Simulator
 from msd_ident.model.base_model import OFFSET_FORCE
 from msd_ident.tuning import fixed
 
 NuisanceKind = Literal["initial position", "initial velocity", "zero"]
 
-RELATIVE_STEP = fixed(
-    1e-5, "accuracy", "effect of a finite-difference step, as a part of the motion: far above rounding, far below bends"
-)
-LONG_RECORD = fixed(
-    200_000,
-    "resources",
-    "samples beyond which a second Jacobian beside the first is too much, and a record is not smoothed twice",
-)
 _BLOWN_UP = fixed(1e6, "accuracy", "amplitudes that the error of a simulation counts as which blows up")
 
 
@@ -265,7 +256,7 @@ class Problem:
                 samples and about ``A_SWING`` samples in each swing.
         """
         every = sum(record.samples for record in self.records) // enough
-        records = tuple(_thinned(record, min(every, self._spare(record))) for record in self.records)
+        records = tuple(thinned(record, min(every, self._spare(record)), FEWEST_READINGS) for record in self.records)
         if all(few is record for few, record in zip(records, self.records, strict=True)):
             return self
         simulators = tuple(Simulator(self.model, record) for record in records)
@@ -349,65 +340,8 @@ class Problem:
         np.clip(rows, -worst, worst, out=rows)
 
 
-def _thinned(record: Record, every: int) -> Record:
-    """Every n-th sample of a record, and the mean force in between where it may change with every sample."""
-    count = record.samples // every if every > 1 else 0
-    if count < FEWEST_READINGS:
-        return record
-    stop = count * every
-    time, position = record.time[:stop:every], record.position[:stop:every]
-    if record.force_time.size < count // 4:
-        return replace(record, time=time, position=position)
-    if not record.shared_clock or record.hold != "zero":
-        return record
-    force = record.force[:stop].reshape(count, every).mean(axis=1)
-    return replace(record, time=time, position=position, force_time=time, force=force)
-
-
 _KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")
 
 
 def _get(initial: Initial, kind: NuisanceKind) -> float:
     return (initial.position, initial.velocity, initial.zero)[_KINDS.index(kind)]
-
-
-def build(
-    model: Model,
-    records: Sequence[Record],
-    fixed: frozenset[str],
-    nuisances: tuple[Nuisance, ...],
-    typical: Magnitudes | None = None,
-) -> Problem:
-    """A problem in which every parameter that is not in ``fixed`` is free.
-
-    Args:
-        model: structure, and the values of the fixed parameters.
-        records: the records that the parameters are fitted to.
-        fixed: names of the parameters to keep.
-        nuisances: initial positions, velocities and zeros to fit; all others are 0.
-        typical: typical force, length and time of these records; computed if None.
-
-    Raises:
-        UsageError: a fixed name that the model does not have.
-    """
-    unknown = sorted(fixed - set(model.names))
-    if unknown:
-        raise UsageError(f"no parameter {unknown[0]!r} to fix; this model has {', '.join(model.names)}")
-    free = tuple(i for i, name in enumerate(model.names) if name not in fixed)
-    group = tuple(records)
-    typical = typical or magnitudes(group, model["mass"])
-    own = {"initial velocity": typical.length / typical.time}
-    sizes = [typical.of(model.parameters[i].unit) for i in free]
-    lower, upper = bounds(model, free, len(nuisances), typical, group)
-    return Problem(
-        model=model,
-        records=group,
-        simulators=tuple(Simulator(model, record) for record in group),
-        free=free,
-        nuisances=nuisances,
-        initial=(Initial(),) * len(group),
-        typical=typical,
-        scale=np.array(sizes + [own.get(n.kind, typical.length) for n in nuisances]),
-        lower=lower,
-        upper=upper,
-    )

@@ -18,7 +18,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import KEPT, SAMPLES
 from msd_ident.estimate.levels import KNOTS
 from msd_ident.estimate.peaks import highest
-from msd_ident.estimate.regression_init import WIDTHS, Means, uniform
+from msd_ident.estimate.weak_form import WIDTHS, Means, uniform
 from msd_ident.model.effects import typical
 from msd_ident.tuning import fixed
 

@@ -73,7 +73,7 @@ def export(
     """
     target.check_name(out)
     check_units(saved)
-    used = as_saved(saved, records)[0] if records else ()
+    used = as_saved(saved, records).records if records else ()
     plan, near = _planned(saved, target, options, used)
     return _written_and_proven(Export(target, out, plan, _rows(saved, target), near), options, used)
 

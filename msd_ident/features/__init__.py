@@ -6,8 +6,8 @@ Begin with ``extract``, then ``response`` and ``decay`` (what is read off) and `
 
 from __future__ import annotations
 
-from msd_ident.features.extract import Features, extract, pooled
-from msd_ident.features.form import Physical, StandardForm
+from msd_ident.features.extract import Features, extract
+from msd_ident.features.form import Physical, StandardForm, pool
 from msd_ident.features.response import Response
 
-__all__ = ["Features", "Physical", "Response", "StandardForm", "extract", "pooled"]
+__all__ = ["Features", "Physical", "Response", "StandardForm", "extract", "pool"]

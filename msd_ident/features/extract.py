@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from msd_ident.data.noise import Noise, noise_of
+from msd_ident.data.onsets import Onset, is_constant, onsets
 from msd_ident.data.record import Record
 from msd_ident.features.decay import free_decay
 from msd_ident.features.form import StandardForm, combine, combine_chain, pool
-from msd_ident.features.onsets import Onset, held_share, is_constant, levels, onsets
-from msd_ident.features.response import Noise, Response, noise_of, step_response, with_dead_width
-
-#: A force that is held for less than this part of the time has no steps to speak of.
-_HELD = 0.5
+from msd_ident.features.response import Response, step_response, with_dead_width
 
 Kind = Literal["step", "free_decay", "none"]
 
@@ -55,14 +53,13 @@ class Features:
 def extract(record: Record) -> Features:
     """Features of a record: steps up and down of either sign, a free decay, or a sentence why there are none."""
     noise = noise_of(record)
-    held = levels(record)
-    steps = onsets(record, held) if held_share(record, held) >= _HELD else ()
+    steps, constant = onsets(record), is_constant(record)
     responses = _responses(record, steps, noise)
     if responses:
         return Features(
             "step", _step_route(responses), responses, _together(responses), _left_out(record, steps, responses)
         )
-    if is_constant(record):
+    if constant:
         return _decay(record, noise)
     if steps:
         count = f"{len(steps)} force step{'s' if len(steps) > 1 else ''}"
@@ -87,7 +84,7 @@ def _responses(record: Record, steps: Sequence[Onset], noise: Noise) -> tuple[Re
 
 def _together(responses: Sequence[Response]) -> StandardForm | None:
     """ωn and ζ as weighted means, K from all rest values: a rest value ends one step and begins the next."""
-    form = pool(_forms(responses))
+    form = pool(response.form for response in responses)
     gains = [response.form.static_gain for response in responses if response.form and response.form.static_gain]
     if form is None or len(gains) < len(responses):
         return form
@@ -105,15 +102,6 @@ def _left_out(record: Record, steps: Sequence[Onset], responses: Sequence[Respon
     if not skipped:
         return ()
     return (f"{skipped} force step{'s' if skipped > 1 else ''} left out: no rest before, or too little motion after.",)
-
-
-def pooled(features: Sequence[Features]) -> StandardForm | None:
-    """One standard form for several records of the same plant; ``None`` where no record has one."""
-    return pool([found.standard_form for found in features if found.standard_form is not None])
-
-
-def _forms(responses: Sequence[Response]) -> list[StandardForm]:
-    return [response.form for response in responses if response.form is not None]
 
 
 def _step_route(responses: tuple[Response, ...]) -> str:
@@ -148,4 +136,4 @@ def _decay(record: Record, noise: Noise) -> Features:
         f"Free decay from {len(response.turns)} turning points, eqs. 3 to 7: without a force there is no static gain, "
         "so mass, damping and stiffness are known only as ratios."
     )
-    return Features("free_decay", route, (response,), pool(_forms((response,))), remarks)
+    return Features("free_decay", route, (response,), pool((response.form,)), remarks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,8 +118,9 @@ def combine_chain(quantities: Sequence[Quantity], links: Sequence[float]) -> Qua
     return Quantity(mean, math.sqrt(formal * max(excess, 1.0)), quantities[0].unit)
 
 
-def pool(forms: Sequence[StandardForm]) -> StandardForm | None:
-    """One standard form from several of the same plant; ``None`` from none."""
+def pool(found: Iterable[StandardForm | None]) -> StandardForm | None:
+    """One standard form from those found of the same plant; ``None`` where none was."""
+    forms = [form for form in found if form is not None]
     if not forms:
         return None
     gains = [form.static_gain for form in forms if form.static_gain is not None]

@@ -11,7 +11,7 @@ import scipy.optimize
 
 from msd_ident.data.record import FloatArray
 from msd_ident.features import equations
-from msd_ident.features.swings import Extreme
+from msd_ident.features.rest_and_turns import Extreme
 from msd_ident.quantity import Quantity
 
 #: The way between two turning points counts while it is this many of its standard deviations.

@@ -7,20 +7,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from msd_ident.data import quality
+from msd_ident.data.noise import Noise
+from msd_ident.data.onsets import Onset
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.features import equations, oscillation
 from msd_ident.features.form import StandardForm, gain_unit
-from msd_ident.features.onsets import Onset
-from msd_ident.features.rest import FEWEST, is_quiet, rest_value
+from msd_ident.features.rest_and_turns import (
+    FEWEST,
+    SHORTEST,
+    TAIL,
+    Extreme,
+    extremes,
+    is_quiet,
+    rest_value,
+    settled_value,
+)
 from msd_ident.features.shape import Shape, fit_shape
-from msd_ident.features.swings import Extreme, extremes
 from msd_ident.quantity import Quantity
-
-#: Part of a response, at its end, that its rest value is read from.
-_TAIL = 0.15
-#: Fewest samples of a response.
-SHORTEST = 12
 
 
 @dataclass(frozen=True)
@@ -52,33 +55,13 @@ class Response:
     form: StandardForm | None
 
 
-@dataclass(frozen=True)
-class Noise:
-    """Noise of an encoder.
-
-    Attributes:
-        floor: noise floor [unit].
-        step: encoder step [unit].
-        unit: of the position.
-    """
-
-    floor: float
-    step: float
-    unit: str
-
-
-def noise_of(record: Record) -> Noise:
-    """Noise of a record, computed once for all its responses."""
-    return Noise(quality.noise_floor(record), quality.encoder_step(record), record.position_unit)
-
-
 def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response | None = None) -> Response | None:
     """Features of the motion after one force step.
 
     Args:
         record: the measurement.
         onset: the step.
-        noise: noise floor and encoder step of the record.
+        noise: of the record.
         earlier: response to the step before; its rest value is where this response starts. None for the first step,
             before which the cart must rest.
 
@@ -96,10 +79,10 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     if earlier is None and not still:
         return None
     turns = _after_start(extremes(time, position, noise.floor), time)
-    settled = _settled(position, noise)
+    settled = settled_value(position, noise)
     found = oscillation.all_peaks(turns, settled, noise.unit)
     if found is None:
-        begin = initial if earlier is None else rest_value(_last_before(record, onset), noise.floor, noise.unit)
+        begin = initial if earlier is None else rest_value(_last_before(record, onset), noise)
         shape = fit_shape(time - onset.time, position, begin, onset.time_std, noise.floor) if still else None
         if shape is None or not _believable(shape, float(time[-1] - time[0]), float(np.ptp(position))):
             return None
@@ -147,14 +130,14 @@ def _at_rest(record: Record, onset: Onset, noise: Noise, swing: float) -> bool:
     before = _last_before(record, onset)
     if before.size < FEWEST:
         return _starts_still(record, noise.floor, swing)
-    return is_quiet(before, noise.floor, noise.step) or float(np.ptp(before)) <= 0.003 * swing
+    return is_quiet(before, noise) or float(np.ptp(before)) <= 0.003 * swing
 
 
 def _last_before(record: Record, onset: Onset) -> FloatArray:
     """The last readings before the step, without those under an earlier force."""
     first, stop = np.searchsorted(record.time, [onset.before.start, onset.time])
     level = record.position[first : max(first, stop)]
-    return level[-max(5, int(_TAIL * level.size)) :]
+    return level[-max(5, int(TAIL * level.size)) :]
 
 
 def _initial(record: Record, onset: Onset, noise: Noise) -> Quantity:
@@ -162,9 +145,9 @@ def _initial(record: Record, onset: Onset, noise: Noise) -> Quantity:
     before = record.position[record.time < onset.time]
     if not before.size:
         before = record.position[:1]
-    if not is_quiet(before, noise.floor, noise.step):
+    if not is_quiet(before, noise):
         before = _last_before(record, onset) if before.size >= FEWEST else before
-    return rest_value(before, noise.floor, noise.unit)
+    return rest_value(before, noise)
 
 
 def _starts_still(record: Record, floor: float, swing: float) -> bool:
@@ -186,12 +169,6 @@ def _after_start(turns: tuple[Extreme, ...], time: FloatArray) -> tuple[Extreme,
     return tuple(turn for turn in turns if turn.time > time[0] + edge)
 
 
-def _settled(position: FloatArray, noise: Noise) -> Quantity | None:
-    """Rest value of a response that ends quiet, else ``None``."""
-    tail = position[-max(SHORTEST, int(_TAIL * position.size)) :]
-    return rest_value(tail, noise.floor, noise.unit) if is_quiet(tail, noise.floor, noise.step) else None
-
-
 def _slowest(shape: Shape) -> float:
     """Rate [1/s] at which the last of the motion dies."""
     ratio = shape.damping_ratio.value
@@ -206,7 +183,7 @@ def _believable(shape: Shape, duration: float, swing: float) -> bool:
 def _end_of(shape: Shape, settled: Quantity | None, time: FloatArray) -> Quantity:
     """Rest value as read, where the motion had died by then; as fitted where the cart still crept."""
     height = abs(shape.steady_state.value - shape.initial.value)
-    left = height * math.exp(-_slowest(shape) * (1.0 - _TAIL) * float(time[-1] - time[0]))
+    left = height * math.exp(-_slowest(shape) * (1.0 - TAIL) * float(time[-1] - time[0]))
     return settled if settled is not None and left < 0.3 * settled.std else shape.steady_state
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.optimize
 
 from msd_ident.data.record import FloatArray
-from msd_ident.features.rest import run_lengths
+from msd_ident.features.rest_and_turns import run_lengths
 from msd_ident.quantity import Quantity
 
 #: Damping ratios that the search starts from.

@@ -15,8 +15,8 @@ import numpy as np
 from msd_ident.data.quality.sampling import SHORT_GAP
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult
+from msd_ident.estimate.effort import LONG_RECORD
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF
-from msd_ident.estimate.problem import LONG_RECORD
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.quantity import MAD

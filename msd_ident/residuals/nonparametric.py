@@ -21,8 +21,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.estimate.effort import SHORT
 from msd_ident.estimate.least_squares import Normal, SolverOptions, minimise
-from msd_ident.estimate.levels import KNOTS, NATURAL_RANGE
-from msd_ident.estimate.problem import RELATIVE_STEP
+from msd_ident.estimate.levels import KNOTS, NATURAL_RANGE, RELATIVE_STEP
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.noise_model import Readings

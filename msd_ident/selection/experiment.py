@@ -14,7 +14,8 @@ from msd_ident.estimate.broyden import Weighting
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.formulation import formulate
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
-from msd_ident.estimate.problem import Initial, Nuisance, Problem, build
+from msd_ident.estimate.posing import build
+from msd_ident.estimate.problem import Initial, Nuisance, Problem
 from msd_ident.model import Model
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings

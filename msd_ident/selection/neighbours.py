@@ -1,11 +1,17 @@
-"""The sets of causes that differ from one by a cause: which sets the search fits next."""
+"""The sets of causes that differ from one by a cause: which the search fits next, and what it starts them from."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
+from msd_ident.estimate.levels import TENTH
+from msd_ident.estimate.ripple_regression import found_in
+from msd_ident.model.effects import by_name
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
+from msd_ident.selection.hypothesis_fit import COMPARABLE
 from msd_ident.tuning import tuned
 
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
@@ -47,8 +53,43 @@ class Neighbours:
             return []
         return [causes | {name} for name in self.experiment.tried_alone if name not in causes]
 
+    @cached_property
+    def rippled(self) -> Causes:
+        """A force that repeats along the travel, if a regression shows one that leaves less than a tenth.
+
+        By itself it leaves much where another law is missing: the cart comes to rest in another ripple.
+        """
+        found = [one for record in self.experiment.records for one in found_in(record)[:1]]
+        shown = any(one.share > 1.0 - TENTH for one in found)
+        return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
+
+    def parents(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> list[Hypothesis]:
+        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
+        the base; and those that have Coulomb friction in place of a law that holds it as a limit. A set with a ripple
+        that a regression shows starts next to the base too, where regressions are made.
+
+        Args:
+            causes: of the set.
+            known: all fitted sets by their causes.
+        """
+        smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
+        smaller.sort(key=lambda fitted: fitted.chi)
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
+        twins = with_coulomb(causes)
+        twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
+        plain = [known[frozenset()]] if not worth or (causes & self.rippled and worth[0].causes) else []
+        return worth + plain + [known[twin] for twin in twins if twin in known]
+
 
 def with_coulomb(causes: Causes) -> list[Causes]:
     """The sets with Coulomb friction in place of a law that holds it as a limit."""
     laws = sorted(causes & set(HOLDING_COULOMB))
     return [causes - {name} | {COULOMB} for name in laws if COULOMB not in causes]
+
+
+def rubs_and_is_linear(causes: Causes) -> bool:
+    """Whether a set is Coulomb friction beside linear laws, which a law that holds Coulomb friction may imitate.
+
+    It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
+    """
+    return COULOMB in causes and all(by_name(name).is_linear() for name in causes)

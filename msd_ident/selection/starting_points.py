@@ -14,7 +14,7 @@ from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
 from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE, TENTH
 from msd_ident.estimate.problem import Initial, Problem
-from msd_ident.estimate.regression_init import LINEAR
+from msd_ident.estimate.weak_form import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, friction_force
 from msd_ident.model.effects import by_name

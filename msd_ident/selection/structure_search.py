@@ -19,7 +19,6 @@ from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
-from msd_ident.estimate.ripple_regression import found_in
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
@@ -32,7 +31,7 @@ from msd_ident.selection.hypothesis import (
     causes_that_fit,
 )
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.neighbours import Neighbours, with_coulomb
+from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import rank
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.simpler_sets import equal_to, reduced
@@ -105,7 +104,7 @@ class Search:
         if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
-            companions = [causes for causes in (*fronts, frozenset({COULOMB}), self._rippled) if causes]
+            companions = [causes for causes in (*fronts, frozenset({COULOMB}), self.neighbours.rippled) if causes]
             self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
             self._fit(self._pairs(), 0.55, 0.6)
@@ -136,16 +135,6 @@ class Search:
         for fitted in sets:
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
-
-    @cached_property
-    def _rippled(self) -> Causes:
-        """A force that repeats along the travel, if a regression shows one that leaves less than a tenth.
-
-        By itself it leaves much where another law is missing: the cart comes to rest in another ripple.
-        """
-        found = [one for record in self.experiment.records for one in found_in(record)[:1]]
-        shown = any(one.share > 1.0 - TENTH for one in found)
-        return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
     def _explaining(self) -> list[Causes]:
         """The simple laws that leave least by themselves, and less than the base model does.
@@ -315,7 +304,7 @@ class Search:
         leads, resolved = min(self.sets.values(), key=lambda fitted: fitted.chi), []
         if self.at_floor(leads):
             if leads.causes & set(HOLDING_COULOMB):
-                resolved = [starts for starts in group if _rubs_and_is_linear(starts[0])]
+                resolved = [starts for starts in group if rubs_and_is_linear(starts[0].fitted.causes)]
             group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
         begun = self._each(lambda starts: begin(self.experiment, starts, reach), group, share)
@@ -349,29 +338,7 @@ class Search:
         return parallel.each(work, tasks, told if len(tasks) > 1 else None)
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
-        return proposals(self.experiment, causes, self._parents(causes))
-
-    def _parents(self, causes: Causes) -> list[Hypothesis]:
-        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
-        the base; and those that have Coulomb friction in place of a law that holds it as a limit. A set with a ripple
-        that a regression shows starts next to the base too, where regressions are made.
-        """
-        known = dict(self.sets)
-        smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
-        smaller.sort(key=lambda fitted: fitted.chi)
-        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
-        twins = with_coulomb(causes)
-        twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
-        plain = [known[NOTHING]] if not worth or (causes & self._rippled and worth[0].causes) else []
-        return worth + plain + [known[twin] for twin in twins if twin in known]
-
-
-def _rubs_and_is_linear(start: StartingPoint) -> bool:
-    """Whether a set is Coulomb friction beside linear laws, which a law that holds Coulomb friction may imitate.
-
-    It is fitted where such a law leads, whatever its first step promises: the cart comes to rest elsewhere.
-    """
-    return COULOMB in start.fitted.causes and all(by_name(name).is_linear() for name in start.fitted.causes)
+        return proposals(self.experiment, causes, self.neighbours.parents(causes, dict(self.sets)))
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:

@@ -7,15 +7,17 @@ from dataclasses import replace
 
 from msd_ident.data.record import Record
 from msd_ident.design import proposing
-from msd_ident.diagnosis import Diagnosis, diagnose_records, same_plant
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, same_plant
 from msd_ident.errors import UsageError
 from msd_ident.estimate import explained
 from msd_ident.residuals import impulses
-from msd_ident.residuals.ringdown import ring_down
 from msd_ident.selection.structure_search import Progress
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import Prepared, prepared, starting_plant
+from msd_ident.workflow.preparation import Prepared, prepare
 from msd_ident.workflow.spring_decision import has_spring, hidden_spring
+
+#: What the best model of a diagnosis may hold, in words.
+_WHOLE = "mass, damping, stiffness and all causes of the library"
 
 
 def _silent(stage: str, fraction: float, cause: str) -> None:
@@ -44,44 +46,36 @@ def diagnose(
             "known parameters in a diagnosis; expected none, because it fits all parameters: use them in msd identify"
         )
     progress("looking at the data", 0.01, "")
-    data = prepared(records)
-    sprung, decided = has_spring(data.used, options, data.form)
-    made = _diagnosed(data, options, (sprung, decided), progress, earlier)
-    if decided and not sprung and (hidden := hidden_spring(made.extended, made.records)):
-        made = _diagnosed(data, options, (True, (hidden,)), progress, earlier)
-    whole = "mass, damping, stiffness and all causes of the library"
-    explained.check(made.extended.residuals, made.records, whole, data.doubtful_units, diagnosed=True)
+    prepared = prepare(records)
+    sprung, decided = has_spring(prepared, options)
+    task = _task(prepared, options, sprung, decided)
+    diagnosis = diagnose_records(task, progress, earlier)
+    if decided and not sprung and (hidden := hidden_spring(diagnosis.extended, diagnosis.records)):
+        task = replace(task, sprung=True, warnings=(*prepared.warnings, hidden))
+        diagnosis = diagnose_records(task, progress, earlier)
+    explained.check(diagnosis.extended.residuals, diagnosis.records, _WHOLE, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
-    found = proposing(replace(made, turned=data.turned))
-    if found.adequacy.material:
+    diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
+    if diagnosis.adequacy.material:
         said = [
-            *impulses.sentences(found.records, found.extended, found.noise_floor),
-            same_plant.warning(found.records),
+            *impulses.sentences(diagnosis.records, diagnosis.extended, diagnosis.noise_floor),
+            same_plant.warning(diagnosis.records),
         ]
-        found = replace(found, warnings=(*found.warnings, *filter(None, said)))
+        diagnosis = replace(diagnosis, warnings=(*diagnosis.warnings, *filter(None, said)))
     progress("done", 1.0, "")
-    return found
+    return diagnosis
 
 
-def _diagnosed(
-    data: Prepared,
-    options: Options,
-    spring: tuple[bool, tuple[str, ...]],
-    progress: Progress,
-    earlier: Diagnosis | None,
-) -> Diagnosis:
-    """The diagnosis with or without a spring, and why."""
-    sprung, decided = spring
-    return diagnose_records(
-        data.used,
+def _task(prepared: Prepared, options: Options, sprung: bool, decided: tuple[str, ...]) -> Task:
+    """What to diagnose, with or without a spring, and the sentences on why."""
+    return Task(
+        records=prepared.records,
         sprung=sprung,
-        plant=starting_plant(data.used, data.form),
-        findings=data.findings,
-        warnings=data.warnings + decided,
-        ring_down=ring_down(data.features, data.used[0].position_unit),
+        plant=prepared.plant,
+        findings=prepared.findings,
+        warnings=prepared.warnings + decided,
+        ring_down=prepared.ring_down,
         tolerance=options.tolerance,
-        rests=data.rest_before,
+        rest_before=prepared.rest_before,
         calibrate=options.calibrate,
-        progress=progress,
-        earlier=earlier,
     )

@@ -17,8 +17,7 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import FitResult, explained, fit, noise_floor, see
 from msd_ident.estimate.base_fits import joint_fit, linear_fit, structure
 from msd_ident.estimate.formulation import Zero
-from msd_ident.features import StandardForm
-from msd_ident.features.form import pool
+from msd_ident.features import StandardForm, pool
 from msd_ident.model import Simulator
 from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.paper.refinement import GRAVITY, paper_refine, record_start
@@ -27,7 +26,7 @@ from msd_ident.residuals import impulses
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.identification import Identification, ModelFit
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import plant_of, prepared, starting_plant
+from msd_ident.workflow.preparation import Prepared, plant_of, prepare
 from msd_ident.workflow.spring_decision import has_spring
 
 #: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
@@ -76,35 +75,35 @@ def identify(
         UsageError: no records, or records in different units.
     """
     progress("looking at the data", 0.05)
-    data = prepared(records)
-    used, features, form = data.used, data.features, data.form
-    sprung, decided = has_spring(used, options, form)
+    prepared = prepare(records)
+    records, features, form = prepared.records, prepared.features, prepared.form
+    sprung, decided = has_spring(prepared, options)
     progress("fitting all parameters", 0.3)
-    joint, shifted = _joint(used, sprung, form, options)
-    explained.check(joint.residuals, used, "mass, damping, stiffness and dry friction", data.doubtful_units)
+    joint, shifted = _joint(prepared, sprung, options)
+    explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
     progress("the linear model", 0.6)
-    two_peaks = pool([found.two_peak_form for found in features if found.two_peak_form is not None])
-    original = _original(used, two_peaks or form, joint, options)
+    two_peaks = pool(found.two_peak_form for found in features)
+    original = _original(records, two_peaks or form, joint, options)
     progress("raising the friction", 0.8)
-    raised = _raised(used, original) if form is not None and len(used) == 1 else None
-    floor = noise_floor(used)
-    warnings = data.warnings + decided + _doubts(joint, used, floor)
+    raised = _raised(records, original) if form is not None and len(records) == 1 else None
+    floor = noise_floor(records)
+    warnings = prepared.warnings + decided + _doubts(joint, records, floor)
     progress("done", 1.0)
     return Identification(
-        records=used,
-        findings=data.findings,
+        records=records,
+        findings=prepared.findings,
         features=features,
         standard_form=form,
         two_peak_form=two_peaks,
         original=original,
         paper_refined=raised,
-        refined=_with_friction(joint, used, "all parameters together, by simulation error", shifted),
+        refined=_with_friction(joint, records, "all parameters together, by simulation error", shifted),
         noise_floor=floor,
-        missing_samples=sum(quality.missing_samples(record) for record in data.given),
+        missing_samples=sum(quality.missing_samples(record) for record in prepared.given),
         warnings=warnings,
-        open=joint.open_directions + _scale_sentence(used, options),
+        open=joint.open_directions + _scale_sentence(records, options),
         known=options.known,
-        turned=data.turned,
+        turned=prepared.turned,
     )
 
 
@@ -129,14 +128,12 @@ def _scale_sentence(records: tuple[Record, ...], options: Options) -> tuple[str,
     )
 
 
-def _joint(
-    records: tuple[Record, ...], sprung: bool, form: StandardForm | None, options: Options
-) -> tuple[FitResult, tuple[_Shifted, ...]]:
+def _joint(prepared: Prepared, sprung: bool, options: Options) -> tuple[FitResult, tuple[_Shifted, ...]]:
     """All parameters by simulation error; a plain axis has an offset in place of a spring's zero.
 
     Known parameters keep their values. The further fits have one of them a little higher, each.
     """
-    plant = starting_plant(records, form)
+    records, plant = prepared.records, prepared.plant
     known_parameters.check(options.known, structure(plant, sprung), records[0])
     fixed = {} if sprung else {"stiffness": 0.0}
     if sprung and _forceless(records) and not any(one.sets_scale for one in options.known):

@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from msd_ident.data import quality
-from msd_ident.data.quality import Finding
+from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
-from msd_ident.features import Features, StandardForm, extract, pooled
+from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
+from msd_ident.residuals.ringdown import RingDown, ring_down
 from msd_ident.workflow import force_hold
 
-#: What quality finds where nothing happens in a record.
-_NOTHING = {"constant_position", "no_excitation"}
 #: What quality finds where a unit is doubtful.
 _UNITS = {"wrong_unit", "wrong_time_unit"}
 #: Part of the greatest excursion from the last rest beyond which a hand, and not friction, is taken to hold the cart.
@@ -31,9 +31,9 @@ class Prepared:
 
     Attributes:
         given: as they came.
-        used: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
+        records: without readings that no motion makes, from the release on, the force turned where K is negative. Rest
             after the motion is a part of it.
-        rest_before: for each of ``used`` the rest before a hand pulled the cart, which ``used`` leaves out with the
+        rest_before: for each of ``records`` the rest before a hand pulled the cart, which is left out there with the
             hand: a record of its own, in the same stamps and with the same zero of the encoder; ``None`` where nothing
             was left out, or no rest came before it. What holds at rest (no disturbance moves the cart) is tested by it;
             where it rests is not, as friction holds it anywhere.
@@ -45,7 +45,7 @@ class Prepared:
     """
 
     given: tuple[Record, ...]
-    used: tuple[Record, ...]
+    records: tuple[Record, ...]
     findings: tuple[Finding, ...]
     features: tuple[Features, ...]
     form: StandardForm | None
@@ -58,31 +58,39 @@ class Prepared:
         """Sentences of the findings on units that are wrong by a factor of 1000."""
         return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
 
+    @cached_property
+    def plant(self) -> Model:
+        """The plant that fits start from: that of the standard form; without one, one of the first record's size."""
+        return typical_plant(self.records[0]) if self.form is None else plant_of(self.form)
 
-def prepared(records: Sequence[Record]) -> Prepared:
+    @cached_property
+    def ring_down(self) -> RingDown | None:
+        """ζ(A) and ωn(A) of all responses, if they swing often enough."""
+        return ring_down(self.features, self.records[0].position_unit)
+
+
+def prepare(records: Sequence[Record]) -> Prepared:
     """Check the records of one experiment, and prepare them for a fit.
 
     Raises:
         DataError: the data cannot carry any estimate (a constant signal, for one).
         UsageError: no records, or records in different units.
     """
-    given, idle = _moving(_checked(records))
-    findings = tuple(finding for record in given for finding in quality.check(record))
+    _refuse_units(records)
+    examined, idle = _examined(records)
+    given, findings = tuple(one.given for one in examined), tuple(each for one in examined for each in one.findings)
     _refuse(findings)
-    understood = tuple(_understood(quality.clean(record).record) for record in given)
+    understood = tuple(_understood(one.record) for one in examined)
     features = tuple(one.features for one in understood)
-    form = pooled(features)
+    form = pool(found.standard_form for found in features)
     turned = _is_turned(form)
-    used = tuple(_usable(one.record, one.features, turned) for one in understood)
-    used, holds = _held(used)
+    records, holds = _held(tuple(_usable(one, turned) for one in understood))
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
-    rests = tuple(
-        _rest_before(one.record, part, one.features, form) for one, part in zip(understood, used, strict=True)
-    )
-    return Prepared(given, used, findings + holds, features, form, warnings, rests, turned)
+    rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))
+    return Prepared(given, records, findings + holds, features, form, warnings, rests, turned)
 
 
 def typical_plant(record: Record) -> Model:
@@ -92,16 +100,6 @@ def typical_plant(record: Record) -> Model:
     stiffness = force / length
     mass, damping = stiffness * (record.duration / 20.0) ** 2, 0.1 * stiffness * record.duration
     return Plant(mass=mass, damping=damping, stiffness=stiffness)
-
-
-def starting_plant(records: tuple[Record, ...], form: StandardForm | None) -> Model:
-    """The plant that fits start from.
-
-    Args:
-        records: if no response gives a standard form, the first one gives a plant of its size.
-        form: standard form of the responses, or None.
-    """
-    return typical_plant(records[0]) if form is None else plant_of(form)
 
 
 def plant_of(form: StandardForm) -> Model:
@@ -141,15 +139,15 @@ def _understood(record: Record) -> _Understood:
     if quality.rests_under_force(record):
         said = f"{acts} is assumed to have acted before the record began, because the cart is at rest under it."
         return _Understood(before, extract(before), said)
-    found = extract(record)
-    if _is_turned(found.standard_form) and not np.ptp(before.force):
+    features = extract(record)
+    if _is_turned(features.standard_form) and not np.ptp(before.force):
         said = (
             f"{acts} never changes and the cart moves against it. The record is treated as a release under this "
             "force, a "
             "free decay; if the force stepped there and the encoder is inverted, use a negative --position-scale."
         )
         return _Understood(before, extract(before), said)
-    return _Understood(record, found)
+    return _Understood(record, features)
 
 
 def _is_turned(form: StandardForm | None) -> bool:
@@ -157,29 +155,23 @@ def _is_turned(form: StandardForm | None) -> bool:
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
 
 
-def _checked(records: Sequence[Record]) -> tuple[Record, ...]:
+def _refuse_units(records: Sequence[Record]) -> None:
     if not records:
         raise UsageError("no records to identify; expected at least one")
     units = sorted({(record.force_unit, record.position_unit) for record in records})
     if len(units) > 1:
         listed = " and ".join(f"{force}, {position}" for force, position in units)
         raise UsageError(f"records in {listed}; expected one pair of units: give scales, or identify them one by one")
-    return tuple(records)
 
 
-def _moving(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+def _examined(records: Sequence[Record]) -> tuple[tuple[Examined, ...], tuple[str, ...]]:
     """The records in which anything happens, and a sentence for each that is left out; all, if nothing does in any."""
-    if len(records) == 1:
-        return records, ()
-    idle = [not np.ptp(record.force) and bool(_NOTHING & {f.code for f in quality.check(record)}) for record in records]
-    if all(idle) or not any(idle):
-        return records, ()
-    said = (
-        f"{record.name} is left out: its force never changes and its cart never moves."
-        for record, still in zip(records, idle, strict=True)
-        if still
-    )
-    return tuple(record for record, still in zip(records, idle, strict=True) if not still), tuple(said)
+    examined = tuple(quality.examine(record) for record in records)
+    moving = tuple(one for one in examined if not one.idle)
+    if not moving:
+        return examined, ()
+    idle = (one.given.name for one in examined if one.idle)
+    return moving, tuple(f"{name} is left out: its force never changes and its cart never moves." for name in idle)
 
 
 def _refuse(findings: Sequence[Finding]) -> None:
@@ -188,25 +180,27 @@ def _refuse(findings: Sequence[Finding]) -> None:
             raise DataError(finding.sentence)
 
 
-def _usable(record: Record, found: Features, turned: bool) -> Record:
+def _usable(understood: _Understood, turned: bool) -> Record:
     """The record that models are fitted to: from the release on, and the force turned where K is negative."""
-    if found.kind == "free_decay" and found.responses:
-        record = record.window(found.responses[0].onset, float(record.time[-1]))
+    record, features = understood.record, understood.features
+    if features.kind == "free_decay" and features.responses:
+        record = record.window(features.responses[0].onset, float(record.time[-1]))
         record = quality.since_before(record) if quality.begins_pushed(record) else record
     return replace(record, force=-record.force) if turned else record
 
 
-def _rest_before(record: Record, used: Record, found: Features, form: StandardForm | None) -> Record | None:
+def _rest_before(understood: _Understood, used: Record, form: StandardForm | None) -> Record | None:
     """Rest that lies before the part of a record that is used; a period before the first motion may be a hand's.
 
     Where the cart stands far from where it comes to rest in the end, a hand holds it: that is no rest.
     """
+    record = understood.record
     if used.time[0] == record.time[0] or form is None:
         return None
     rest = quality.rest_before(record, 2.0 * math.pi / form.natural_frequency.value)
     if rest is None:
         return None
-    end = found.responses[0].steady_state.value
+    end = understood.features.responses[0].steady_state.value
     away = abs(float(np.median(rest.position)) - end)
     return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
 

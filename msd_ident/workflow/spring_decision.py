@@ -13,14 +13,14 @@ from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import BEYOND_DOUBT, MOST_OF, TENTH
 from msd_ident.estimate.objective import Loss
-from msd_ident.features import StandardForm
+from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, Offset
 from msd_ident.model.effects import spoken
 from msd_ident.quantity import Z95, Quantity
 from msd_ident.tuning import fixed
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import typical_plant
+from msd_ident.workflow.preparation import Prepared
 
 _MANY = fixed(1000, "interface", "odds beyond which a number says no more to a reader")
 #: An error so many times smaller than without a spring decides, even where the data leaves the stiffness open.
@@ -32,17 +32,14 @@ _NOTICEABLE = 0.8
 SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 
 
-def has_spring(
-    records: tuple[Record, ...], options: Options, form: StandardForm | None
-) -> tuple[bool, tuple[str, ...]]:
+def has_spring(prepared: Prepared, options: Options) -> tuple[bool, tuple[str, ...]]:
     """Whether the plant has a spring.
 
     The user's options decide, else a known stiffness, else whether a response gives a standard form, else two fits.
 
     Args:
-        records: prepared records of one rig.
+        prepared: records of one rig.
         options: of the user.
-        form: standard form of the responses, or None.
 
     Returns:
         The decision, and a sentence if it was made by two fits.
@@ -51,20 +48,21 @@ def has_spring(
         return options.model == "spring", ()
     if (told := known_parameters.values(options.known).get("stiffness")) is not None:
         return told > 0.0, ()
-    if form is not None:
+    if prepared.form is not None:
         return True, ()
-    sprung, said = decide(records, options.loss)
+    sprung, said = decide(prepared.records, prepared.plant, options.loss)
     return sprung, (said,)
 
 
-def decide(records: tuple[Record, ...], loss: Loss = "linear") -> tuple[bool, str]:
+def decide(records: tuple[Record, ...], plant: Model, loss: Loss = "linear") -> tuple[bool, str]:
     """Whether the plant has a spring, and a sentence with the odds and the option that overrides the decision.
 
     Args:
         records: prepared records of one rig.
+        plant: that the fits start from.
         loss: as for the fit.
     """
-    plant, scale = typical_plant(records[0]), tuple[str, ...]()
+    scale: tuple[str, ...] = ()
     if not any(np.any(record.force_at(record.time)) for record in records):
         # Without a force only ratios are known: left free, the mass would leave every stiffness open.
         plant, scale = plant.with_values(plant.values / plant.mass), ("mass",)

@@ -17,7 +17,8 @@ from msd_ident.estimate import Initial, noise_floor, see
 from msd_ident.estimate.least_squares import minimise
 from msd_ident.estimate.multistart import limits
 from msd_ident.estimate.objective import SquaredError
-from msd_ident.estimate.problem import Nuisance, Problem, build
+from msd_ident.estimate.posing import build
+from msd_ident.estimate.problem import Nuisance, Problem
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals import noise_model
 from msd_ident.residuals.adequacy import Adequacy, judge
@@ -26,7 +27,7 @@ from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import force_hold
 from msd_ident.workflow.explained_motion import explained_percent, percent_text
 from msd_ident.workflow.identification import initial_dict, quantities_dict
-from msd_ident.workflow.preparation import Prepared, prepared
+from msd_ident.workflow.preparation import Prepared, prepare
 from msd_ident.workflow.saved_model import SavedModel
 
 SCHEMA = "msd.validation/1"
@@ -184,14 +185,15 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
         UsageError: no records, or records in other units than the model.
         DataError: the data cannot carry any estimate.
     """
-    used, data, warnings = as_saved(saved, records)
+    prepared = as_saved(saved, records)
+    records, warnings = prepared.records, prepared.warnings
     refit = options.refit_zero or not saved.zeros
-    initial, residuals = simulated(saved, used, refit)
+    initial, residuals = simulated(saved, records, refit)
     if not refit:
-        warnings += _zero_moved(saved, used, residuals)
+        warnings += _zero_moved(saved, records, residuals)
     elif not options.refit_zero:
         warnings += ("The saved result does not contain the encoder's zero, so it was fitted too.",)
-    evidence = noise_model.prepare(used)
+    evidence = noise_model.prepare(records)
     tested = judge(residuals, evidence)
     pairs = () if tested.consistent else tuple(zip(evidence, residuals, strict=True))
     plant = (saved.model.mass, saved.model.damping, saved.model.stiffness)
@@ -199,14 +201,14 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     return Validation(
         saved=saved,
         options=options,
-        records=used,
-        findings=data.findings,
+        records=records,
+        findings=prepared.findings,
         initial=initial,
         refitted=("initial position", "initial velocity", *(("zero",) if refit else ())),
         residuals=residuals,
         see=see(residuals),
-        explained_percent=explained_percent(residuals, used),
-        noise_floor=noise_floor(used),
+        explained_percent=explained_percent(residuals, records),
+        noise_floor=noise_floor(records),
         adequacy=tested,
         missing=lacking,
         depends_on={item.signal: item.share for item in dependences(lacking)} if lacking else {},
@@ -214,8 +216,8 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
     )
 
 
-def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record, ...], Prepared, tuple[str, ...]]:
-    """Records as the saved model is simulated on them: cleaned, with its hold and its sign of the force; and warnings.
+def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
+    """Records as the saved model is simulated on them: cleaned, with its hold and its sign of the force.
 
     Args:
         saved: the model.
@@ -228,9 +230,7 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> tuple[tuple[Record
     _check_units(saved, records)
     hold = saved.force_hold
     asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
-    data = prepared(asked)
-    used, warnings = _turned_as_saved(data, saved)
-    return used, data, warnings
+    return _turned_as_saved(prepare(asked), saved)
 
 
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
@@ -247,17 +247,18 @@ def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
             )
 
 
-def _turned_as_saved(data: Prepared, saved: SavedModel) -> tuple[tuple[Record, ...], tuple[str, ...]]:
+def _turned_as_saved(prepared: Prepared, saved: SavedModel) -> Prepared:
     """Records with the force's sign that the model was fitted with."""
-    own = -1 if data.turned else 1
+    own = -1 if prepared.turned else 1
     if own == saved.force_sign:
-        return data.used, data.warnings
+        return prepared
     said = (
         "A positive force moves the encoder in the other direction than on the model's own record: if the wiring was "
         "changed, "
         "use a negative --force-scale."
     )
-    return tuple(replace(record, force=-record.force) for record in data.used), (*data.warnings, said)
+    records = tuple(replace(record, force=-record.force) for record in prepared.records)
+    return replace(prepared, records=records, warnings=(*prepared.warnings, said), turned=not prepared.turned)
 
 
 def simulated(

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from msd_ident.cli.results import jsonable
 from msd_ident.data.record import from_samples
-from msd_ident.diagnosis import Diagnosis, diagnose_records
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.report.diagnosis import print_diagnosis
 
 
@@ -21,7 +21,9 @@ def found() -> Diagnosis:
     rng = np.random.default_rng(1)
     time = np.arange(0.0, 4.0, 0.02)
     speed = np.interp(time, np.linspace(0.0, 4.0, 12), rng.normal(size=12))
-    return diagnose_records([from_samples(time, rng.normal(size=time.size), np.cumsum(speed) * 0.01)], sprung=False)
+    return diagnose_records(
+        Task((from_samples(time, rng.normal(size=time.size), np.cumsum(speed) * 0.01),), sprung=False)
+    )
 
 
 def test_the_missing_force_has_no_size(found: Diagnosis) -> None:

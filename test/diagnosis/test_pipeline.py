@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import Diagnosis, diagnose_records
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.errors import UsageError
 from msd_ident.selection import naming
 from msd_ident.selection.cross_validation import HeldOut
@@ -29,7 +29,7 @@ def measured(effects: Mapping[str, Mapping[str, float]], **more: Any) -> Record:
 
 @pytest.fixture(scope="module")
 def rubbing() -> Diagnosis:
-    return diagnose_records([measured({"coulomb_friction": {"coulomb_force": 0.15}})])
+    return diagnose_records(Task((measured({"coulomb_friction": {"coulomb_force": 0.15}}),)))
 
 
 def test_the_contract(rubbing: Diagnosis) -> None:
@@ -61,7 +61,7 @@ def test_the_extended_model_has_the_rigs_numbers(rubbing: Diagnosis) -> None:
 
 def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
     tried: list[str] = []
-    found = diagnose_records([measured({})], progress=lambda stage, fraction, cause: tried.append(cause))
+    found = diagnose_records(Task((measured({}),)), progress=lambda stage, fraction, cause: tried.append(cause))
     assert found.verdict == "adequate" and found.causes == ()
     assert not any(tried)
     assert "enough" in found.summary
@@ -70,7 +70,7 @@ def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
 def test_progress_rises_and_names_causes() -> None:
     seen: list[tuple[str, float, str]] = []
     diagnose_records(
-        [measured({"quadratic_drag": {"drag_coefficient": 3.0}})], progress=lambda *told: seen.append(told)
+        Task((measured({"quadratic_drag": {"drag_coefficient": 3.0}}),)), progress=lambda *told: seen.append(told)
     )
     fractions = [fraction for _, fraction, _ in seen]
     assert fractions == sorted(fractions) and 0.9 < fractions[-1] <= 1.0  # the pipeline says when all is done
@@ -86,7 +86,7 @@ def test_what_progress_raises_ends_it() -> None:
             raise Cancelled
 
     with pytest.raises(Cancelled):
-        diagnose_records([measured({"quadratic_drag": {"drag_coefficient": 3.0}})], progress=cancel)
+        diagnose_records(Task((measured({"quadratic_drag": {"drag_coefficient": 3.0}}),)), progress=cancel)
 
 
 def test_offset_beside_friction_is_said_to_be_asymmetric_friction(asking_about: Callable[..., None]) -> None:
@@ -96,7 +96,7 @@ def test_offset_beside_friction_is_said_to_be_asymmetric_friction(asking_about: 
         {"coulomb_friction": {"coulomb_force": 0.5}, "force_offset": {"offset_force": 0.2}},
         stiffness=0.0, experiment={"name": "random_steps", "force": 3.0, "duration": 4.0, "shortest": 0.1},
     )  # fmt: skip
-    found = diagnose_records([record], sprung=False)
+    found = diagnose_records(Task((record,), sprung=False))
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "force_offset"}
     assert any("asymmetric friction" in sentence for sentence in found.warnings)
 
@@ -106,7 +106,7 @@ def test_two_records_share_one_model() -> None:
         measured({"cubic_spring": {"cubic_stiffness": 2e5}}, seed=seed, experiment=experiment)
         for seed, experiment in ((1, STEPS), (2, {"name": "step", "force": 5.0, "hold": 1.5}))
     ]
-    found = diagnose_records(records)
+    found = diagnose_records(Task(tuple(records)))
     assert [cause.name for cause in found.causes] == ["cubic_spring"]
     assert len(found.missing) == 2
 
@@ -115,7 +115,7 @@ def test_a_free_decay_knows_ratios_only() -> None:
     record = measured(
         {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.02, "duration": 3.0}
     )
-    found = diagnose_records([record])
+    found = diagnose_records(Task((record,)))
     assert found.causes[0].name == "quadratic_drag"
     assert any("only as ratios" in sentence for sentence in found.warnings)
     fitted = found.extended.quantities
@@ -124,7 +124,7 @@ def test_a_free_decay_knows_ratios_only() -> None:
 
 def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -> None:
     record = measured({"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}})
-    found = diagnose_records([record])
+    found = diagnose_records(Task((record,)))
     assert found.verdict in ("ambiguous", "unexplained") and found.left.exceeds
     assert all(cause.probability < 0.9 for cause in found.causes)
     assert "more than the tolerance of 1 %" in found.summary
@@ -140,14 +140,14 @@ def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
         {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.0, "duration": 1.0},
         stiffness=0.0, initial_velocity=0.3,
     )  # fmt: skip
-    found = diagnose_records([record], sprung=False)
+    found = diagnose_records(Task((record,), sprung=False))
     assert found.base.quantities["stiffness"].value == 0.0
     assert [cause.name for cause in found.causes] == ["quadratic_drag"]
 
 
 def test_no_records_is_refused() -> None:
     with pytest.raises(UsageError, match="no records to diagnose"):
-        diagnose_records([])
+        diagnose_records(Task(()))
 
 
 @pytest.mark.usefixtures("without_copies")
@@ -157,7 +157,9 @@ def test_a_poor_experiment_without_copies_names_nothing_but_friction_with_certai
     asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     causes = {"coulomb_friction": {"coulomb_force": 0.2}, "quadratic_drag": {"drag_coefficient": 6.0}}
     decay = {"name": "release", "duration": 4.0}
-    found = diagnose_records([measured(causes, damping=0.5, experiment=decay, initial_position=0.02, duration=4.0)])
+    found = diagnose_records(
+        Task((measured(causes, damping=0.5, experiment=decay, initial_position=0.02, duration=4.0),))
+    )
     assert found.verdict == "ambiguous" and found.calibration is None
     assert {cause.name: cause.probability for cause in found.causes} == pytest.approx(
         {"coulomb_friction": 180.0 / 181.0, "quadratic_drag": 0.9}
@@ -173,7 +175,7 @@ def test_what_predicts_no_better_is_not_copied_and_gives_way_to_no_rival_of_the_
     made = simulate(drawn.spec)
     record = Record(made.time, made.position, made.force_time, made.force)
     monkeypatch.setattr(naming, "predict", lambda *sets: HeldOut(1.0, 1.0, 0.0, (-1.0, 1.0)))
-    found = diagnose_records([record])
+    found = diagnose_records(Task((record,)))
     assert found.causes == () and found.verdict == "unexplained" and found.calibration is None
     assert found.base.quantities == found.extended.quantities, "one model, one interval"
 
@@ -190,7 +192,7 @@ def test_no_set_is_more_probable_than_one_of_its_causes(
     record = measured(
         {"quadratic_drag": {"drag_coefficient": 6.0}}, experiment={"name": "step", "force": 6.0, "hold": 2}
     )
-    found = diagnose_records([record])
+    found = diagnose_records(Task((record,)))
     assert found.verdict == ("ambiguous" if predicts else "unexplained")
     stated = {one.name: one.probability for one in found.tried}
     rivals = [(rival.causes, rival.probability) for rival in found.rivals]
@@ -205,6 +207,6 @@ def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_m
     """Cut into equal times, the first part held all of the motion: nothing predicted it."""
     drawn = lottery.draw(165179, "force_gain_nonlinearity", True, "step", 1000.0, ranges="wide")
     made = simulate(drawn.spec)
-    found = diagnose_records([Record(made.time, made.position, made.force_time, made.force)])
+    found = diagnose_records(Task((Record(made.time, made.position, made.force_time, made.force),)))
     assert [cause.name for cause in found.causes] == ["coulomb_friction"]
     assert found.heldout.better and found.calibration is not None

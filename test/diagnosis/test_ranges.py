@@ -12,7 +12,7 @@ from reportrigs import diagnosed
 from rich.console import Console
 
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import Diagnosis, diagnose_records
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.report import diagnosis
 from msd_sim.api import simulate
 
@@ -30,7 +30,7 @@ def unlike_the_library(seed: int, experiment: dict[str, object]) -> Diagnosis:
         "effects": {"asymmetric_spring": {"quadratic_stiffness": 3e3}, "coulomb_friction": {"coulomb_force": 0.2}},
     }  # fmt: skip
     made = simulate({**rig, "experiment": experiment})
-    return diagnose_records([Record(made.time, made.position, made.force_time, made.force)])
+    return diagnose_records(Task((Record(made.time, made.position, made.force_time, made.force),)))
 
 
 @pytest.mark.usefixtures("without_copies")

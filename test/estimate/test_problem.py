@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.errors import UsageError
 from msd_ident.estimate.formulation import formulate
-from msd_ident.estimate.problem import Initial, Problem, RestConstraint, build
+from msd_ident.estimate.posing import build
+from msd_ident.estimate.problem import Initial, Problem, RestConstraint
 from msd_ident.model import Plant, Simulator
 from msd_ident.model.effects.force_offset import ForceOffset
 
@@ -133,8 +133,3 @@ def test_the_balance_at_rest_and_its_slope() -> None:
         step[entry] = 1e-6 * problem.scale[entry]
         ahead, behind = (problem.imbalance(point + sign * step, balance)[0] for sign in (1.0, -1.0))
         assert slope[entry] == pytest.approx((ahead - behind) / (2.0 * step[entry]), rel=1e-5, abs=1e-12)
-
-
-def test_an_unknown_name_is_refused() -> None:
-    with pytest.raises(UsageError, match="no parameter 'spring' to fix; this model has mass, damping, stiffness"):
-        build(DEMO, posed().records, frozenset({"spring"}), ())

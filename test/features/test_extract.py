@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.features import extract, pooled
+from msd_ident.features import extract, pool
 from msd_ident.features.shape import unit_step_response
 from msd_ident.io import SourceOptions, read
 from msd_ident.quantity import Quantity
@@ -176,7 +176,7 @@ def test_measured_steps_both_count_and_the_sign_is_understood(name: str, shared_
     found = extract(read(shared_data / f"ecp210/{name}.csv", ECP))
     assert found.kind == "step" and len(found.responses) == 2
     assert found.responses[0].amplitude > 0.0 > found.responses[1].amplitude
-    form = pooled([found])
+    form = pool([found.standard_form])
     assert form is not None and form.static_gain is not None
     assert form.static_gain.value < 0.0 and form.static_gain.unit == "m/V"
     assert form.natural_frequency.value == pytest.approx(23.9, abs=0.5)

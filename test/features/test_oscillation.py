@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from steprigs import Rig, record
 
+from msd_ident.data.noise import Noise
 from msd_ident.data.record import Record
 from msd_ident.features import extract
 from msd_ident.features.oscillation import dead_width, significant, swings
-from msd_ident.features.rest import evidence, is_quiet, rest_value
-from msd_ident.features.swings import Extreme
+from msd_ident.features.rest_and_turns import Extreme, evidence, is_quiet, rest_value
 
 
 def coulomb_turns(ratio: float, width: float, count: int = 9) -> list[Extreme]:
@@ -82,15 +82,15 @@ def test_a_resting_encoder_knows_one_count_however_often_it_is_read() -> None:
     step = 4.4e-6
     still = np.full(1000, 1.502e-2)
     assert evidence(still) == 1
-    assert rest_value(still, step / np.sqrt(12.0), "m").std == pytest.approx(step / np.sqrt(12.0))
+    assert rest_value(still, Noise(step / np.sqrt(12.0), step, "m")).std == pytest.approx(step / np.sqrt(12.0))
     noisy = 1.502e-2 + 1e-5 * np.random.default_rng(1).standard_normal(1000)
-    assert rest_value(noisy, 1e-5, "m").std == pytest.approx(1e-5 / np.sqrt(1000), rel=0.1)
+    assert rest_value(noisy, Noise(1e-5, 0.0, "m")).std == pytest.approx(1e-5 / np.sqrt(1000), rel=0.1)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_is_quiet_and_creep_or_swing_under_it_is_not(seed: int) -> None:
     noise = 1e-5 * np.random.default_rng(seed).standard_normal(400)
     time = np.linspace(0.0, 1.0, 400)
-    assert is_quiet(noise, 1e-5, 0.0)
-    assert not is_quiet(noise + 2e-5 * time, 1e-5, 0.0)
-    assert not is_quiet(noise + 3e-5 * np.cos(40.0 * time), 1e-5, 0.0)
+    assert is_quiet(noise, Noise(1e-5, 0.0, "m"))
+    assert not is_quiet(noise + 2e-5 * time, Noise(1e-5, 0.0, "m"))
+    assert not is_quiet(noise + 3e-5 * np.cos(40.0 * time), Noise(1e-5, 0.0, "m"))

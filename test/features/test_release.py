@@ -11,7 +11,7 @@ import pytest
 from msd_ident.data.record import Record
 from msd_ident.features import extract
 from msd_ident.io import SourceOptions, read
-from msd_ident.workflow.preparation import prepared
+from msd_ident.workflow.preparation import prepare
 from msd_sim import api
 
 MASS, STIFFNESS, RATE = 1.0, 400.0, 500.0
@@ -70,8 +70,8 @@ def test_what_is_free_from_the_start_loses_nothing(law: str) -> None:
     record = pulled([(1.0, 0.0)], EFFECTS[law], start=0.02)
     found = extract(record)
     assert found.responses[0].onset == 0.0 and not found.remarks
-    data = prepared([record])
-    assert data.used[0].samples == record.samples and data.rest_before == (None,)
+    data = prepare([record])
+    assert data.records[0].samples == record.samples and data.rest_before == (None,)
 
 
 @pytest.mark.parametrize("law", [name for name in EFFECTS if name != "end stop"])
@@ -93,8 +93,8 @@ def test_what_is_free_from_the_start_loses_nothing_at_any_phase(law: str, phase:
 def test_rest_before_the_pull_is_kept_beside_the_free_motion() -> None:
     """A record of its own: until a period before the cart moved, as friction may have held it against the hand."""
     record = pulled(PULLS["held"], EFFECTS["dry friction"])
-    data = prepared([record])
-    (rest,), (used,) = data.rest_before, data.used
+    data = prepare([record])
+    (rest,), (used,) = data.rest_before, data.records
     assert rest is not None
     assert rest.time[0] == 0.0 and 0.5 < rest.time[-1] < 1.0 - 0.5 * PERIOD
     assert np.array_equal(rest.position, record.position[: rest.samples])
@@ -106,8 +106,8 @@ def test_a_cart_that_a_hand_holds_does_not_rest() -> None:
     """It stands still at the place it is pulled to from the first sample on."""
     points = [(0.5, 0.0), (1.5, 8.0), (5.0, 8.0), (5.0005, 0.0)]
     record = pulled(points, EFFECTS["dry friction"]).window(3.5, 9.0)
-    data = prepared([record])
-    assert data.used[0].time[0] == pytest.approx(5.0, abs=0.16 * PERIOD)
+    data = prepare([record])
+    assert data.records[0].time[0] == pytest.approx(5.0, abs=0.16 * PERIOD)
     assert np.ptp(record.position[:200]) < 1e-4, "it stands still"
     assert data.rest_before == (None,)
 
@@ -117,7 +117,7 @@ def test_a_measured_pull_and_release(shared_data: Path) -> None:
     path = shared_data / "real" / "polimi_decay_stiff.csv"
     if not path.is_file():
         pytest.skip(f"no {path}")
-    data = prepared([read(path, SourceOptions(force="none"))])
-    (rest,), (used,) = data.rest_before, data.used
+    data = prepare([read(path, SourceOptions(force="none"))])
+    (rest,), (used,) = data.rest_before, data.records
     assert 1.73 < used.time[0] < 1.78
     assert rest is not None and 1.0 < rest.time[-1] < 1.5 and np.ptp(rest.position) == 0.0

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from msd_ident.data.record import Record
-from msd_ident.diagnosis import Diagnosis, diagnose_records
+from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.errors import UsageError
 from msd_ident.workflow import pipeline
 from msd_sim.api import simulate
@@ -29,7 +29,7 @@ def measured(noise: float = 1e-5, **more: Any) -> Record:
 
 @cache
 def clean() -> Diagnosis:
-    return diagnose_records([measured()])
+    return diagnose_records(Task((measured(),)))
 
 
 def disturbed(record: Record, amplitude: float, seed: int = 0) -> Record:
@@ -51,7 +51,7 @@ def rms(values: Any) -> float:
 
 def test_dry_friction_that_the_base_model_lacks_is_in_its_interval() -> None:
     """Less what m, b and k of the base model take of it upon themselves."""
-    found = diagnose_records([measured(effects={"coulomb_friction": {"coulomb_force": 0.15}})])
+    found = diagnose_records(Task((measured(effects={"coulomb_friction": {"coulomb_force": 0.15}}),)))
     base, model, true = found.left.base, found.base.model, found.missing[0]
     rubs = 0.15 * np.sign(true.velocity)
     pull = true.applied - rubs - 2.0 * true.velocity - 600.0 * true.position  # m x'' of the rig
@@ -68,7 +68,7 @@ def test_the_motion_that_a_missing_force_makes_is_told(amplitude: float, asking_
     asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     record = measured()
     other = disturbed(record, amplitude)
-    found = diagnose_records([other]).left
+    found = diagnose_records(Task((other,))).left
     made = rms(other.position - record.position) / float(np.std(record.position))
     assert found.base.motion_percent == pytest.approx(100.0 * made, rel=0.25)
     assert found.motion_rms == pytest.approx(float(np.std(other.position)))
@@ -85,7 +85,7 @@ def test_where_nothing_is_left_the_interval_begins_at_zero_and_bounds_it() -> No
 
 def test_a_free_decay_is_compared_with_the_force_of_its_spring() -> None:
     decay = {"name": "release", "position": 0.02, "duration": 3.0}
-    left = diagnose_records([measured(experiment=decay)]).left
+    left = diagnose_records(Task((measured(experiment=decay),))).left
     assert left.yardstick == "spring force"
     assert left.yardstick_rms == pytest.approx(600.0 * left.motion_rms, rel=0.01)  # of 1 kg, which the rig has
 
@@ -96,7 +96,7 @@ def test_the_tolerance_decides_whether_what_is_left_matters(asking_about: Callab
     record = disturbed(measured(noise=1e-6), 0.01)
     verdicts = {}
     for tolerance in (1.0, 1e-3):
-        found = diagnose_records([record], tolerance=tolerance)
+        found = diagnose_records(Task((record,), tolerance=tolerance))
         assert found.left.extended.seen and found.left.tolerance_percent == tolerance
         verdicts[tolerance] = found
     assert 1e-3 < verdicts[1.0].left.extended.motion_percent < 1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from setrigs import steps
 
-from msd_ident.selection.neighbours import LARGEST, Neighbours, with_coulomb
+from msd_ident.selection.neighbours import LARGEST, Neighbours, rubs_and_is_linear, with_coulomb
 
 PAIR = frozenset({"coulomb_friction", "cubic_spring"})
 RUBS = frozenset({"stribeck_friction", "cubic_spring"})
@@ -42,3 +42,9 @@ def test_a_law_that_holds_coulombs_as_a_limit_may_be_that_and_a_further_cause() 
     assert frozenset({*PAIR, "quadratic_drag"}) in resolved
     assert all(one > PAIR and "stribeck_friction" not in one for one in resolved)
     assert near().resolved(PAIR) == []
+
+
+def test_coulomb_friction_beside_linear_laws_is_what_such_a_law_imitates() -> None:
+    assert rubs_and_is_linear(PAIR)
+    assert not rubs_and_is_linear(RUBS), "it does not hold Coulomb friction"
+    assert not rubs_and_is_linear(frozenset({"coulomb_friction", "backlash"})), "it is not linear"

@@ -9,7 +9,7 @@ import pytest
 from setrigs import BASE, fitted, pushed, rubbing, steps, stood
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.diagnosis import diagnose_records
+from msd_ident.diagnosis import Task, diagnose_records
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
 from msd_ident.model import simulate as trajectory_of
@@ -113,7 +113,7 @@ def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() 
     search._fit_new = fit  # type: ignore[method-assign]
     assert search._fit([peak, drag, rubs], 0.0, 1.0)
     assert begun == [(drag, False), (rubs, False), (peak, True)]
-    assert [one.causes for one in search._parents(peak)] == [frozenset({"end_stop"}), rubs]
+    assert [one.causes for one in search.neighbours.parents(peak, search.sets)] == [frozenset({"end_stop"}), rubs]
     assert not search._fit([peak], 0.0, 1.0)
 
 
@@ -182,16 +182,16 @@ def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_b
     both = frozenset({"cogging", "quadratic_drag"})
     experiment = pushed(ripple, drag)
     search = Search(experiment, lambda fitted: False, lambda stage, part, cause: None)
-    assert search._rippled == {"cogging"}
+    assert search.neighbours.rippled == {"cogging"}
     base = refine(experiment, frozenset(), BASE, experiment.problem(BASE).initial)
     alone = refine(experiment, frozenset({"quadratic_drag"}), BASE + QuadraticDrag(1.0), base.initial)
     search.sets = {one.causes: one for one in (base, alone)}
-    assert base in search._parents(both), "a regression starts next to the base model"
+    assert base in search.neighbours.parents(both, search.sets), "a regression starts next to the base model"
     search._fit([both], 0.0, 1.0)
     assert search.sets[both].chi < 1.2 * experiment.evidence
     assert np.isclose(search.sets[both].model["cogging_pitch"], 3e-3, rtol=1e-3)
     plain = Search(pushed(drag), lambda fitted: False, lambda stage, part, cause: None)
-    assert plain._rippled == frozenset()
+    assert plain.neighbours.rippled == frozenset()
 
 
 def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -295,7 +295,7 @@ def test_what_the_likeliest_set_lacks_is_tried_where_a_disturbance_leads_the_wal
     force = np.where((time >= 5.0) & (time < 10.0), 491.0, 0.0)
     made = Plant(0.58e-3, 0.8e-3, 0.272) + CoulombFriction(8.0) + DriveDamping(1.2e-3) + TimeOffset(0.005)
     motion = trajectory_of(made, from_samples(time, force, np.zeros(time.size))).position
-    found = diagnose_records([from_samples(time, force, np.round(motion))])
+    found = diagnose_records(Task((from_samples(time, force, np.round(motion)),)))
     assert {cause.name for cause in found.causes} == {"coulomb_friction", "drive_damping", "time_offset"}
     assert found.extended.see < 0.5
 

@@ -17,7 +17,7 @@ from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects import by_name
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.force_hold import choose_hold, is_open, with_hold
-from msd_ident.workflow.preparation import prepared
+from msd_ident.workflow.preparation import prepare
 
 #: Fine steps per sample, and sampling period [s]: eight samples an oscillation.
 FINE, PERIOD = 16, 0.02
@@ -106,10 +106,10 @@ def test_an_option_ends_the_question(tmp_path: Path) -> None:
     write_csv(measured("band_limited"), path)
     for hold in ("zero", "linear", "band_limited"):
         record = read(path, SourceOptions(hold=hold))  # type: ignore[arg-type]
-        data = prepared([record])
+        data = prepare([record])
         assert not [finding for finding in data.findings if finding.code == "force_hold"]
-        assert (data.used[0].upsampled > 1) == (hold == "band_limited")
-        assert data.used[0].hold == ("zero" if hold == "zero" else "linear")
+        assert (data.records[0].upsampled > 1) == (hold == "band_limited")
+        assert data.records[0].hold == ("zero" if hold == "zero" else "linear")
     with pytest.raises(UsageError, match="hold is 'cubic'; expected one of auto, zero, linear, band_limited"):
         SourceOptions(hold="cubic")  # type: ignore[arg-type]
 
@@ -117,7 +117,7 @@ def test_an_option_ends_the_question(tmp_path: Path) -> None:
 def test_a_held_force_is_only_noted(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     write_csv(measured("zero"), path)
-    data = prepared([read(path)])
+    data = prepare([read(path)])
     assert [finding.severity for finding in data.findings if finding.code == "force_hold"] == ["info"]
     assert not any("assumed to be held" in sentence for sentence in data.warnings)
 

@@ -18,6 +18,7 @@ from msd_ident.model.effects.gravity import Gravity
 from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
+from msd_ident.workflow.preparation import typical_plant
 from msd_sim import api
 
 STEP = 2e-5
@@ -142,7 +143,7 @@ def test_a_release_through_a_wide_play_shows_a_spring() -> None:
          "initial_position": 18.3e-3, "encoder": {"counts_per_metre": 0.0, "noise": 1e-5}}
     )  # fmt: skip
     record = Record(time=made.time, position=made.position, force_time=made.force_time, force=made.force)
-    sprung, said = spring_decision.decide((record,))
+    sprung, said = spring_decision.decide((record,), typical_plant(record))
     assert sprung and "for one unit of mass" in said and "of the force" not in said
     found = pipeline.diagnose([record])
     assert [cause.name for cause in found.causes] == ["backlash"] and found.verdict == "explained"
@@ -168,7 +169,8 @@ def test_no_odds_for_a_spring_are_stated_where_none_is_assumed_against_them() ->
     def pushed(t: float, angle: float, speed: float) -> float:
         return 4.5 * float(t < 1.0) - 4.5 * float(1.5 < t < 2.5)
 
-    sprung, said = spring_decision.decide((turned(pushed, 5.0, (0.18, 0.3, 3.7)),))
+    record = turned(pushed, 5.0, (0.18, 0.3, 3.7))
+    sprung, said = spring_decision.decide((record,), typical_plant(record))
     assert not sprung and "as likely as none" not in said
     assert ", and without it the error is 1.1 times as large. If there is one, use --model spring." in said
 

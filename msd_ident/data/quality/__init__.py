@@ -6,12 +6,16 @@ that comes with every record.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
+
 from msd_ident.data.motion import observe
 from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality.begin import begins_pushed, rest_before, rests_under_force, since_before
-from msd_ident.data.quality.cleaning import Cleaned, clean
+from msd_ident.data.quality.cleaning import Cleaned, clean, removed
 from msd_ident.data.quality.clocks import clocks
-from msd_ident.data.quality.encoder import frozen_encoder, rate, removed, resolution
+from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
 from msd_ident.data.quality.excitation import excitation
 from msd_ident.data.quality.feedback import feedback
 from msd_ident.data.quality.finding import Check, Finding
@@ -22,11 +26,13 @@ from msd_ident.data.record import Record
 
 __all__ = [
     "Cleaned",
+    "Examined",
     "Finding",
     "begins_pushed",
     "check",
     "clean",
     "encoder_step",
+    "examine",
     "missing_in",
     "missing_samples",
     "noise_floor",
@@ -49,12 +55,41 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
+#: What is found where nothing happens in a record.
+_NOTHING = {"constant_position", "no_excitation"}
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What can be said about a record before any model.
+
+    Attributes:
+        given: as it came.
+        record: without what no motion makes (``clean``).
+        findings: all of them, the worst first.
+    """
+
+    given: Record
+    record: Record
+    findings: tuple[Finding, ...]
+
+    @property
+    def idle(self) -> bool:
+        """Whether the force never changes and the cart never moves."""
+        return not np.ptp(self.given.force) and any(finding.code in _NOTHING for finding in self.findings)
+
+
+def examine(record: Record) -> Examined:
+    """Clean a record, and look for its problems."""
+    cleaned = clean(record)
+    findings = [*sampling(record), *removed(record, cleaned)]
+    motion = observe(cleaned.record)
+    findings += [finding for one in CHECKS for finding in one(cleaned.record, motion)]
+    order = ("error", "warning", "info")
+    findings.sort(key=lambda finding: order.index(finding.severity))
+    return Examined(record, cleaned.record, tuple(findings))
+
+
 def check(record: Record) -> tuple[Finding, ...]:
     """All findings of a record, the worst first."""
-    cleaned = clean(record)
-    kept = cleaned.record
-    motion = observe(kept, encoder_step(kept), noise_floor(kept))
-    findings = [*sampling(record), *removed(record, cleaned)]
-    findings += [finding for one in CHECKS for finding in one(kept, motion)]
-    order = ("error", "warning", "info")
-    return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
+    return examine(record).findings

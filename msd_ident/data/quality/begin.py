@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from msd_ident.data.noise import encoder_step, noise_floor
+from msd_ident.data.noise import noise_of
 from msd_ident.data.record import MINIMUM_SAMPLES, Record
 
 #: A force below this part of its range is a rest and no push.
@@ -76,7 +76,8 @@ def rest_before(record: Record, settling: float) -> Record | None:
         The first part of the record, with its own stamps and the same zero of the encoder; None if it is too short.
     """
     begin = float(np.median(record.position[:MINIMUM_SAMPLES]))
-    limit = _STILL * noise_floor(record) + encoder_step(record)
+    noise = noise_of(record)
+    limit = _STILL * noise.floor + noise.step
     moved = np.flatnonzero(np.abs(record.position - begin) > limit)
     end = (float(record.time[moved[0]]) - settling) if moved.size else float(record.time[-1])
     if np.count_nonzero(record.time <= end) < MINIMUM_SAMPLES:

@@ -6,13 +6,15 @@ a position of the cart, and a jump after which the motion goes on with the same 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 import scipy.ndimage
 
-from msd_ident.data.noise import encoder_step, noise_floor
+from msd_ident.data.noise import noise_of
+from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 
 #: A wild reading is this many usual steps from its neighbours, and so many times the noise; a run of them is short.
@@ -71,11 +73,33 @@ def clean(record: Record) -> Cleaned:
     return Cleaned(kept, wild, height, jumps)
 
 
+def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
+    """Wild readings that were left out, and jumps of the zero that were taken back."""
+    unit, wild = record.position_unit, cleaned.wild
+    if wild.size:
+        many = wild.size > 1
+        what, whose = ("single readings jump", "their") if many else ("single reading jumps", "its")
+        first = f"the first at {record.time[wild[0]]:.3f} s" if many else f"at {record.time[wild[0]]:.3f} s"
+        yield warning(
+            "outliers",
+            f"{wild.size} {what} away from {whose} neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left "
+            "out; check the encoder's cable",
+        )
+    for jump in cleaned.jumps:
+        at = cleaned.record.time[jump.index]
+        yield warning(
+            "zero_shift",
+            f"the position jumps by {jump.size:.4g} {unit} within one sample at {at:.3f} s and goes on with the same "
+            "speed: the encoder's zero moved; what follows was shifted back, check cable and coupling",
+        )
+
+
 def _wild(record: Record) -> tuple[npt.NDArray[np.intp], float]:
     """Indices of readings that leave their neighbours and come back, and how far the furthest did."""
     if not np.ptp(record.position):
         return np.zeros(0, dtype=np.intp), 0.0
-    least = _WILD_NOISE * max(noise_floor(record), encoder_step(record))
+    noise = noise_of(record)
+    least = _WILD_NOISE * max(noise.floor, noise.step)
     left = np.arange(record.samples)
     highest = 0.0
     for _ in range(_PASSES):
@@ -142,11 +166,12 @@ def _jumps(record: Record) -> tuple[Jump, ...]:
     before, after = mean[: -reach - 1], mean[reach + 1 :]
     inner = steps[reach : steps.size - reach]
     off, change = inner - 0.5 * (before + after), np.abs(after - before)
-    noise = max(noise_floor(record), encoder_step(record) / 2)
-    least = _JUMP_NOISE * noise
+    noise = noise_of(record)
+    shaking = max(noise.floor, noise.step / 2)
+    least = _JUMP_NOISE * shaking
     usual = _usual(np.abs(off), 0.5)[:-1]  # a jump is seen in seven of twenty
     # An encoder that was stuck and comes back to where the cart is stood still before and moves on after.
-    stuck = np.abs(before) + 3.0 * noise < np.abs(after)
+    stuck = np.abs(before) + 3.0 * shaking < np.abs(after)
     sudden = (np.abs(off) > np.maximum(_JUMP_STEPS * usual, least)) & (change < 0.3 * np.abs(off))
     interval = np.diff(record.time)[reach : steps.size - reach]
     candidates = np.flatnonzero(sudden & ~((before == 0.0) & stuck) & (interval < 2.5 * record.period))

@@ -1,4 +1,4 @@
-"""What the encoder does to the motion: it sticks, clips, counts coarsely, is read too seldom, or jumps."""
+"""What the encoder does to the motion: it sticks, clips, counts coarsely, or is read too seldom."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.cleaning import Cleaned
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
@@ -82,24 +81,3 @@ def rate(record: Record, motion: Motion) -> Iterator[Finding]:
 
 def _samples_an_oscillation(record: Record, motion: Motion) -> float:
     return 2 * motion.half_period / record.period if motion.half_period else np.inf
-
-
-def removed(record: Record, cleaned: Cleaned) -> Iterator[Finding]:
-    """Wild readings that were left out, and jumps of the zero that were taken back."""
-    unit, wild = record.position_unit, cleaned.wild
-    if wild.size:
-        many = wild.size > 1
-        what, whose = ("single readings jump", "their") if many else ("single reading jumps", "its")
-        first = f"the first at {record.time[wild[0]]:.3f} s" if many else f"at {record.time[wild[0]]:.3f} s"
-        yield warning(
-            "outliers",
-            f"{wild.size} {what} away from {whose} neighbours, by up to {cleaned.height:.4g} {unit} ({first}): left "
-            "out; check the encoder's cable",
-        )
-    for jump in cleaned.jumps:
-        at = cleaned.record.time[jump.index]
-        yield warning(
-            "zero_shift",
-            f"the position jumps by {jump.size:.4g} {unit} within one sample at {at:.3f} s and goes on with the same "
-            "speed: the encoder's zero moved; what follows was shifted back, check cable and coupling",
-        )

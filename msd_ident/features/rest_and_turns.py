@@ -1,4 +1,6 @@
-"""Turning points of an oscillation: found, and read to a fraction of a sample and of an encoder step."""
+"""What is read off the samples of a motion: the value at rest, and turning points to a fraction of a sample and of an
+encoder step.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +10,69 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data import compiled
+from msd_ident.data.noise import Noise
 from msd_ident.data.record import FloatArray
-from msd_ident.features.rest import evidence
+from msd_ident.quantity import Quantity
 
+#: Fewest samples that can show that the cart rests.
+FEWEST = 3
+#: A cart rests while the scatter is no more than this many noise floors.
+_QUIET = 1.3
+#: Part of a response, at its end, that its rest value is read from, and fewest samples of a response.
+TAIL, SHORTEST = 0.15, 12
 #: A turning point stands out by this many noise floors, or by this part of the whole swing.
 _PROMINENCE_FLOORS, _PROMINENCE_SWING = 6.0, 0.01
 #: Part of a half-swing on either side of a turning point that the polynomial through it uses.
 _REACH = 0.25
+
+
+def evidence(position: FloatArray) -> int:
+    """Number of runs of equal readings in ``position`` (n,): a reading that the encoder repeats counts once."""
+    return 1 + int(np.count_nonzero(np.diff(position)))
+
+
+def is_quiet(position: FloatArray, noise: Noise) -> bool:
+    """Whether readings show noise alone: no scatter beyond noise floor and one encoder step, and no drift.
+
+    Args:
+        position: (n,) readings [m].
+        noise: of the encoder.
+    """
+    if position.size < FEWEST:
+        return False
+    scatter = float(np.std(position))
+    # Few readings scatter more, and less, than the noise behind them.
+    limit = (_QUIET + 3.0 / math.sqrt(2.0 * position.size)) * noise.floor
+    if scatter > limit and float(np.ptp(position)) > 1.01 * noise.step:
+        return False
+    half = position.size // 2
+    drift = abs(float(np.mean(position[:half])) - float(np.mean(position[-half:])))
+    readings = max(evidence(position) // 2, 1)
+    return drift <= max(4.0 * max(scatter, 1e-300) * math.sqrt(2.0 / readings), 0.51 * noise.step)
+
+
+def rest_value(position: FloatArray, noise: Noise) -> Quantity:
+    """Mean of quiet readings; its standard deviation counts a run of equal readings as one.
+
+    Args:
+        position: (n,) readings.
+        noise: of the encoder; its floor is the least standard deviation of a reading.
+    """
+    spread = max(float(np.std(position)), noise.floor)
+    return Quantity(float(np.mean(position)), spread / math.sqrt(evidence(position)), noise.unit)
+
+
+def settled_value(position: FloatArray, noise: Noise) -> Quantity | None:
+    """Rest value of readings (n,) that end quiet, from the last ``TAIL`` of them; else ``None``."""
+    tail = position[-max(SHORTEST, int(TAIL * position.size)) :]
+    return rest_value(tail, noise) if is_quiet(tail, noise) else None
+
+
+def run_lengths(position: FloatArray) -> FloatArray:
+    """For each reading (n,) the number of equal readings in its run."""
+    starts = np.flatnonzero(np.concatenate(([True], np.diff(position) != 0.0)))
+    lengths = np.diff(np.append(starts, position.size))
+    return np.repeat(lengths, lengths).astype(np.float64)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,8 @@ import numpy as np
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.quantity import MAD
 
+#: A force that is held for less than this part of the time has no steps to speak of.
+_HELD = 0.5
 #: A step must be at least this part of the force's whole range.
 _SMALLEST_JUMP = 0.05
 #: A level may vary by this part of the force's range to either side and still count as held.
@@ -66,7 +67,7 @@ class Onset:
         return math.hypot(self.before.std, self.after.std)
 
 
-def levels(record: Record) -> tuple[Level, ...]:
+def _levels(record: Record) -> tuple[Level, ...]:
     """Held levels of the force within the record, in order; a force that never rests has none.
 
     The first level may be short: it is the rest before a first step.
@@ -110,14 +111,11 @@ def _stream(record: Record) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def onsets(record: Record, held: Sequence[Level]) -> tuple[Onset, ...]:
-    """Steps of the force: jumps between neighbouring levels that follow each other without a gap.
-
-    Args:
-        record: the measurement.
-        held: its levels, as ``levels`` gives them.
-    """
-    period = record.period
+def onsets(record: Record) -> tuple[Onset, ...]:
+    """Steps of a force that is held for long: jumps between levels that follow each other without a gap."""
+    held, period = _levels(record), record.period
+    if sum(level.end - level.start for level in held) / record.duration < _HELD:
+        return ()
     sampled = float(np.median(np.diff(record.force_time))) / math.sqrt(3.0) if record.force.size >= _MEASURED else 0.0
     smallest = _SMALLEST_JUMP * float(np.ptp([level.force for level in held])) if held else 0.0
     found = []
@@ -128,16 +126,6 @@ def onsets(record: Record, held: Sequence[Level]) -> tuple[Onset, ...]:
             time = 0.5 * (before.end + after.start)
             found.append(Onset(time, sampled, before, after))
     return tuple(found)
-
-
-def held_share(record: Record, held: Sequence[Level]) -> float:
-    """Part of the record's duration during which the force is held, 0 to 1.
-
-    Args:
-        record: the measurement.
-        held: its levels, as ``levels`` gives them.
-    """
-    return sum(level.end - level.start for level in held) / record.duration
 
 
 def is_constant(record: Record) -> bool:
