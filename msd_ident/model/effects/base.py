@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: Names that a law may take as arguments besides parameter and memory names.
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u")
 
+#: Those of a force law that make it depend on more than the place.
+_NOT_PLACE = frozenset(ARGUMENTS) - {"x"}
+
 #: Sides of a knee, see ``Effect.knee``.
 BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
 #: Knee of a law that is not smooth at x = 0.
@@ -304,6 +307,14 @@ class Effect:
         bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
         force = cls.laws().get("force")
         return bends or (force is not None and not cls.memory and "x" in inspect.signature(force).parameters)
+
+    @classmethod
+    def stores_only(cls) -> bool:
+        """Whether its force depends on the place alone, so that it stores energy and takes none out."""
+        laws = cls.laws()
+        given = [name for law in laws.values() for name in inspect.signature(law).parameters]
+        placed = set(laws) == {"force"} and "x" in given and not set(given) & _NOT_PLACE and not cls.memory
+        return not cls.structure and placed
 
     @classmethod
     def is_linear(cls) -> bool:
