@@ -42,7 +42,7 @@ def turned(
     rest: Callable[[float], float] | None = None,
     rubs: Callable[[float], float] | None = None,
 ) -> Record:
-    """A record of J q'' + b q' + G sin(q − hangs) = torque + rest(q − hangs), from rest at q = hangs, with dry friction.
+    """A record of J q'' + b q' + G sin(q − hangs) = torque + rest(q − hangs), from rest at q = hangs.
 
     Args:
         torque: held over each sample, and recorded.

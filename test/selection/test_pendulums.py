@@ -94,9 +94,7 @@ def test_friction_is_named_beside_gravity_however_far_the_joint_swings(asking_ab
     """
     asking_about("gravity", "coulomb_friction", "cubic_spring", "quadratic_drag")
     levels = [part * TRUE[2] for part in (0.65, 0.0, -0.65, 0.0, 0.455, 0.0, -0.325, 0.0)]
-    bearing = turned(
-        lambda t, _, __: levels[int(t / 2.0)], 16.0, TRUE, rubs=lambda q: 0.02 * (0.6 + 0.4 * math.cos(q))
-    )
+    bearing = turned(lambda t, _, __: levels[int(t / 2.0)], 16.0, TRUE, rubs=lambda q: 0.02 * (0.6 + 0.4 * math.cos(q)))
     found = pipeline.diagnose([bearing])
     assert {cause.name: cause.probability > 0.9 for cause in found.causes} == {
         "gravity": True, "coulomb_friction": True,
