@@ -140,6 +140,8 @@ class Effect:
     #: Ring-down that it makes (``RUBS``, ``DRAGS``, ``SOFTENS``, ``HARDENS``): signs of its strength, the first
     #: parameter in ``neutral``, for which it may. Time counts too: over a decay the amplitude falls with it.
     ring_down: ClassVar[Mapping[str, tuple[int, ...]]] = {}
+    #: What else a rig may have that moves the readings as it does, and what no record tells from it: with an article.
+    or_else: ClassVar[str] = ""
     #: What to measure, without any force profile, to know whether it acts.
     measured_by: ClassVar[str] = ""
 
@@ -315,6 +317,15 @@ class Effect:
         given = [name for law in laws.values() for name in inspect.signature(law).parameters]
         placed = set(laws) == {"force"} and "x" in given and not set(given) & _NOT_PLACE and not cls.memory
         return not cls.structure and placed
+
+    @classmethod
+    def adds_up(cls) -> bool:
+        """Whether the motions that two forces make beside it add up, at all times alike."""
+        if cls.acts_on == "input" or cls.structure == SECOND_MASS:
+            return True
+        steady = cls.structure == VELOCITY_LAG and not cls.asks_drive()
+        given = set(cls.laws())
+        return steady or (not cls.structure and bool(given) and given <= {"constant", "disturbance"})
 
     @classmethod
     def is_linear(cls) -> bool:
