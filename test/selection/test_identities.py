@@ -13,6 +13,7 @@ from msd_ident.data.record import Record
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.buffered_stop import BufferedStop
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
@@ -25,6 +26,7 @@ from msd_ident.workflow import pipeline
 SPRUNG, PLAIN = Plant(1.0, 2.0, 400.0), Plant(1.0, 2.0, 0.0)
 RUBS, LEANS, BENDS = CoulombFriction(0.2), ForceOffset(0.5), CubicSpring(1e5)
 ASYMMETRIC, SHIFTED = "force_offset beside coulomb_friction is equivalent to asymmetric", "With a linear spring"
+RESHAPED = "force_offset beside cubic_spring is equivalent to a spring of another shape"
 
 
 @pytest.mark.parametrize(
@@ -32,11 +34,12 @@ ASYMMETRIC, SHIFTED = "force_offset beside coulomb_friction is equivalent to asy
     [
         (SPRUNG + RUBS, []),
         (SPRUNG + LEANS, [SHIFTED]),
-        (SPRUNG + LEANS + BENDS, []),
+        (SPRUNG + LEANS + BENDS, [RESHAPED]),
+        (SPRUNG + LEANS + BENDS + Cogging(0.1, 0.01), []),
         (PLAIN + LEANS, []),
         (PLAIN + LEANS + RUBS, [ASYMMETRIC]),
         (SPRUNG + LEANS + RUBS, [ASYMMETRIC, SHIFTED]),
-        (SPRUNG + LEANS + RUBS + BENDS, [ASYMMETRIC]),
+        (SPRUNG + LEANS + RUBS + BENDS, [ASYMMETRIC, RESHAPED]),
     ],
     ids=lambda part: "+".join(("sprung" if part.stiffness else "plain", *part.effect_names))
     if isinstance(part, Model) else "",
