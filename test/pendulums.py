@@ -40,6 +40,7 @@ def turned(
     plant: tuple[float, float, float],
     hangs: float = 0.0,
     rest: Callable[[float], float] | None = None,
+    rubs: Callable[[float], float] | None = None,
 ) -> Record:
     """A record of J q'' + b q' + G sin(q − hangs) = torque + rest(q − hangs), from rest at q = hangs.
 
@@ -49,6 +50,7 @@ def turned(
         plant: J [kg·m²], b [N·m·s/rad] and G [N·m].
         hangs: reading [rad] where the joint hangs.
         rest: further moment [N·m] over the angle [rad], which is not recorded.
+        rubs: moment of dry friction [N·m] over the angle [rad].
 
     Returns:
         The record; its readings have a noise of 1 mrad.
@@ -63,6 +65,8 @@ def turned(
             middle = angle + 0.5 * step * speed
             more = rest(middle) if rest else 0.0
             speed += step * (torques[i] + more - damping * speed - moment * math.sin(middle)) / inertia
+            if rubs:
+                speed = math.copysign(max(abs(speed) - step * rubs(middle) / inertia, 0.0), speed)
             angle = middle + 0.5 * step * speed
     time = np.arange(count) / RATE
     readings = angles + hangs + np.random.default_rng(0).normal(0.0, 1e-3, count)

@@ -30,7 +30,7 @@ def over(
     models = [stated.model, *(one.model if exact else _simulating(one, shared) for one in others)]
     unknown = frozenset() if scale_known(stated.quantities) else FORCES
     fixed = {name for name, quantity in stated.quantities.items() if quantity.std == 0.0}
-    found = spread.between(models, exact)
+    found = spread.between(models)
     return {name: ends for name, ends in found.items() if name not in fixed and name not in unknown}
 
 

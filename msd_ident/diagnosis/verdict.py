@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from msd_ident.diagnosis.result import Cause, Verdict
-from msd_ident.model.effects import spoken
+from msd_ident.model.effects import by_name, spoken
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Causes
@@ -49,7 +49,12 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
         lead = "Something is missing that no cause of the library explains."
         return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
-    said = [f"The model lacks {_named(causes)}{_ties(causes)}.", *_doubts(causes), _left(f"With {them}", left)]
+    said = [
+        f"The model lacks {_named(causes)}{_ties(causes)}.",
+        *_doubts(causes),
+        *_readings(causes),
+        _left(f"With {them}", left),
+    ]
     if left.exceeds and after:
         said.append(after)
     before = f"Without {them}, {percent(left.base.motion_percent)} of the motion is unexplained"
@@ -129,6 +134,12 @@ def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
     doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability <= CERTAIN]
     act = "acts" if len(doubts) == 1 else "act"
     return [f"Whether {' and '.join(doubts)} {act} at all is not certain."] if doubts else []
+
+
+def _readings(causes: Sequence[Cause]) -> Sequence[str]:
+    """What else than a named cause may move the readings so, a sentence each."""
+    pairs = [(spoken(cause.name), by_name(cause.name).or_else) for cause in causes]
+    return [f"The {name} may also be {other}: no record tells them apart." for name, other in pairs if other]
 
 
 def spread_sentence(spread: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ own ranges.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from msd_ident.data.record import Record
 from msd_ident.estimate.levels import TENTH
 from msd_ident.estimate.problem import Problem
-from msd_ident.model import Model
+from msd_ident.model import Effect, Model
 from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import LIBRARY
 
@@ -30,8 +30,22 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
     Returns:
         Lower and upper limit by parameter name, in the records' units, over all effects of the library.
     """
-    shown = seen(records, plant)
-    return {name: limits for effect in LIBRARY for name, limits in effect.resolvable(shown).items()}
+    return _together(LIBRARY, seen(records, plant))
+
+
+def ranges_in(model: Model, shown: RecordScales) -> dict[str, tuple[float, float]]:
+    """The same for a model: where two laws have a parameter, its range is that of the model's own law.
+
+    Args:
+        model: its effects.
+        shown: scales of the records.
+    """
+    return _together((*LIBRARY, *map(type, model.effects)), shown)
+
+
+def _together(effects: Iterable[type[Effect]], shown: RecordScales) -> dict[str, tuple[float, float]]:
+    """Ranges by parameter name; of two laws with one parameter the later one's counts."""
+    return {name: limits for effect in effects for name, limits in effect.resolvable(shown).items()}
 
 
 def seen(records: Sequence[Record], plant: Model) -> RecordScales:

@@ -17,6 +17,7 @@ from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.posing import build
 from msd_ident.estimate.problem import Initial, Nuisance, Problem
 from msd_ident.model import Model
+from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.tuning import tuned
@@ -140,9 +141,9 @@ class Experiment:
         return (*self._of_each, *(Nuisance(r, "zero") for r in far))
 
     @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Ranges of the laws' inner parameters that the samples can resolve."""
-        return resolution.ranges(self.records, self.base)
+    def scales(self) -> RecordScales:
+        """What the records show, which bounds the laws' inner parameters to what the samples can resolve."""
+        return resolution.seen(self.records, self.base)
 
     @cached_property
     def typical(self) -> Magnitudes:
@@ -157,7 +158,8 @@ class Experiment:
             held: further parameters that keep the model's values.
         """
         fixed = self.fixed | held | switched_off(model)
-        return resolution.within(build(model, self.records, fixed, self.nuisances(model), self.typical), self.ranges)
+        problem = build(model, self.records, fixed, self.nuisances(model), self.typical)
+        return resolution.within(problem, resolution.ranges_in(model, self.scales))
 
     def posed(self, model: Model, held: frozenset[str] = frozenset()) -> Weighting:
         """The same in units of the noise, made once for all models with these laws and these values of what is fixed.

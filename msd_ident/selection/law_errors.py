@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from msd_ident.model.effects import by_name
+from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
@@ -36,11 +36,19 @@ def _fitted(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> Causes:
     return min((one for one in sets if one < causes), key=lambda one: sets[one].chi, default=causes)
 
 
-def _part_beyond(limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis]) -> float:
-    """What a set explains beyond a simpler one, as a part of what that one explains; infinite where the simpler one was
-    not fitted or explains nothing.
+def _stored(causes: Causes) -> Causes:
+    """Those of the causes of which every law only stores energy."""
+    takes = {law.cause() for law in LIBRARY if not law.stores_only()}
+    return frozenset(name for name in causes if by_name(name).cause() not in takes)
+
+
+def _part_beyond(
+    limit: Causes, causes: Causes, sets: Mapping[Causes, Hypothesis], beyond: Causes = frozenset()
+) -> float:
+    """What a set explains beyond a simpler one, as a part of what that one explains beyond the set ``beyond``; infinite
+    where the simpler one was not fitted or explains nothing.
     """
-    base, simple = sets.get(frozenset()), sets.get(limit)
+    base, simple = sets.get(beyond), sets.get(limit)
     if base is None or simple is None or simple.chi >= base.chi:
         return math.inf
     return math.sqrt(max(simple.chi - sets[causes].chi, 0.0) / (base.chi - simple.chi))
@@ -52,13 +60,16 @@ def within_law_error(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: f
     No law is exact, so what a set leaves may come from another form of its laws. A further cause does not count if it
     explains at most ``LEAST_SPREAD`` of what the others do, or ``FORM_PART`` where less than ``FAINT`` noise floors are
     left without it. Where the set leaves only noise, no error of a law is seen: every cause counts, and
-    ``other_forms`` limits its probability.
+    ``other_forms`` limits its probability. A law that takes energy out is not measured by others that only store it:
+    what gravity explains grows with the amplitude, and no form of it makes a motion fade.
     """
     exact = leaves_noise(sets[causes], noise)
-    for name, part in further_parts(causes, sets).items():
+    for name in further_parts(causes, sets):
         smaller = sets.get(causes - {name})
         if exact or smaller is None:
             continue
+        stored = _stored(causes - {name}) if by_name(name).dissipative else frozenset[str]()
+        part = _part_beyond(causes - {name}, causes, sets, _fitted(stored, sets))
         if part <= (FORM_PART if smaller.chi < FAINT**2 * noise else LEAST_SPREAD):
             return True
     return False

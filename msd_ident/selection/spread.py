@@ -16,13 +16,14 @@ from msd_ident.model.effects.base import ARGUMENTS, PLAY
 _WATCHED = (*PLANT, FRICTION_FORCE)
 
 
-def between(models: Sequence[Model], exact: bool = True) -> dict[str, tuple[float, float]]:
+def between(models: Sequence[Model]) -> dict[str, tuple[float, float]]:
     """Least and largest value of m, b, k and Fc over models that fit alike and have them.
+
+    A bent spring beside a constant force is another bent spring about the place of rest, without that force: it has the
+    stiffness there, which counts as well.
 
     Args:
         models: the explanations, each fitted in the same way.
-        exact: whether the first one leaves only noise. If not, the form of its laws is not that of the rig, and does
-            not tell a constant force from a shifted zero: the stiffness about the place of rest counts as well.
 
     Returns:
         The ranges by name; without those of one value, or of two that are printed alike.
@@ -30,7 +31,7 @@ def between(models: Sequence[Model], exact: bool = True) -> dict[str, tuple[floa
     found = {}
     for name in _WATCHED:
         values = [model[name] for model in models if name in model.names]
-        if name == "stiffness" and not exact:
+        if name == "stiffness":
             values += [value for model in models if math.isfinite(value := stiffness_at_rest(model))]
         if values and f"{min(values):.4g}" != f"{max(values):.4g}":
             found[name] = (min(values), max(values))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from bench.blind.cases import Case, run
@@ -26,3 +28,10 @@ def test_the_cause_is_named_alone_and_its_plant_found(seed: int, law: str, exper
     found = run(Case(seed, law, False, experiment, author="foreign"))
     assert found.names == {cause} and found.verdict == ("ambiguous" if law in UNSURE else "explained")
     assert found.plant_error < 0.02
+
+
+def test_the_stiffness_at_rest_of_a_spring_of_another_shape_is_in_its_range(asking_about: Callable[..., None]) -> None:
+    """An exponential spring: a constant force and other bends leave only noise, and k is not that at rest."""
+    asking_about("force_offset", "cubic_spring", "asymmetric_spring", "power_spring")
+    found = run(Case(411084, "exponential_spring", False, "steps", author="foreign"))
+    assert found.plant_error > 0.05 and found.plant_stated < 1e-3

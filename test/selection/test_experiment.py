@@ -94,3 +94,22 @@ def test_a_problem_begins_inside_its_bounds_and_holds_what_it_is_told() -> None:
     values = dict(zip(model.names, problem.values(point), strict=True))
     assert values["damping"] == 2.0 and values["stiffness"] == 400.0 and values["gain_slope"] == 0.01
     assert values["force_limit"] == math.inf
+
+
+def test_of_two_laws_with_one_parameter_each_has_its_own_range() -> None:
+    """An oval wheel repeats twice a turn, so that a turn of it may be twice as long as one that is seen to repeat once.
+    The range of the last law of the library counted for both.
+    """
+    experiment, span = pushed(), np.ptp(pushed().records[0].position)
+
+    def longest(name: str, parameter: str) -> float:
+        effect = by_name(name)
+        values = [0.5 * span if p.name == parameter else 0.0 if p.lower < 0.0 else 1e-3 for p in effect.parameters]
+        problem = experiment.problem(BASE + effect.within_bounds(*values))
+        return float(problem.upper[problem.names.index(parameter)])
+
+    assert math.isclose(longest("sensor_eccentricity", "eccentricity_pitch"), span / 1.5)
+    assert math.isclose(longest("eccentricity_harmonic", "eccentricity_pitch"), 2.0 * span / 1.5)
+    lower = experiment.problem(BASE + by_name("curved_stiffness_drift")(0.0, 0.0, 0.0))
+    place = lower.names.index("stiffness_drift_rate")
+    assert math.isclose(lower.lower[place], -lower.upper[place]), "its other terms hold the stiffness above zero"

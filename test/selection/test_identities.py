@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from fitrigs import measured
 
 from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.buffered_stop import BufferedStop
+from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.relaxing_spring import RelaxingSpring
+from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection.identities import sentences
+from msd_ident.workflow import pipeline
 
 SPRUNG, PLAIN = Plant(1.0, 2.0, 400.0), Plant(1.0, 2.0, 0.0)
 RUBS, LEANS, BENDS = CoulombFriction(0.2), ForceOffset(0.5), CubicSpring(1e5)
 ASYMMETRIC, SHIFTED = "force_offset beside coulomb_friction is equivalent to asymmetric", "With a linear spring"
+RESHAPED = "force_offset beside cubic_spring is equivalent to a spring of another shape"
 
 
 @pytest.mark.parametrize(
@@ -23,11 +34,12 @@ ASYMMETRIC, SHIFTED = "force_offset beside coulomb_friction is equivalent to asy
     [
         (SPRUNG + RUBS, []),
         (SPRUNG + LEANS, [SHIFTED]),
-        (SPRUNG + LEANS + BENDS, []),
+        (SPRUNG + LEANS + BENDS, [RESHAPED]),
+        (SPRUNG + LEANS + BENDS + Cogging(0.1, 0.01), []),
         (PLAIN + LEANS, []),
         (PLAIN + LEANS + RUBS, [ASYMMETRIC]),
         (SPRUNG + LEANS + RUBS, [ASYMMETRIC, SHIFTED]),
-        (SPRUNG + LEANS + RUBS + BENDS, [ASYMMETRIC]),
+        (SPRUNG + LEANS + RUBS + BENDS, [ASYMMETRIC, RESHAPED]),
     ],
     ids=lambda part: "+".join(("sprung" if part.stiffness else "plain", *part.effect_names))
     if isinstance(part, Model) else "",
@@ -63,3 +75,46 @@ def test_without_a_known_force_only_ratios_are_known() -> None:
     (gain,) = sentences(SPRUNG, forced=True, gain_known=False)
     assert gain.startswith("The force's gain is unknown") and "share one unknown factor" in gain
     assert sentences(SPRUNG, forced=True, gain_known=True) == ()
+
+
+TONE = PeriodicDisturbance(0.4, 31.0, 0.7)
+
+
+@pytest.mark.parametrize(
+    ("model", "how"),
+    [
+        (SPRUNG + TONE, "exactly"),
+        (SPRUNG + TONE + LEANS + RelaxingSpring(80.0, 0.5), "exactly"),
+        (SPRUNG + TONE + RUBS, "nearly"),
+        (SPRUNG + TONE + BENDS, "nearly"),
+        (PLAIN + TwoToneDisturbance(0.4, 31.0, 0.7, 0.2, 50.0, 0.0), "exactly"),
+    ],
+)
+def test_a_tone_of_a_force_is_one_of_the_reading(model: Model, how: str) -> None:
+    said = [one for one in sentences(model, forced=True, gain_known=True) if one.startswith("A tone of the reading")]
+    assert len(said) == 1 and f"does {how} what a tone of the force does" in said[0]
+
+
+def test_the_tone_of_the_reading_itself() -> None:
+    """With the amplitude of the identity, and from the state that the reading shows, the same motion."""
+    time = np.arange(2000) / 1000.0
+    pushes = Record(time, 0.0 * time, time, 6.0 * np.sign(np.sin(9.0 * time)))
+    m, b, k = SPRUNG.values
+    w, phase = TONE.disturbance_frequency, TONE.disturbance_phase
+    answer = -TONE.disturbance_amplitude / (k - m * w**2 + 1j * b * w)
+    tone = np.imag(answer * np.exp(1j * (w * time + phase)))
+    assert abs(answer) == pytest.approx(TONE.disturbance_amplitude / np.hypot(k - m * w**2, b * w))
+    begins = Initial(float(tone[0]), float(np.imag(1j * w * answer * np.exp(1j * phase))))
+    forced = simulate(SPRUNG + TONE, pushes, initial_position=begins.position, initial_velocity=begins.velocity)
+    assert np.allclose(forced.position, simulate(SPRUNG, pushes).position + tone, atol=1e-9)
+
+
+def test_the_verdict_names_both_readings_of_a_tone(asking_about: Callable[..., None]) -> None:
+    """A sensor that hums: the rig has no such force."""
+    asking_about("periodic_disturbance", "coulomb_friction", "second_mode")
+    record = measured(SPRUNG, {"name": "steps", "force": 8.0, "hold": 0.5}, rate=500.0)
+    hum = 2e-4 * np.sin(2.0 * np.pi * 50.0 * record.time + 0.3)
+    found = pipeline.diagnose([replace(record, position=record.position + hum)])
+    assert [cause.name for cause in found.causes] == ["periodic_disturbance"]
+    assert "The periodic disturbance may also be a tone in the sensor's reading" in found.summary
+    assert any(said.startswith("A tone of the reading") for said in found.warnings)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from setrigs import BASE, fitted, ranked, steps
 
+from msd_ident.model import Effect
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.end_stop import EndStop
@@ -54,6 +55,29 @@ def test_what_another_form_of_the_law_would_explain_is_no_cause(
     assert found.of_cause("coulomb_friction") == pytest.approx(1.0, abs=1e-3)
     sure = 0.9 if without < FAINT else 1.0
     assert found.of_cause("quadratic_drag") == pytest.approx(sure if called else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "called"),
+    [
+        (CubicSpring(1e6), CoulombFriction(0.1), True),  # no form of a spring makes a motion fade
+        (CubicSpring(1e6), SensorNonlinearity(2.0, 100.0), False),
+        (QuadraticDrag(1.0), CoulombFriction(0.1), False),  # another form of drag would do
+        (EndStop(2e-3, 500.0), CoulombFriction(0.1), False),  # another form of stops has a loss in contact
+    ],
+)
+def test_what_takes_energy_out_is_no_form_of_a_law_that_only_stores_it(
+    experiment: Experiment, first: Effect, second: Effect, called: bool
+) -> None:
+    """The second explains a fiftieth of what the first does, which grows with the amplitude."""
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 1000.0**2),
+            "first": fitted(experiment, BASE + first, 840.0 * 20.0**2),
+            "both": fitted(experiment, BASE + first + second, 840.0 * 1.5**2),
+        }
+    )
+    assert (second.name in found.best.causes) is called
 
 
 @pytest.mark.parametrize(

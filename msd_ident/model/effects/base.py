@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: Names that a law may take as arguments besides parameter and memory names.
 ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u")
 
+#: Those of a force law that make it depend on more than the place.
+_NOT_PLACE = frozenset(ARGUMENTS) - {"x"}
+
 #: Sides of a knee, see ``Effect.knee``.
 BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
 #: Knee of a law that is not smooth at x = 0.
@@ -137,6 +140,8 @@ class Effect:
     #: Ring-down that it makes (``RUBS``, ``DRAGS``, ``SOFTENS``, ``HARDENS``): signs of its strength, the first
     #: parameter in ``neutral``, for which it may. Time counts too: over a decay the amplitude falls with it.
     ring_down: ClassVar[Mapping[str, tuple[int, ...]]] = {}
+    #: What else a rig may have that moves the readings as it does, and what no record tells from it: with an article.
+    or_else: ClassVar[str] = ""
     #: What to measure, without any force profile, to know whether it acts.
     measured_by: ClassVar[str] = ""
 
@@ -304,6 +309,23 @@ class Effect:
         bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
         force = cls.laws().get("force")
         return bends or (force is not None and not cls.memory and "x" in inspect.signature(force).parameters)
+
+    @classmethod
+    def stores_only(cls) -> bool:
+        """Whether its force depends on the place alone, so that it stores energy and takes none out."""
+        laws = cls.laws()
+        given = [name for law in laws.values() for name in inspect.signature(law).parameters]
+        placed = set(laws) == {"force"} and "x" in given and not set(given) & _NOT_PLACE and not cls.memory
+        return not cls.structure and placed
+
+    @classmethod
+    def adds_up(cls) -> bool:
+        """Whether the motions that two forces make beside it add up, at all times alike."""
+        if cls.acts_on == "input" or cls.structure == SECOND_MASS:
+            return True
+        steady = cls.structure == VELOCITY_LAG and not cls.asks_drive()
+        given = set(cls.laws())
+        return steady or (not cls.structure and bool(given) and given <= {"constant", "disturbance"})
 
     @classmethod
     def is_linear(cls) -> bool:

@@ -60,10 +60,17 @@ class ForceOffset(Effect):
         )
 
     def same_as(self, model: Model) -> str:
-        """A shifted zero, where nothing shows where the spring's is."""
-        bent = any(effect.placed() or effect.shows_zero for effect in model.effects)
-        if not model.stiffness > 0.0 or bent:
+        """A shifted zero, where nothing shows where the spring's is; beside a bent spring, one of another shape."""
+        placed = [effect for effect in model.effects if effect.placed() or effect.shows_zero]
+        bent = [one for one in placed if one.stores_only() and one.harmonic is None and not one.angular]
+        if not model.stiffness > 0.0 or len(bent) < len(placed):
             return ""
+        if bent:
+            return (
+                f"force_offset beside {bent[0].name} is equivalent to a spring of another shape about the place of "
+                "rest, without a constant force: its stiffness there counts in the ranges. Read the encoder with the "
+                "spring relaxed to tell them apart."
+            )
         return (
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
             "the spring relaxed to tell them apart."

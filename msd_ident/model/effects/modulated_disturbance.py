@@ -11,7 +11,7 @@ import numpy as np
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
-from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance, tone_or_reading
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -56,6 +56,7 @@ class ModulatedDisturbance(Effect):
     mirror = False
     steady = False
     harmonic = PeriodicDisturbance.harmonic
+    or_else = PeriodicDisturbance.or_else
 
     def tones(self) -> tuple[float, ...]:
         """The tone and its sidebands, those that are there."""
@@ -84,6 +85,10 @@ class ModulatedDisturbance(Effect):
         high = (disturbance_frequency + modulation_frequency) * t + upper_sideband_phase
         middle = disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
         return middle + lower_sideband_amplitude * math.sin(low) + upper_sideband_amplitude * math.sin(high)
+
+    def same_as(self, model: Model) -> str:
+        """Tones of the reading."""
+        return tone_or_reading(model)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

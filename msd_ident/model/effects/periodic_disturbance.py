@@ -45,7 +45,8 @@ class PeriodicDisturbance(Effect):
     mirror = False
     steady = False
     harmonic = Harmonic("disturbance_amplitude", "disturbance_frequency", "disturbance_phase", TIME)
-    measured_by = "record at rest, with everything around switched off and on"
+    or_else = "a tone in the sensor's reading (hum, a base that moves)"
+    measured_by = "clamp the cart and record: a tone that stays is the reading's; then switch off everything around"
 
     @staticmethod
     def disturbance(
@@ -53,6 +54,10 @@ class PeriodicDisturbance(Effect):
     ) -> float:
         """Force [N] against +x."""
         return disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
+
+    def same_as(self, model: Model) -> str:
+        """A tone of the reading: the motion of a linear plant is one with the frequency of the force."""
+        return tone_or_reading(model)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
@@ -63,3 +68,17 @@ class PeriodicDisturbance(Effect):
     def guess(cls, record: Record, plant: Model) -> tuple[PeriodicDisturbance, ...]:
         """The three strongest lines of the force that the plant leaves unexplained, with amplitude and phase."""
         return tuple(cls(a, w, phi) for a, w, phi in typical.lines(record, plant, count=3))
+
+
+def tone_or_reading(model: Model) -> str:
+    """The sentence on what tells a tone of the force from one of the reading: none where all else of a model adds up.
+
+    Args:
+        model: with a tone of the force.
+    """
+    exact = all(effect.adds_up() for effect in model.effects)
+    how = "exactly" if exact else "nearly"
+    return (
+        f"A tone of the reading, A/|k - m·omega² + i·b·omega| in size, does {how} what a tone of the force does: the "
+        "sensor may hum or the base move. Clamp the cart to tell them apart: a tone that stays is the reading's."
+    )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
-from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance, tone_or_reading
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -44,6 +44,7 @@ class TwoToneDisturbance(Effect):
     mirror = False
     steady = False
     harmonic = PeriodicDisturbance.harmonic
+    or_else = PeriodicDisturbance.or_else
 
     def tones(self) -> tuple[float, ...]:
         """Those that are there."""
@@ -66,6 +67,10 @@ class TwoToneDisturbance(Effect):
         """Force [N] against +x."""
         first = disturbance_amplitude * math.sin(disturbance_frequency * t + disturbance_phase)
         return first + second_tone_amplitude * math.sin(second_tone_frequency * t + second_tone_phase)
+
+    def same_as(self, model: Model) -> str:
+        """Tones of the reading."""
+        return tone_or_reading(model)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
