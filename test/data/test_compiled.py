@@ -35,6 +35,14 @@ def test_filter_has_the_digits_of_scipy(seed: int, order: int, rows: int) -> Non
     assert np.array_equal(backwards[0], compiled.all_pole(coefficients, signals[0, ::-1]))
 
 
+@given(st.integers(0, 2**31), st.integers(1, 6), st.floats(0.1, 10.0))
+def test_filter_with_zeros_has_the_digits_of_scipy(seed: int, order: int, first: float) -> None:
+    lots = np.random.default_rng(seed)
+    above, below = lots.normal(size=order + 1), np.concatenate([[first], 0.3 * lots.normal(size=order)])
+    signal = lots.normal(size=60)
+    assert np.array_equal(compiled.pole_zero(above, below, signal), scipy.signal.lfilter(above, below, signal))
+
+
 def test_identify_does_not_import_what_is_slow_to_import() -> None:
     slow = "{'scipy.signal', 'scipy.stats'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", f"import sys, msd_ident.workflow.identify; assert not {slow}"], check=True)
