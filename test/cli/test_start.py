@@ -1,14 +1,45 @@
-"""How a command ends: what it leaves to the system."""
+"""How msd identify and msd diagnose start and end: what they do not import, and what they leave to the system."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
+
+import pytest
+
+from test.cli.test_diagnose import written
+
+#: Libraries that a command on a table has no use for. Each takes from 20 to 250 ms to import.
+USELESS = {
+    *("scipy.signal", "scipy.stats", "scipy.interpolate", "scipy.integrate", "scipy.io"),
+    *("rosbags", "mcap", "rclpy", "h5py", "pandas", "pyarrow", "dask", "distributed", "fsspec", "ruamel"),
+    *("matplotlib", "plotly", "jinja2", "bokeh", "tornado", "mujoco", "fmpy", "control", "msd_sim"),
+    *(f"msd_ident.{room}" for room in ("batching", "comparison", "export", "external", "live", "monitoring", "ros")),
+    *("msd_ident.io.decode", "msd_ident.io.database", "msd_ident.io.mcap_file", "msd_ident.io.writer"),
+}
+#: The same for the smaller command.
+USELESS_FOR = {
+    "diagnose": set[str](),
+    "identify": {f"msd_ident.{room}" for room in ("design", "diagnosis", "selection")},
+}
 
 
 def _printed(code: str, *arguments: object) -> str:
     given = [sys.executable, "-c", code, *map(str, arguments)]
     return subprocess.run(given, capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.parametrize("command", USELESS_FOR)
+def test_a_command_on_a_table_imports_nothing_that_it_has_no_use_for(tmp_path: Path, command: str) -> None:
+    """A second mass and a ripple are tried on this record, and so are all laws of the library."""
+    path = written(tmp_path / "rubbing.csv", effects={"coulomb_friction": {"coulomb_force": 0.2}})
+    code = "import sys; from msd_ident.cli.main import main; assert main() == 0; print(*sys.modules)"
+    shown = _printed(code, command, path)
+    assert path.name in shown
+    imported = set(shown.splitlines()[-1].split())
+    assert "msd_ident.workflow.identify" in imported
+    assert imported & (USELESS | USELESS_FOR[command]) == set()
 
 
 def test_the_end_of_a_command_takes_nothing_apart() -> None:
