@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from msd_ident.data.local_polynomial import local_polynomial
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray
 
 #: Headings of a counter, without unit and in lower case.
@@ -77,6 +76,8 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
     if not straight:
         if time.size < _RUNNING or not (counted or _none_lost(time, period / tick, tick)):
             return None
+        from msd_ident.data.local_polynomial import local_polynomial  # imported here: it imports parts of scipy
+
         running = local_polynomial(off, _RUNNING, 1, 0, 1.0)
         drift = np.diff(running) / (period * np.diff(number))
         if float(np.ptp(off - running)) > _BENT_SPAN * tick or float(np.max(np.abs(drift))) > _DRIFT:

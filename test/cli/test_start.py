@@ -22,7 +22,7 @@ USELESS = {
 #: The same for the smaller command.
 USELESS_FOR = {
     "diagnose": set[str](),
-    "identify": {f"msd_ident.{room}" for room in ("design", "diagnosis", "selection")},
+    "identify": {"scipy.ndimage", *(f"msd_ident.{room}" for room in ("design", "diagnosis", "selection"))},
 }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from msd_ident.data.local_polynomial import local_polynomial
 from msd_ident.data.record import Record
 from msd_ident.model.plant import FloatArray, Model
 
@@ -68,6 +67,8 @@ def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatAr
     The force that the plant leaves over, mean and slow parts included; velocity and acceleration come from a local
     cubic over about a fortieth of a swing, at least 7 samples.
     """
+    from msd_ident.data.local_polynomial import local_polynomial  # imported here: it imports parts of scipy
+
     period = record.period
     count = int(record.duration / period) + 1
     time = record.time[0] + period * np.arange(count)
