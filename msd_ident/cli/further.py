@@ -41,9 +41,11 @@ class Further:
         Raises:
             UsageError: no such target, a name that it does not take, a file that exists, or several results.
         """
+        if not self.export:
+            return
         from msd_ident import export
 
-        if self.export and count > 1:
+        if count > 1:
             raise UsageError(f"--export with {count} results; expected one: give one path, or --together")
         for one in self.export:
             target, out = _parsed(one)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import importlib
 import sys
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
@@ -20,9 +22,11 @@ COMMANDS = (
 )
 
 #: Allocations between two runs of the garbage collector, and runs between two deeper ones. Imported modules and the
-#: loaded solver are half a million objects. With Python's default of 700 allocations, the collector walks through them
-#: hundreds of times: an eighth of the time that ``msd identify`` takes.
-_COLLECTOR = (50_000, 20, 20)
+#: loaded solver are a quarter of a million objects. With Python's default of 700 allocations, the collector walks
+#: through them hundreds of times, an eighth of the time that ``msd identify`` takes; here it begins after them. At the
+#: end of the process it would take all of them apart, a fifth of that time, before the system frees the memory anyway:
+#: what is left then is frozen.
+_COLLECTOR = (500_000, 20, 20)
 
 app = typer.Typer(
     name="msd",
@@ -49,10 +53,12 @@ def _general(
     pass
 
 
-def _register() -> None:
-    if app.registered_commands:
-        return
-    for name in COMMANDS:
+def _register(names: Sequence[str] = COMMANDS) -> None:
+    """Import these subcommands; the others are not needed by one of them, only by the help of all."""
+    known = {command.name for command in app.registered_commands}
+    for name in names:
+        if name in known:
+            continue
         try:
             module = importlib.import_module(f"msd_ident.cli.{name}")
         except ModuleNotFoundError as missing:
@@ -60,6 +66,7 @@ def _register() -> None:
                 raise
             continue
         app.command(name=name)(getattr(module, name))
+    app.registered_commands.sort(key=lambda command: COMMANDS.index(command.name or ""))
 
 
 def fail(error: MsdError) -> int:
@@ -72,9 +79,10 @@ def main() -> int:
     """Run the command line; the exit code. Errors that the user can correct are printed in one line."""
     parallel.one_blas_thread()
     gc.set_threshold(*_COLLECTOR)
+    atexit.register(gc.freeze)  # see _COLLECTOR
     send_lost_signals_again()
     try:
-        _register()
+        _register(sys.argv[1:2] if sys.argv[1:2] and sys.argv[1] in COMMANDS else COMMANDS)
         outcome = app(standalone_mode=False)
     except MsdError as error:
         return fail(error)

@@ -10,11 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from msd_ident.errors import DataError
-from msd_ident.io.bag_folder import STORAGE, look_into, unreadable
+from msd_ident.io.bag_folder import MAGIC, STORAGE, look_into, unreadable
 from msd_ident.io.compression import PACKED, DecodeError, decompress, plain_name, unpack_file
-from msd_ident.io.database import DatabaseFile
-from msd_ident.io.mcap_file import McapFile
-from msd_ident.io.mcap_records import MAGIC
 from msd_ident.io.metadata import LOST, UNFINISHED
 from msd_ident.io.topics import RawMessage, StorageFile, Topic
 from msd_ident.paths import check_plain
@@ -145,6 +142,9 @@ def _ended(unfinished: str, lost: str) -> Iterator[str]:
 
 
 def _open_storage(path: Path) -> StorageFile:
+    from msd_ident.io.database import DatabaseFile  # imported here: a table needs no library for bags
+    from msd_ident.io.mcap_file import McapFile
+
     packed = path.name.endswith(PACKED)
     try:
         if plain_name(path).endswith(".db3"):

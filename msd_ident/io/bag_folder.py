@@ -13,6 +13,8 @@ from msd_ident.io.compression import plain_name
 
 #: Endings of files that hold messages.
 STORAGE = (".mcap", ".db3")
+#: First bytes of an MCAP file, and its last.
+MAGIC = b"\x89MCAP0\r\n"
 
 
 @dataclass(frozen=True)

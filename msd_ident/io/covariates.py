@@ -12,7 +12,6 @@ import numpy as np
 from msd_ident.errors import DataError
 from msd_ident.io.bag import Bag, is_bag, open_bag
 from msd_ident.io.columns import open_columns
-from msd_ident.io.decode import Decoder
 from msd_ident.io.message_fields import parse_field
 from msd_ident.io.signal_choice import POSITION_FIELDS
 
@@ -62,6 +61,8 @@ def _of_bag(bag: Bag, wanted: Mapping[str, str]) -> dict[str, float]:
 
 
 def _topic_mean(bag: Bag, name: str, where: str) -> float:
+    from msd_ident.io.decode import Decoder  # imported here: a table needs no library for bags
+
     topic, _, field = where.partition(":")
     if not where:
         topic = next((one for one, made in bag.topics.items() if _called(one, name) and made.type in _FIELDS), "")

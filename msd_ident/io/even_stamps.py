@@ -76,9 +76,9 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
     if not straight:
         if time.size < _RUNNING or not (counted or _none_lost(time, period / tick, tick)):
             return None
-        from scipy.signal import savgol_filter  # imported here: it takes a quarter of a second
+        from msd_ident.data.local_polynomial import local_polynomial  # imported here: it imports parts of scipy
 
-        running = savgol_filter(off, _RUNNING, 1)
+        running = local_polynomial(off, _RUNNING, 1, 0, 1.0)
         drift = np.diff(running) / (period * np.diff(number))
         if float(np.ptp(off - running)) > _BENT_SPAN * tick or float(np.max(np.abs(drift))) > _DRIFT:
             return None

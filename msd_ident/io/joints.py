@@ -9,7 +9,6 @@ from typing import Any
 
 from msd_ident.errors import DataError
 from msd_ident.io.bag import open_bag
-from msd_ident.io.decode import Decoder
 from msd_ident.io.source_options import SourceOptions
 
 _KIND = "sensor_msgs/msg/JointState"
@@ -64,6 +63,8 @@ def joints(path: str | os.PathLike[str]) -> tuple[Joint, ...]:
     Raises:
         DataError: it is no bag, or holds no JointState with a name and a position.
     """
+    from msd_ident.io.decode import Decoder  # imported here: a table needs no library for bags
+
     bag = open_bag(path)
     topics = [name for name, topic in bag.topics.items() if topic.type == _KIND]
     found: dict[tuple[str, str], bool] = {}

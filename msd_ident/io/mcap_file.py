@@ -18,12 +18,12 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, Footer, McapRecord, Schema, Statistics
 
 from msd_ident.errors import DataError
+from msd_ident.io.bag_folder import MAGIC
 from msd_ident.io.mcap_records import (
     CHUNK,
     FRAME,
     LARGEST_CHUNK,
     LATEST_NS,
-    MAGIC,
     MESSAGE,
     StoredMessage,
     frames,

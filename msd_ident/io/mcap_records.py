@@ -16,7 +16,6 @@ from mcap.records import Channel, ChunkIndex, McapRecord, Schema, Statistics
 
 from msd_ident.io.compression import DecodeError, decompress
 
-MAGIC = b"\x89MCAP0\r\n"
 FRAME = struct.Struct("<BQ")
 CHUNK = struct.Struct("<QQQII")
 MESSAGE = struct.Struct("<HIQQ")

@@ -30,9 +30,9 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from msd_ident.io.bag_folder import MAGIC
 from msd_ident.io.compression import compress
 from msd_ident.io.crash_safe_file import CrashSafeFile
-from msd_ident.io.mcap_records import MAGIC
 
 _CHUNK_BYTES = 2**20
 _MESSAGE = struct.Struct("<BQHIQQ")

@@ -17,7 +17,6 @@ from msd_ident.data.streams import batch_stamps, from_stamps
 from msd_ident.errors import DataError
 from msd_ident.io import constant_force, units
 from msd_ident.io.bag import Bag, open_bag
-from msd_ident.io.decode import Decoder
 from msd_ident.io.message_fields import joint_names
 from msd_ident.io.signal_choice import Source, choose_force, choose_position
 from msd_ident.io.source_options import SourceOptions
@@ -41,6 +40,8 @@ class _Signal:
     """Samples of one signal, collected message by message."""
 
     def __init__(self, what: Literal["force", "position"], source: Source) -> None:
+        from msd_ident.io.decode import Decoder  # imported here: a table needs no library for bags
+
         self.source = source
         self._what = what
         self._decoder = Decoder(source.topic)

@@ -7,14 +7,16 @@ import os
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io.bag_folder import look_into
 from msd_ident.io.crash_safe_file import copies_of, is_being_written, sync_folder
-from msd_ident.io.mcap_file import Loss, McapFile
-from msd_ident.io.mcap_writer import McapWriter
 from msd_ident.io.metadata import LOST, UNFINISHED, BagEntry, FileEntry, TopicEntry, read_entry
 from msd_ident.paths import check_plain
+
+if TYPE_CHECKING:
+    from msd_ident.io.mcap_file import Loss, McapFile
 
 #: Ending of a damaged file that is kept beside the one made of it.
 DAMAGED = ".damaged"
@@ -170,6 +172,8 @@ def _mend(path: Path) -> _Mended:
 
 def _look(source: Path, name: str) -> tuple[McapFile, _Mended] | None:
     """A file with its topics and counts; nothing when it is no MCAP file."""
+    from msd_ident.io.mcap_file import McapFile  # imported here: only a repair needs it
+
     file = FileEntry(name)
     topics: dict[str, int] = {}
     try:
@@ -193,6 +197,8 @@ def _look(source: Path, name: str) -> tuple[McapFile, _Mended] | None:
 
 def _copy(mcap: McapFile, draft: Path) -> None:
     """All messages of a file into another."""
+    from msd_ident.io.mcap_writer import McapWriter
+
     writer = McapWriter(draft, "zstd")
     schemas: dict[int, int] = {}
     channels: dict[int, int] = {}
@@ -217,6 +223,9 @@ def _copy(mcap: McapFile, draft: Path) -> None:
 
 def _set_aside(path: Path) -> _Mended:
     """A file that holds nothing that can be read leaves the bag, under another name."""
+    from msd_ident.io.mcap_file import Loss
+    from msd_ident.io.mcap_writer import McapWriter
+
     kept = _free_name(path)
     os.replace(path, kept)
     writer = McapWriter(path, "zstd")

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from msd_ident.data.compiled import pole_zero
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate.effort import THOROUGH
 from msd_ident.estimate.levels import TENTH
@@ -104,11 +105,10 @@ def _filtered(
     """A signal (n,) through (a s² + b s + c)/(d s² + e s + f), by the trapezoidal rule."""
     rate = 2.0 / period
     upper, lower = (
-        (a * rate**2 + b * rate + c, 2.0 * (c - a * rate**2), a * rate**2 - b * rate + c) for a, b, c in (above, below)
+        np.array([a * rate**2 + b * rate + c, 2.0 * (c - a * rate**2), a * rate**2 - b * rate + c])
+        for a, b, c in (above, below)
     )
-    from scipy.signal import lfilter  # imported here: it takes a quarter of a second
-
-    return np.asarray(lfilter(upper, lower, signal), dtype=np.float64)
+    return pole_zero(upper, lower, signal)
 
 
 def _start(plant: Model, free: list[bool], solution: FloatArray, frequency: float, ratio: float) -> list[SecondMass]:

@@ -54,6 +54,6 @@ def test_any_other_exception_there_is_still_printed() -> None:
 
 
 def test_a_command_that_is_interrupted_while_it_loads_ends_with_130_and_no_traceback() -> None:
-    begun = "import signal, msd_ident.cli.main as m; m._register = lambda: signal.raise_signal(signal.SIGINT)\n"
+    begun = "import signal, msd_ident.cli.main as m; m._register = lambda names: signal.raise_signal(signal.SIGINT)\n"
     done = run(begun + "raise SystemExit(m.main())")
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

@@ -11,10 +11,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-import scipy.ndimage
 
+<<<<<<< HEAD
 from msd_ident.data.noise import noise_of
 from msd_ident.data.quality.finding import Finding, warning
+=======
+from msd_ident.data.compiled import ranked
+from msd_ident.data.noise import encoder_step, noise_floor
+>>>>>>> 7d1bffc736321b3203b4d6d007edd518dbcc2e5c
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 
 #: A wild reading is this many usual steps from its neighbours, and so many times the noise; a run of them is short.
@@ -149,10 +153,9 @@ def _ends(position: FloatArray) -> FloatArray:
 def _usual(steps: FloatArray, share: float) -> FloatArray:
     """Step that is usual around each reading: larger than this share of those around it, however wild the others."""
     reach = min(2 * _SIDE, steps.size)
-    ranked = scipy.ndimage.rank_filter(steps, int(share * reach), size=reach)
-    typical = ranked[reach // 2 : reach // 2 + steps.size - reach + 1]
+    typical = ranked(steps, int(share * reach), reach)
     index = np.clip(np.arange(steps.size + 1) - reach // 2, 0, typical.size - 1)
-    return np.asarray(typical[index], dtype=np.float64)
+    return typical[index]
 
 
 def _jumps(record: Record) -> tuple[Jump, ...]:

@@ -67,7 +67,7 @@ def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatAr
     The force that the plant leaves over, mean and slow parts included; velocity and acceleration come from a local
     cubic over about a fortieth of a swing, at least 7 samples.
     """
-    from scipy.signal import savgol_filter
+    from msd_ident.data.local_polynomial import local_polynomial  # imported here: it imports parts of scipy
 
     period = record.period
     count = int(record.duration / period) + 1
@@ -76,7 +76,7 @@ def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatAr
     swing = 2.0 * np.pi / natural_frequency(record, plant)
     window = int(min(max(7, swing / 40.0 / period), count - 1)) // 2 * 2 + 1
     window = min(window, (count - 1) // 2 * 2 + 1)
-    x, v, a = (savgol_filter(position, window, 3, deriv=order, delta=period) for order in range(3))
+    x, v, a = (local_polynomial(position, window, 3, order, period) for order in range(3))
     inertia = plant["mass"] * a + plant["damping"] * v + plant["stiffness"] * x
     return time, np.asarray(x, dtype=np.float64), np.asarray(record.force_at(time) - inertia, dtype=np.float64)
 
