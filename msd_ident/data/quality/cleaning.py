@@ -12,13 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-<<<<<<< HEAD
+from msd_ident.data.compiled import ranked
 from msd_ident.data.noise import noise_of
 from msd_ident.data.quality.finding import Finding, warning
-=======
-from msd_ident.data.compiled import ranked
-from msd_ident.data.noise import encoder_step, noise_floor
->>>>>>> 7d1bffc736321b3203b4d6d007edd518dbcc2e5c
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Record
 
 #: A wild reading is this many usual steps from its neighbours, and so many times the noise; a run of them is short.
