@@ -120,9 +120,14 @@ class Weighting:
         points = np.repeat(point[None, :], 1 + entries.size, axis=0)
         points[1 + np.arange(entries.size), entries] += moves
         moved = points[1 + np.arange(entries.size), entries] - point[entries]
-        parts = [root * self.problem.residuals(points, r) for r, root in enumerate(self.roots)]
+        parts = [self.problem.residuals(points, r) for r in range(len(self.roots))]
+        for part, root in zip(parts, self.roots, strict=True):
+            part *= root
         rows = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        return rows[0], np.asarray((rows[1:] - rows[0]) / moved[:, None])
+        residual, columns = rows[0].copy(), rows[1:]
+        columns -= residual
+        columns /= moved[:, None]
+        return residual, columns
 
     def _safe(self, point: FloatArray, steps: FloatArray) -> FloatArray:
         """Steps (p,), enlarged where rounding would swallow them, negative where they would leave the upper bound."""

@@ -113,7 +113,7 @@ class Problem:
         """Entries of the vector."""
         return len(self.free) + len(self.nuisances)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Name of each entry of the vector."""
         own = tuple(f"{n.kind} of {self.records[n.record].name}" for n in self.nuisances)

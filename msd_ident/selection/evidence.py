@@ -101,6 +101,11 @@ class NoiseScale:
 
     def of(self, fitted: Hypothesis) -> float:
         """Log likelihood [nats] of a fitted set, octave by octave, but for a constant."""
+        # The set keeps the spectrum too, so that no other one gets its identity.
+        key = ("likelihood", self.noise, self.shapes, id(self.spectrum))
+        return fitted.kept(key, lambda: (self._of(fitted), self.spectrum))[0]
+
+    def _of(self, fitted: Hypothesis) -> float:
         if self.spectrum is None:
             white = np.sum([part.evidence * part.octaves.share for part in fitted.readings], axis=0)
             excess = np.maximum(fitted.octaves - white * (self.noise / float(white.sum())), 0.0)
@@ -158,7 +163,9 @@ def log_evidence(fitted: Hypothesis, scale: NoiseScale) -> float:
         fitted: the set.
         scale: noise and number of features of the error.
     """
-    return scale.of(fitted) - occam(fitted, scale.spread(fitted.chi)) + log_prior(fitted.causes)
+    variance = scale.spread(fitted.chi)
+    cost = fitted.kept(("occam", variance), lambda: occam(fitted, variance))
+    return scale.of(fitted) - cost + log_prior(fitted.causes)
 
 
 def occam(fitted: Hypothesis, variance: float) -> float:

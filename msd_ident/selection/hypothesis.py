@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals import noise_spectrum, rest_response
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
+
+_Made = TypeVar("_Made")
 
 Causes = frozenset[str]
 COULOMB = DRY_FRICTION
@@ -48,6 +52,21 @@ class Hypothesis:
     def chi(self) -> float:
         """Sum of squares in units of the noise."""
         return self.state.chi
+
+    def kept(self, key: Hashable, make: Callable[[], _Made]) -> _Made:
+        """What ``make`` gives, made once for each key: a search ranks the same sets again after every few fits.
+
+        Args:
+            key: what is made, and all that it depends on beside the set.
+            make: makes it.
+        """
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]  # type: ignore[no-any-return]
+
+    @cached_property
+    def _kept(self) -> dict[Hashable, Any]:
+        return {}
 
     @cached_property
     def stirred(self) -> float:

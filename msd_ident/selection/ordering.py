@@ -66,9 +66,14 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
         return False
     if scale.shapes <= SHAPES and (within_law_error(causes, sets, scale.noise) or _adds_nothing(causes, sets, scale)):
         return False
-    limits = (*_sufficient(causes, sets, scale), *_simpler(causes), *imitated(sets[causes].model, alike=True))
+    limits = (*_sufficient(causes, sets, scale), *_simpler(causes), *_imitated(sets[causes]))
     known = [sets[one] for one in limits if one in sets]
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in known)
+
+
+def _imitated(fitted: Hypothesis) -> tuple[Causes, ...]:
+    """Sets with another effect in the place of one that it is equal to."""
+    return fitted.kept("imitated", lambda: tuple(imitated(fitted.model, alike=True)))
 
 
 def _adds_nothing(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:

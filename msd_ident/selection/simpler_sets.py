@@ -24,13 +24,16 @@ def equal_to(fitted: Hypothesis) -> dict[Causes, Model]:
     """Simpler sets that the fitted model is equal to, each with its model: an effect without strength, or Coulomb
     friction alone.
     """
+    return fitted.kept("equal to", lambda: _equal_to(fitted))
+
+
+def _equal_to(fitted: Hypothesis) -> dict[Causes, Model]:
     model, found = fitted.model, {}
     for name in sorted(fitted.causes):
-        rest = replace(model, effects=tuple(e for e in model.effects if e.name != name))
         if all(model[parameter] == value for parameter, value in by_name(name).neutral):
-            found[fitted.causes - {name}] = rest
+            found[fitted.causes - {name}] = model.without(name)
         if model.effect(name).is_dry_friction():
-            found[fitted.causes - {name} | {COULOMB}] = rest + DryFriction(model[HOLDING_COULOMB[name]])
+            found[fitted.causes - {name} | {COULOMB}] = model.without(name) + DryFriction(model[HOLDING_COULOMB[name]])
     return found
 
 

@@ -16,11 +16,13 @@ from hypothesis import strategies as st
 from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
 from msd_ident.model import Plant, Simulator, simulate
+from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
@@ -108,6 +110,20 @@ def test_a_ramp_moves_it_when_it_exceeds_breakaway(friction: str) -> None:
     rise = (time[late] - hold) ** 3 / 6.0 / whole["mass"]
     assert np.allclose(x[late], rise, rtol=0.05, atol=1e-12)
     assert np.count_nonzero(late) >= 3
+
+
+@pytest.mark.parametrize("way", ["zero", "linear"])
+@pytest.mark.parametrize("lag", [False, True])
+def test_a_held_cart_stays_through_changes_of_the_force_and_leaves_where_it_must(way: str, lag: bool) -> None:
+    """The general path, which a drag of no weight asks for, rests as long as the exact one and leaves with it."""
+    force = np.repeat([3.0, 0.0, 0.2, -0.1, 0.2, 0.0, -3.0, -2.9, -3.1, 0.0], 500)
+    whole = Plant(1.0, 20.0, 100.0) + CoulombFriction(1.5)
+    whole = whole + ActuatorLag(0.01) if lag else whole
+    exact, general = (simulate(one, driven(force, 500.0, way)) for one in (whole, whole + QuadraticDrag(1e-9)))
+    rests = exact.velocity[1:] == 0.0
+    assert np.count_nonzero(rests) > 1000 and np.count_nonzero(np.diff(rests)) >= 4
+    assert np.array_equal(general.velocity[1:] == 0.0, rests)
+    assert np.max(np.abs(general.position - exact.position)) <= 1e-7 * spread(exact.position)
 
 
 def test_a_drifting_spring_lets_go() -> None:

@@ -57,6 +57,27 @@ def test_what_brings_no_fall_of_chi_has_no_evidence_of_its_own(experiment: Exper
     assert found.evidence[0] - found.evidence[1] == pytest.approx(math.log(20.0) - gain)
 
 
+def test_a_set_that_was_ranked_is_ranked_again_without_its_determinant(
+    experiment: Experiment, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A search ranks after every few fits; what a set alone gives is computed once for each scale of the noise."""
+    counted, occam = [], evidence.occam
+    monkeypatch.setattr(evidence, "occam", lambda *given: counted.append(given) or occam(*given))
+    sets = {
+        one.causes: one
+        for one in (
+            fitted(experiment, BASE + CoulombFriction(0.1), 5000.0),
+            fitted(experiment, BASE + CoulombFriction(0.1) + QuadraticDrag(1.0), 840.0),
+        )
+    }
+    near, far = evidence.NoiseScale(840.0), evidence.NoiseScale(840.0, shapes=40.0)
+    first = rank(sets, near)
+    assert len(counted) == len(sets)
+    assert rank(sets, near).evidence == first.evidence and len(counted) == len(sets)
+    assert rank(sets, far).evidence != first.evidence and len(counted) > len(sets)
+    assert rank(sets, near).evidence == first.evidence
+
+
 def test_what_is_hardly_likelier_than_a_set_that_leaves_only_noise_is_no_explanation(experiment: Experiment) -> None:
     """Friction too weak to be seen is possible on every rig; that is no probability that it acts."""
 

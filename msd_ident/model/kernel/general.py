@@ -28,7 +28,15 @@ from msd_ident.model.kernel.groups import (
     World,
 )
 from msd_ident.model.kernel.passage import RETRY, calm, near_turn, passage, piece_of
-from msd_ident.model.kernel.rk import acceleration_at, beside, second_acceleration, step4, step5
+from msd_ident.model.kernel.rk import (
+    acceleration_at,
+    beside,
+    breakaway,
+    forces_at,
+    second_acceleration,
+    step4,
+    step5,
+)
 from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
@@ -190,6 +198,35 @@ def _jumped(run, segments, j, progress):
     return State(x, v, a, y, u, c)
 
 
+@lean
+def _held(run, j, segments, progress, path):
+    """Segment after segment at rest, while friction holds the cart against a force that only the command changes.
+
+    Returns (j, progress) in front of the first segment of another kind.
+    """
+    state, s, i, longest, budget = progress
+    length, level = segments.length, segments.level
+    out_x, out_v = path.x, path.v
+    x, y, u = state.x, state.y, state.u
+    piece, place, begun = piece_of(run.spring, i), Place(x, 0.0, y, u), j
+    while j < length.size and budget > 1:
+        drive = _drive(segments, j)
+        if drive.r != 0.0 or drive.e != 0.0:
+            break
+        if j == begun or level[j] != level[j - 1]:
+            phase = Phase(run.world, piece, drive, length[j], s)
+            if not abs(forces_at(phase, 0.0, place)) <= breakaway(phase, x):
+                break
+        budget -= 1
+        j += 1
+        out_x[j] = x
+        if out_v.size > 0:
+            out_v[j] = state.v
+    if j > begun:
+        state = State(x, state.v, 0.0, y, u, state.c)
+    return j, Progress(state, s, i, longest, budget)
+
+
 @joined
 def run_of(world, spring, m, scales):
     """What stays the same during a run; ``scales``: sizes of the motion that errors are compared with."""
@@ -221,6 +258,8 @@ def general(run, segments, motion, path):
         sliding = progress.s != 0.0 or not run.eventful
         if sliding:
             j, progress = _cruise(run, j, segments, progress, path)
+        elif not run.restless:
+            j, progress = _held(run, j, segments, progress, path)
         if j == length.size:
             break
         if sliding:

@@ -35,7 +35,8 @@ _MEMORY = np.array(laws.MEMORY_START)
 
 @joined
 def plan(time, force_time, force, straight):
-    """What a record says before any parameter is known: (segments, their force), see ``segments.merge``.
+    """What a record says before any parameter is known: (segments, their force, the largest force), see
+    ``segments.merge``.
 
     ``pick`` is empty where the segment boundaries are the samples themselves.
     """
@@ -46,7 +47,10 @@ def plan(time, force_time, force, straight):
     level = np.empty(start.size)
     slope = np.empty(start.size if straight else 0)
     segments.force_lines(start, force_index, command, level, slope)
-    return start, length, kind, force_index, pick, lengths, level, slope
+    largest = 0.0
+    for f in force:
+        largest = max(largest, abs(f))
+    return start, length, kind, force_index, pick, lengths, level, slope, largest
 
 
 @joined
@@ -60,7 +64,7 @@ def row(bits, values, place, plan, out):
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
-    time, force = plan[0], plan[2]
+    time, largest = plan[0], plan[-1]
     p = np.zeros(_PARAMETERS)
     for i in range(place.size):
         p[place[i]] = values[i]
@@ -87,7 +91,7 @@ def row(bits, values, place, plan, out):
     world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
     path = _path(out, cut.start.size, pick)
     if bits & ~laws.EXACT_BITS:
-        scales = _scales(Linear(m, b, k), time, force, motion)
+        scales = _scales(Linear(m, b, k), time, largest, motion)
         general(run_of(world, spring, m, scales), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
@@ -112,7 +116,7 @@ def _on_the_cart(bits, p, w, plan):
 
     Returns (segments, pick), see ``segments.merge``.
     """
-    time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope = plan
+    time, force_time, force, straight, start, length, kind, force_index, pick, lengths, level, slope, _ = plan
     shift = p[_SHIFT] if bits & _TIME_OFFSET else 0.0
     if shift != 0.0:
         moved = segments.merge(time, Command(force_time, force, straight, shift))
@@ -187,15 +191,14 @@ def _rate_between(m, m2, k2, b2):
 
 
 @lean
-def _scales(plant, time, force, motion):
-    """Sizes of position [m] and velocity [m/s] that errors are compared with: of the linear plant's response."""
+def _scales(plant, time, largest, motion):
+    """Sizes of position [m] and velocity [m/s] that errors are compared with: of the linear plant's response to the
+    largest force [N].
+    """
     m, b, k = plant
     x, v = motion
     slowest = 2.0 * math.pi / (time[-1] - time[0])
     rate = max(math.sqrt(abs(k) / m), b / m, slowest)
-    largest = 0.0
-    for f in force:
-        largest = max(largest, abs(f))
     far = largest / (m * rate * rate)
     if k > 0.0:
         far = max(far, abs(x))
