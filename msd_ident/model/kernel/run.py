@@ -146,12 +146,20 @@ def _on_the_cart(bits, p, w, plan):
 
 @lean
 def _drifted(timed, p, w, start, length, level, slope):
-    """Force lines as laws that know the time make them: those of their ends."""
+    """Force lines as laws that know the time make them: through their ends, a ramp's with the impulse that it has.
+
+    A ramp times a gain that drifts is a parabola. The line with its impulse also has its first moment: beyond the
+    segment only the third moment is lost.
+    """
     for j in range(start.size):
-        end = start[j] + length[j]
-        last = laws.input_map(timed, p, w, end, level[j] + slope[j] * length[j])
-        level[j] = laws.input_map(timed, p, w, start[j], level[j])
-        slope[j] = (last - level[j]) / length[j]
+        first = laws.input_map(timed, p, w, start[j], level[j])
+        last = laws.input_map(timed, p, w, start[j] + length[j], level[j] + slope[j] * length[j])
+        bend = 0.0
+        if slope[j] != 0.0:
+            half = 0.5 * length[j]
+            bend = (first + last - 2.0 * laws.input_map(timed, p, w, start[j] + half, level[j] + slope[j] * half)) / 3.0
+        level[j] = first - bend
+        slope[j] = (last - first) / length[j]
 
 
 @joined
