@@ -72,7 +72,7 @@ class Weighting:
 
     def residual(self, point: FloatArray) -> FloatArray:
         """Weighted residual (n,) of all records."""
-        parts = [root * self.problem.residual(point, r) for r, root in enumerate(self.roots)]
+        parts = [self.problem.residual(point, r, root) for r, root in enumerate(self.roots)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def exact(self, point: FloatArray, steps: FloatArray, residual: FloatArray | None = None) -> State:
@@ -93,8 +93,7 @@ class Weighting:
             moved = self.problem.simulated(r)
             points = np.repeat(point[None, :], moved.size, axis=0)
             points[np.arange(moved.size), moved] += steps[moved]
-            rows = self.problem.residuals(points, r)
-            rows *= root
+            rows = self.problem.residuals(points, r, root)
             rows -= residual[inside]
             rows /= steps[moved][:, None]
             jacobian[self.problem.entries(r)[moved.size :], inside] = root  # of a zero
@@ -120,9 +119,7 @@ class Weighting:
         points = np.repeat(point[None, :], 1 + entries.size, axis=0)
         points[1 + np.arange(entries.size), entries] += moves
         moved = points[1 + np.arange(entries.size), entries] - point[entries]
-        parts = [self.problem.residuals(points, r) for r in range(len(self.roots))]
-        for part, root in zip(parts, self.roots, strict=True):
-            part *= root
+        parts = [self.problem.residuals(points, r, root) for r, root in enumerate(self.roots)]
         rows = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
         residual, columns = rows[0].copy(), rows[1:]
         columns -= residual

@@ -177,14 +177,15 @@ class Problem:
         shared = range(len(self.free))
         return tuple(np.array([*shared, *(entry for _, entry in own)], dtype=np.intp) for own in self._own)
 
-    def residual(self, vector: FloatArray, record: int) -> FloatArray:
-        """Model − data (n,) [m] of one record; large but finite where the simulation diverges.
+    def residual(self, vector: FloatArray, record: int, *weights: FloatArray) -> FloatArray:
+        """Model − data (n,) [m] of one record, as ``residuals`` gives it.
 
         Args:
             vector: (p,) whole vector of the problem.
             record: index of the record.
+            weights: (n,) square roots of the samples' weights, if these are not 1.
         """
-        return np.asarray(self.residuals(vector[None, :], record)[0])
+        return np.asarray(self.residuals(vector[None, :], record, *weights)[0])
 
     def linearised(self, vector: FloatArray, record: int, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residual and Jacobian of one record by forward differences.
@@ -300,44 +301,40 @@ class Problem:
             gradient[place] = slopes.get(self.model.names[index], 0.0)
         return float(vector[start]) + offset / stiffness, gradient
 
-    def residuals(self, points: FloatArray, record: int) -> FloatArray:
+    def residuals(self, points: FloatArray, record: int, *weights: FloatArray) -> FloatArray:
         """Residuals of one record at several points, simulated together.
 
         Args:
             points: (q, p) whole vectors of the problem.
             record: index of the record.
+            weights: (n,) square roots of the samples' weights, if these are not 1.
 
         Returns:
-            (q, n) model − data [m]; large but finite where a simulation diverges.
+            (q, n) model − data [m], times the roots of the weights; large but finite where a simulation diverges.
         """
-        values = np.empty((len(points), self.model.values.size))
-        values[:] = self.model.values
-        values[:, self._places] = points[:, : len(self.free)]
-        start = self.initial[record]
-        states = np.empty((len(points), 3))
-        states[:] = start.position, start.velocity, start.zero
-        for column, entry in self._own[record]:
-            states[:, column] = points[:, entry]
-        rows = self.simulators[record].positions_many(values, states[:, 0], states[:, 1])
-        rows -= self.records[record].position
-        if states[:, 2].any():
-            rows += states[:, 2:]
-        self._tame(rows)
-        return rows
+        still, columns = self._rows[record]
+        rows = np.empty((len(points), still.size))
+        rows[:] = still
+        rows[:, columns] = points[:, self._entries[record]]
+        return self.simulators[record].residuals(rows, _BLOWN_UP * self.typical.length, *weights)
+
+    @cached_property
+    def _rows(self) -> tuple[tuple[FloatArray, npt.NDArray[np.intp]], ...]:
+        """What ``Simulator.residuals`` is given for each record: its row (p + 3,) without the vector's values, and the
+        columns of ``entries``.
+        """
+        found = []
+        for start, own in zip(self.initial, self._own, strict=True):
+            row = np.array([*self.model.values.tolist(), start.position, start.velocity, start.zero])
+            columns = [*self.free, *(self.model.values.size + column for column, _ in own)]
+            found.append((row, np.array(columns, dtype=np.intp)))
+        return tuple(found)
 
     @cached_property
     def _own(self) -> tuple[tuple[tuple[int, int], ...], ...]:
         """For each record: place in (position, velocity, zero) and in the vector, of each of its free entries."""
         places = [(n.record, (_KINDS.index(n.kind), len(self.free) + j)) for j, n in enumerate(self.nuisances)]
         return tuple(tuple(place for r, place in places if r == record) for record in range(len(self.records)))
-
-    def _tame(self, rows: FloatArray) -> None:
-        worst = _BLOWN_UP * self.typical.length
-        # No entry is greater than the root of the squares, which cost less than a search; false for NaN.
-        if np.vdot(rows, rows) <= worst**2 or (rows.max() <= worst and rows.min() >= -worst):
-            return
-        np.nan_to_num(rows, copy=False, nan=worst, posinf=worst, neginf=-worst)
-        np.clip(rows, -worst, worst, out=rows)
 
 
 _KINDS: tuple[NuisanceKind, ...] = ("initial position", "initial velocity", "zero")

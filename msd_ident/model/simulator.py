@@ -38,6 +38,11 @@ class Trajectory:
     force: FloatArray
 
 
+_NOTHING: FloatArray = np.empty(0)
+#: What ``run.compare`` leaves readings as they are with.
+_NOT_COMPARED = (_NOTHING, _NOTHING, 0.0)
+
+
 def _to_stderr(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
@@ -71,7 +76,8 @@ def _run_once(entries: Any) -> None:
     try:
         time = np.linspace(0.0, 1.0, 20)
         plan = _plan(Record(time=time, position=time, force_time=time, force=time), entries)
-        entries.run(0, np.ones((1, 5)), np.arange(3, dtype=np.int64), plan, np.empty((1, time.size)), np.empty((1, 0)))
+        out = np.empty((1, time.size))
+        entries.run(0, np.ones((1, 6)), np.arange(3, dtype=np.int64), plan, _NOT_COMPARED, out, out[:, :0])
     finally:
         if collecting:
             gc.enable()
@@ -110,14 +116,12 @@ class Simulator:
         self._bits = laws.bits(*model.effect_names)
         self._place: IntArray = np.array([laws.INDEX[name] for name in model.names], dtype=np.int64)
         self._plan = _plan(record, entries)
-        self._nothing: FloatArray = np.empty((1, 0))
 
-    def _row(self, values: npt.ArrayLike, position: float, velocity: float) -> FloatArray:
-        row = np.empty((1, self._place.size + 2))
-        row[0, :-2] = values
-        row[0, -2] = position
-        row[0, -1] = velocity
-        return row
+    def _rows(self, values: FloatArray, position: npt.ArrayLike, velocity: npt.ArrayLike) -> FloatArray:
+        rows = np.zeros((values.shape[0], self._place.size + 3))
+        rows[:, :-3] = values
+        rows[:, -3], rows[:, -2] = position, velocity
+        return rows
 
     def positions(
         self, values: npt.ArrayLike, initial_position: float = 0.0, initial_velocity: float = 0.0
@@ -128,25 +132,35 @@ class Simulator:
             values: (p,) parameter values in the order of ``model.names``.
             initial_position, initial_velocity: state [m], [m/s] at the first sample.
         """
-        cancellation.raise_if_cancelled()
-        row = self._row(values, initial_position, initial_velocity)
-        out: FloatArray = np.empty((1, self.record.samples))
-        self._run(self._bits, row, self._place, self._plan, out, self._nothing)
-        return out.reshape(-1)
+        return self.positions_many(np.asarray(values)[None, :], initial_position, initial_velocity).reshape(-1)
 
     def positions_many(
         self, values: npt.ArrayLike, initial_position: npt.ArrayLike, initial_velocity: npt.ArrayLike
     ) -> FloatArray:
         """The same for several vectors in one call: values (r, p), initial states (r,) each; gives (r, n)."""
-        cancellation.raise_if_cancelled()
         given = np.asarray(values, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != self._place.size:
             raise UsageError(f"values have shape {given.shape}; expected (any, {self._place.size})")
-        rows = np.empty((given.shape[0], self._place.size + 2))
-        rows[:, :-2] = given
-        rows[:, -2], rows[:, -1] = initial_position, initial_velocity
-        out: FloatArray = np.empty((given.shape[0], self.record.samples))
-        self._run(self._bits, rows, self._place, self._plan, out, out[:, :0])
+        return self._simulated(self._rows(given, initial_position, initial_velocity), _NOT_COMPARED)
+
+    def residuals(self, rows: FloatArray, worst: float, root: FloatArray = _NOTHING) -> FloatArray:
+        """Simulated readings less those of the record, for several vectors in one call.
+
+        Args:
+            rows: (r, p + 3) parameter values, then position [m], velocity [m/s] and zero [m] at the first sample. They
+                must be contiguous.
+            worst: largest size of an error [m]; that of a simulation which diverges.
+            root: (n,) factor on each error; none at all means 1 each.
+
+        Returns:
+            (r, n).
+        """
+        return self._simulated(rows, (self.record.position, root, worst))
+
+    def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float]) -> FloatArray:
+        cancellation.raise_if_cancelled()
+        out: FloatArray = np.empty((rows.shape[0], self.record.samples))
+        self._run(self._bits, rows, self._place, self._plan, measured, out, out[:, :0])
         return out
 
     def trajectory(
@@ -154,9 +168,9 @@ class Simulator:
     ) -> Trajectory:
         """Position and velocity for the same arguments as ``positions``."""
         cancellation.raise_if_cancelled()
-        row = self._row(values, initial_position, initial_velocity)
+        row = self._rows(np.asarray(values, dtype=np.float64)[None, :], initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
-        self._run(self._bits, row, self._place, self._plan, x, v)
+        self._run(self._bits, row, self._place, self._plan, _NOT_COMPARED, x, v)
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 

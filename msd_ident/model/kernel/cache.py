@@ -21,16 +21,17 @@ from numba import njit
 from msd_ident.model.kernel import run as kernel
 from msd_ident.model.kernel.groups import Path
 
-_plan, _row = kernel.plan, kernel.row
+_plan, _row, _compare = kernel.plan, kernel.row, kernel.compare
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def plan(time, force_time, force, straight):
     return _plan(time, force_time, force, straight)
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def run(bits, rows, place, plan, out_x, out_v):
+def run(bits, rows, place, plan, measured, out_x, out_v):
     for i in range(rows.shape[0]):
         _row(bits, rows[i], place, plan, Path(out_x[i], out_v[i]))
+        _compare(rows[i], measured, out_x[i])
 '''
 
 
@@ -86,7 +87,8 @@ def load(say: Callable[[str], None]) -> ModuleType:
     """The entry module whose functions numba caches in ``folder()``; ``say`` is told, in one line, if they are not yet.
 
     Its functions: ``plan(time, force_time, force, straight)``, see ``run.plan``, and ``run(bits, rows, place, plan,
-    out_x, out_v)``, which is ``run.row`` for each of r rows of values, (r, n) readings and (r, n) or (r, 0) velocities.
+    measured, out_x, out_v)``, which is ``run.row`` and ``run.compare`` for each of r rows of values, (r, n) readings and
+    (r, n) or (r, 0) velocities.
     """
     path = folder()
     source = path / "msd_solver_entry.py"

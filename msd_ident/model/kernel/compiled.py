@@ -29,6 +29,8 @@ inlined: Any = _jit(error_model="numpy", fastmath=_LOOSE, _nrt=False, forceinlin
 #: A function that is called in one place only: it becomes part of its caller before anything is compiled, which for the
 #: small laws and for the outermost levels saves a fifth of the time.
 joined: Any = _jit(error_model="numpy", fastmath=_LOOSE, inline="always")
+#: A function whose sums are those that are written, term by term.
+plain: Any = _jit(error_model="numpy", _nrt=False)
 #: A function that makes arrays.
 making: Any = _jit(error_model="numpy", fastmath=_LOOSE)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from msd_ident.model.effects.base import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
-from msd_ident.model.kernel.compiled import give_up, joined, lean
+from msd_ident.model.kernel.compiled import give_up, joined, lean, plain
 from msd_ident.model.kernel.exact import exact
 from msd_ident.model.kernel.general import general, run_of
 from msd_ident.model.kernel.groups import Axis, Cart, Command, Linear, Motion, Path, Segments, Spring, World
@@ -59,7 +59,7 @@ def row(bits, values, place, plan, out):
 
     Args:
         bits: set of the model's effects, see ``laws.BIT``.
-        values: (p + 2,) the model's parameters, then position [m] and velocity [m/s] at the first sample.
+        values: (p + 3,) the model's parameters, then position [m] and velocity [m/s] at the first sample, and the zero.
         place: (p,) where each parameter stands in ``laws.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
@@ -100,6 +100,27 @@ def row(bits, values, place, plan, out):
         eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
         exact(Axis(m, b, constant, kinetic, hold, spring, eventful), cut, motion, path)
     _read(world, time, pick, path, out)
+
+
+@plain
+def compare(values, measured, readings):
+    """Turn simulated readings into residuals: (model + zero − measured) times a weight's root; nothing without measured.
+
+    Args:
+        values: (p + 3,) of ``row``; the last one is the zero [m].
+        measured: positions (n,) [m] or (0,), roots (n,) of the weights or (0,) for 1 each, and the largest size of an
+            error [m]: a simulation that diverges counts as this.
+        readings: (n,) [m], changed in place.
+    """
+    position, root, worst = measured
+    zero = values[-1]
+    for j in range(position.size):
+        error = readings[j] - position[j]
+        if zero != 0.0:
+            error += zero
+        if not abs(error) <= worst:
+            error = -worst if error < 0.0 else worst
+        readings[j] = error * root[j] if root.size > 0 else error
 
 
 @joined
