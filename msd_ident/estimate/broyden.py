@@ -16,11 +16,9 @@ import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.damped_step import damped_step
+from msd_ident.estimate.jacobian import broyden_update, safe_steps, with_rows
 from msd_ident.estimate.levels import DAMPING, STUCK
 from msd_ident.estimate.problem import Problem
-from msd_ident.tuning import fixed
-
-_FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ class Weighting:
             residual: (n,) weighted residual at the point; simulated if None.
         """
         residual = self.residual(point) if residual is None else residual
-        steps = self._safe(point, steps)
+        steps = safe_steps(point, steps, self.problem.upper)
         jacobian = np.zeros((point.size, residual.size))
         begin = 0
         for r, root in enumerate(self.roots):
@@ -115,7 +113,7 @@ class Weighting:
             entries: (q,) indices of the entries to move.
             steps: (p,) positive steps of forward differences, as in ``exact``.
         """
-        moves = self._safe(point, steps)[entries]
+        moves = safe_steps(point, steps, self.problem.upper)[entries]
         points = np.repeat(point[None, :], 1 + entries.size, axis=0)
         points[1 + np.arange(entries.size), entries] += moves
         moved = points[1 + np.arange(entries.size), entries] - point[entries]
@@ -125,11 +123,6 @@ class Weighting:
         columns -= residual
         columns /= moved[:, None]
         return residual, columns
-
-    def _safe(self, point: FloatArray, steps: FloatArray) -> FloatArray:
-        """Steps (p,), enlarged where rounding would swallow them, negative where they would leave the upper bound."""
-        steps = np.maximum(steps, _FELT * np.spacing(np.abs(point)))  # beside a huge phase a small step is none
-        return np.where(point + steps > self.problem.upper, -steps, steps)
 
     def steps(self, state: State | None) -> FloatArray:
         """Finite-difference steps: from the last Jacobian, or from natural sizes."""
@@ -198,22 +191,11 @@ def descend(weighting: Weighting, state: State, steps: int, least_gain: float) -
 
 
 def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:
-    """Broyden's update: the least change of the Jacobian that explains what the step did."""
-    scale = np.sqrt(np.maximum(state.normal.diagonal(), 1e-300))
-    move = (point - state.point) * scale  # in units in which every entry matters alike
-    length = float(move @ move)
-    if length == 0.0:
+    """The state at another point, its Jacobian updated by Broyden's formula."""
+    move = point - state.point
+    if not move.any():
         return State(point, residual, state.jacobian, state.normal, False)
-    surprise = residual - state.residual - (point - state.point) @ state.jacobian
-    along = scale * move / length
-    jacobian = state.jacobian + np.outer(along, surprise)
-    return State(point, residual, jacobian, _normal_with(state, along, surprise), False)
-
-
-def _normal_with(state: State, along: FloatArray, change: FloatArray) -> FloatArray:
-    """Gauss–Newton matrix after the rank-one change a·cᵀ of the Jacobian J: JJᵀ + a·(Jc)ᵀ + (Jc)·aᵀ + (cᵀc)·a·aᵀ."""
-    across = np.outer(along, state.jacobian @ change)
-    return np.asarray(state.normal + across + across.T + float(change @ change) * np.outer(along, along))
+    return State(point, residual, *broyden_update(move, residual - state.residual, state.jacobian, state.normal), False)
 
 
 def extended(weighting: Weighting, parent: Problem, known: State, point: FloatArray) -> State:
@@ -226,11 +208,6 @@ def extended(weighting: Weighting, parent: Problem, known: State, point: FloatAr
         point: (p,) start of the larger problem.
     """
     place = {name: i for i, name in enumerate(parent.names)}
-    rows = [place.get(name, -1) for name in weighting.problem.names]
-    fresh = np.array([entry for entry, row in enumerate(rows) if row < 0], dtype=np.intp)
-    residual, columns = weighting.columns(point, fresh, weighting.steps(None))
-    jacobian, normal = known.jacobian[rows], known.normal[np.ix_(rows, rows)]
-    jacobian[fresh] = columns
-    normal[fresh] = columns @ jacobian.T
-    normal[:, fresh] = normal[fresh].T
-    return State(point, residual, jacobian, normal, False)
+    places = np.array([place.get(name, -1) for name in weighting.problem.names])
+    residual, columns = weighting.columns(point, np.flatnonzero(places < 0), weighting.steps(None))
+    return State(point, residual, *with_rows(known.jacobian, known.normal, places, columns), False)

@@ -30,21 +30,16 @@ def ranges(records: Sequence[Record], plant: Model) -> dict[str, tuple[float, fl
     Returns:
         Lower and upper limit by parameter name, in the records' units, over all effects of the library.
     """
-    return _together(LIBRARY, seen(records, plant))
+    return of_laws(LIBRARY, seen(records, plant))
 
 
-def ranges_in(model: Model, shown: RecordScales) -> dict[str, tuple[float, float]]:
-    """The same for a model: where two laws have a parameter, its range is that of the model's own law.
+def of_laws(effects: Iterable[type[Effect]], shown: RecordScales) -> dict[str, tuple[float, float]]:
+    """Ranges of the effects' parameters by name; of two laws with one parameter the later one's counts.
 
     Args:
-        model: its effects.
+        effects: the laws.
         shown: scales of the records.
     """
-    return _together((*LIBRARY, *map(type, model.effects)), shown)
-
-
-def _together(effects: Iterable[type[Effect]], shown: RecordScales) -> dict[str, tuple[float, float]]:
-    """Ranges by parameter name; of two laws with one parameter the later one's counts."""
     return {name: limits for effect in effects for name, limits in effect.resolvable(shown).items()}
 
 

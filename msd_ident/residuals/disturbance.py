@@ -121,7 +121,7 @@ def _smoothed(
     work, states = np.empty((record.samples, WORK)), np.empty((record.samples, STATES))
 
     def unlikely(law: Law) -> float:
-        return -float(filtered(readings, law, states, work))
+        return -float(filtered(readings, law, states[:0], work[:0]))
 
     natural = Law(*plant, variance, _natural_walk(record, plant[0], position), 0.0, 1.0)
     likeliest = _likeliest(natural, unlikely, most)

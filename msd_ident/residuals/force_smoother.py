@@ -136,11 +136,11 @@ def filtered(readings, law, states, work):
     """Log likelihood [nats] of the readings, but for a constant.
 
     Fills the filtered ``states`` (n, STATES), and ``work`` (n, WORK) with their covariances, and variance and value of
-    what each reading surprises by.
+    what each reading surprises by; nothing where they have no rows.
     """
     steps, y, u = readings
     m, k, variance = law.m, law.k, law.variance
-    n = y.size
+    n, keep = y.size, states.shape[0] > 0
     a, g = np.empty((STATES, STATES)), np.empty(2)
     c, ahead = np.zeros((STATES, STATES)), np.zeros((STATES, STATES))
     gain = np.zeros(STATES)
@@ -152,9 +152,10 @@ def filtered(readings, law, states, work):
     c[3, 3], c[4, 4] = law.smooth, law.smooth / (law.memory * law.memory)
     c[0, 3] = c[3, 0] = -law.smooth  # the first reading is x + c
     x, v, d, e, r = y[0], 0.0, 0.0, 0.0, 0.0
-    states[0] = x, v, d, e, r
-    work[0, : STATES * STATES] = c.ravel()
-    total, last, settled, spread = 0.0, -1.0, False, 0.0
+    if keep:
+        states[0] = x, v, d, e, r
+        work[0, : STATES * STATES] = c.ravel()
+    total, last, settled, spread, logged = 0.0, -1.0, False, 0.0, 0.0
     for i in range(1, n):
         h = steps[i - 1]
         if h < 0.999999 * last or h > 1.000001 * last:
@@ -165,6 +166,7 @@ def filtered(readings, law, states, work):
             _walked(h, law, a, ahead)
             before = spread
             spread = ahead[0, 0] + 2.0 * ahead[0, 3] + ahead[3, 3] + variance
+            logged = math.log(spread)
             for p in range(STATES):
                 gain[p] = (ahead[p, 0] + ahead[p, 3]) / spread
             for p in range(STATES):
@@ -177,7 +179,9 @@ def filtered(readings, law, states, work):
         surprise = y[i] - nx - ne
         x, v, d = nx + gain[0] * surprise, nv + gain[1] * surprise, d + gain[2] * surprise
         e, r = ne + gain[3] * surprise, nr + gain[4] * surprise
-        total -= 0.5 * (surprise * surprise / spread + math.log(spread))
+        total -= 0.5 * (surprise * surprise / spread + logged)
+        if not keep:
+            continue
         states[i, 0], states[i, 1], states[i, 2], states[i, 3], states[i, 4] = x, v, d, e, r
         work[i, WORK - 2], work[i, WORK - 1] = spread, surprise
         for p in range(STATES):

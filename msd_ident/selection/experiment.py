@@ -146,6 +146,11 @@ class Experiment:
         return resolution.seen(self.records, self.base)
 
     @cached_property
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        """What the samples can resolve of the parameters of all laws."""
+        return resolution.of_laws(LIBRARY, self.scales)
+
+    @cached_property
     def typical(self) -> Magnitudes:
         """Typical force, length and time of the records."""
         return magnitudes(self.records, self.base.mass)
@@ -159,7 +164,8 @@ class Experiment:
         """
         fixed = self.fixed | held | switched_off(model)
         problem = build(model, self.records, fixed, self.nuisances(model), self.typical)
-        return resolution.within(problem, resolution.ranges_in(model, self.scales))
+        own = resolution.of_laws(map(type, model.effects), self.scales)
+        return resolution.within(problem, self._ranges | own)
 
     def posed(self, model: Model, held: frozenset[str] = frozenset()) -> Weighting:
         """The same in units of the noise, made once for all models with these laws and these values of what is fixed.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from msd_ident.errors import UsageError
@@ -218,7 +219,7 @@ class Effect:
         if law is None:
             return u
         given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | {"u": u, "t": t}
-        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+        return float(law(*(given[name] for name in arguments(law))))
 
     def longest_period(self) -> float:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
@@ -270,7 +271,7 @@ class Effect:
     @classmethod
     def asks_drive(cls) -> bool:
         """Whether its force depends on whether any is commanded."""
-        return any("driven" in inspect.signature(law).parameters for law in cls.laws().values())
+        return any("driven" in arguments(law) for law in cls.laws().values())
 
     @classmethod
     def cause(cls) -> str:
@@ -288,14 +289,14 @@ class Effect:
         """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
         laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
         return cls.knee not in (None, AT_ZERO) or (
-            not cls.memory and any("x" in inspect.signature(law).parameters for law in laws)
+            not cls.memory and any("x" in arguments(law) for law in laws)
         )
 
     @classmethod
     def is_scale(cls) -> bool:
         """Whether its reading is a curve over the position: a sensor of another shape."""
         reading = cls.laws().get("reading")
-        given = inspect.signature(reading).parameters if reading is not None else ()
+        given = arguments(reading) if reading is not None else ()
         return "x" in given and "t" not in given
 
     @classmethod
@@ -308,13 +309,14 @@ class Effect:
         """Whether its force is a curve over the position: a spring of another shape."""
         bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
         force = cls.laws().get("force")
-        return bends or (force is not None and not cls.memory and "x" in inspect.signature(force).parameters)
+        return bends or (force is not None and not cls.memory and "x" in arguments(force))
 
     @classmethod
+    @cache
     def stores_only(cls) -> bool:
         """Whether its force depends on the place alone, so that it stores energy and takes none out."""
         laws = cls.laws()
-        given = [name for law in laws.values() for name in inspect.signature(law).parameters]
+        given = [name for law in laws.values() for name in arguments(law)]
         placed = set(laws) == {"force"} and "x" in given and not set(given) & _NOT_PLACE and not cls.memory
         return not cls.structure and placed
 
@@ -407,6 +409,12 @@ class Effect:
         """The compiled-in laws that this effect has, by kind."""
         kinds = (*KINDS, *(f"reversal_{m}" for m, _ in cls.memory))
         return {kind: cast("Callable[..., float]", law) for kind in kinds if (law := _static(cls, kind)) is not None}
+
+
+@cache
+def arguments(law: Callable[..., float]) -> tuple[str, ...]:
+    """Names of what a law is a function of."""
+    return tuple(inspect.signature(law).parameters)
 
 
 def _static(cls: type[Effect], kind: str) -> Any:

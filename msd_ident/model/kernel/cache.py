@@ -87,8 +87,8 @@ def load(say: Callable[[str], None]) -> ModuleType:
     """The entry module whose functions numba caches in ``folder()``; ``say`` is told, in one line, if they are not yet.
 
     Its functions: ``plan(time, force_time, force, straight)``, see ``run.plan``, and ``run(bits, rows, place, plan,
-    measured, out_x, out_v)``, which is ``run.row`` and ``run.compare`` for each of r rows of values, (r, n) readings and
-    (r, n) or (r, 0) velocities.
+    measured, out_x, out_v)``, which is ``run.row`` and ``run.compare`` for each of r rows of values: (r, n) readings or
+    what these miss by, and (r, n) or (r, 0) velocities.
     """
     path = folder()
     source = path / "msd_solver_entry.py"

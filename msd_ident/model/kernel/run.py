@@ -104,7 +104,7 @@ def row(bits, values, place, plan, out):
 
 @plain
 def compare(values, measured, readings):
-    """Turn simulated readings into residuals: (model + zero − measured) times a weight's root; nothing without measured.
+    """Turn simulated readings into residuals (model + zero − measured) times a weight's root, if any are measured.
 
     Args:
         values: (p + 3,) of ``row``; the last one is the zero [m].
