@@ -7,9 +7,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from msd_ident import parallel
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
@@ -177,9 +179,9 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    missing, still = _missing(heard, base), _still_missing(heard, shown)
-    lacking = (_still_missing(heard, base) if best.causes else still, still)
-    judged = [JudgedModel(*one) for one in zip(fits, lacking, left, strict=True)]
+    missing, *lacking = _forces(heard, base, (base, shown) if best.causes else (shown,))
+    still = lacking[-1]
+    judged = [JudgedModel(*one) for one in zip(fits, (lacking[0], still), left, strict=True)]
     lacks = remainders(task.records, _floor(heard), judged[0], judged[1], task.tolerance)
     decision = verdict.decide(causes, lacks)
     characteristics = None
@@ -301,6 +303,14 @@ def _heard(
 def _floor(experiment: Experiment) -> float:
     samples = sum(part.record.samples for part in experiment.readings)
     return math.sqrt(sum(part.record.samples * part.noise**2 for part in experiment.readings) / samples)
+
+
+def _forces(
+    experiment: Experiment, base: Hypothesis, sets: Sequence[Hypothesis]
+) -> list[tuple[DisturbanceEstimate, ...]]:
+    """The missing force of the base model, then what each of the sets still lacks, estimated side by side."""
+    works = [partial(_missing, experiment, base), *(partial(_still_missing, experiment, one) for one in sets)]
+    return parallel.each(lambda work: work(), works)
 
 
 def _missing(experiment: Experiment, fitted: Hypothesis) -> tuple[DisturbanceEstimate, ...]:

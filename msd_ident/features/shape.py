@@ -51,17 +51,31 @@ def unit_step_response(time: FloatArray, frequency: float, ratio: float) -> Floa
         frequency: ωn [rad/s].
         ratio: ζ, larger than 0; above 1 for a response without oscillation.
     """
-    after = np.maximum(time, 0.0)
+    return 1.0 - _falling(np.maximum(time, 0.0), frequency, ratio)[0]
+
+
+def _falling(time: FloatArray, frequency: float, ratio: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What the response still lacks of its end, and the slopes of the response along ωn·t and ζ; each (n,).
+
+    With τ = ωn·t, s = √(1 − ζ²), c = exp(−ζτ)·cos(sτ) and d = exp(−ζτ)·sin(sτ)/s, which for ζ > 1 become hyperbolic,
+    these are c + ζ·d, d and (τ·c − d)/s².
+
+    Args:
+        time: (n,) [s] from the step, not negative.
+        frequency: ωn [rad/s].
+        ratio: ζ.
+    """
     if abs(ratio - 1.0) < _CRITICAL:
         ratio = 1.0 + _CRITICAL
-    if ratio < 1.0:
-        damped = frequency * math.sqrt(1.0 - ratio**2)
-        swing = np.cos(damped * after) + ratio * frequency / damped * np.sin(damped * after)
-        return 1.0 - np.exp(-ratio * frequency * after) * swing
-    root = math.sqrt(ratio**2 - 1.0)
-    fast = -frequency * (ratio + root)
-    slow = frequency**2 / fast
-    return 1.0 - (fast * np.exp(slow * after) - slow * np.exp(fast * after)) / (fast - slow)
+    angle, square = frequency * time, 1.0 - ratio**2
+    root = math.sqrt(abs(square))
+    if square > 0.0:
+        fade = np.exp(-ratio * angle)
+        even, odd = fade * np.cos(root * angle), fade * np.sin(root * angle) / root
+    else:
+        slow, fast = np.exp(-angle / (ratio + root)), np.exp(-(ratio + root) * angle)
+        even, odd = 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+    return even + ratio * odd, odd, (angle * even - odd) / square
 
 
 def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: float, floor: float) -> Shape | None:
@@ -79,10 +93,10 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
     Returns:
         None if the fit fails.
     """
-    problem = _Problem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, onset, floor)
+    problem = ResponseProblem(time, position, 1.0 / np.sqrt(run_lengths(position)), initial, onset, floor)
     # The early samples tell the fast root, so the search for the valley uses them more densely than the late ones.
     some = np.unique(np.geomspace(1.0, time.size, _SEARCH).astype(int)) - 1
-    coarse = _Problem(time[some], position[some], problem.weight[some], initial, onset, floor)
+    coarse = ResponseProblem(time[some], position[some], problem.weight[some], initial, onset, floor)
     found = [coarse.solve(start) for start in problem.starts()]
     best = min((one for one in found if np.all(np.isfinite(one.x))), key=lambda one: float(one.cost), default=None)
     if best is None:
@@ -93,7 +107,7 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
 
 
 @dataclass(frozen=True)
-class _Problem:
+class ResponseProblem:
     """Unknowns: ln ωn, ln ζ, start and rest value in units of the swing, delay of the step in units of ``onset``."""
 
     time: FloatArray
@@ -128,20 +142,43 @@ class _Problem:
 
         All in units of the swing; the last two weigh by how well each is known beside ``floor``.
         """
-        frequency, ratio = np.exp(np.clip(point[:2], -_FAR, _FAR)).tolist()
+        frequency, ratio = _plant(point)
         late = self.time - self.onset * point[4]
         curve = point[2] + (point[3] - point[2]) * unit_step_response(late, frequency, ratio)
         misfit = self.weight * (curve - self.reading)
-        before = point[2] * min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else point[2]
-        return np.concatenate((misfit, (before, point[4] * max(self.floor / self.size, 1e-9))))
+        return np.concatenate((misfit, point[[2, 4]] * self._last_weights))
+
+    def slopes(self, point: FloatArray) -> FloatArray:
+        """Jacobian (n + 2, 5) of ``residual``."""
+        frequency, ratio = _plant(point)
+        late = np.maximum(self.time - self.onset * point[4], 0.0)
+        lacking, along, shape = _falling(late, frequency, ratio)
+        swing, slopes = point[3] - point[2], np.zeros((self.time.size + 2, 5))
+        columns = (swing * along * frequency * late, swing * shape * ratio, lacking, 1.0 - lacking)
+        moved = -swing * along * np.where(late > 0.0, frequency * self.onset, 0.0)
+        slopes[:-2] = np.stack((*columns, moved), axis=1) * self.weight[:, None]
+        slopes[-2, 2], slopes[-1, 4] = self._last_weights
+        return slopes
+
+    @cached_property
+    def _last_weights(self) -> tuple[float, float]:
+        """Weights of the reading before the step and of the delay, beside those of the samples."""
+        before = min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else 1.0
+        return before, max(self.floor / self.size, 1e-9)
 
     def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
         """Levenberg–Marquardt from a point (5,)."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a search that diverges shows in its result
-            return scipy.optimize.least_squares(self.residual, start, method="lm", max_nfev=300)
+        with np.errstate(all="ignore"):  # a search that diverges shows in its result
+            return scipy.optimize.least_squares(self.residual, start, self.slopes, method="lm", max_nfev=300)
 
 
-def _shape(found: scipy.optimize.OptimizeResult, problem: _Problem) -> Shape:
+def _plant(point: FloatArray) -> tuple[float, float]:
+    """ωn [rad/s] and ζ at a point (5,), never infinite."""
+    frequency, ratio = np.exp(np.clip(point[:2], -_FAR, _FAR)).tolist()
+    return frequency, ratio
+
+
+def _shape(found: scipy.optimize.OptimizeResult, problem: ResponseProblem) -> Shape:
     """The result with intervals; a residual that is correlated in time counts as fewer samples."""
     residual = found.fun[:-2] / problem.weight * problem.size
     see = math.sqrt(float(residual @ residual) / max(residual.size - 4, 1))

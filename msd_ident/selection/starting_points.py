@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -45,11 +46,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
-    liveliest = _liveliest(experiment.records)
-    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
-    largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
-    zero = parent.initial[liveliest].zero
-    fitted = FittedRecord(plant, part.record, zero, residual, part.noise, largest, not parent.causes)
+    fitted = parent.kept("fitted record", lambda: _fitted_record(experiment, parent, plant))
     seen = fitted.record
     rubs = friction_force(parent.model) if COULOMB in parent.causes - causes else 0.0
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
@@ -61,13 +58,22 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         elif rubs > 0.0 and name in HOLDING_COULOMB:
             found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:
-            found = guesses(name, fitted)
+            found = parent.kept(("guesses", name), partial(guesses, name, fitted))
         added = [model + guess for model in models for guess in found]
         if by_name(name).structure == SECOND_MASS:
-            hung = second_masses(plant, seen, residual, experiment.fixed)
+            hung = parent.kept("second masses", lambda: second_masses(plant, seen, fitted.residual, experiment.fixed))
             added += [_hung(model, name, start) for model in models for start in hung]
         models = added
     return models + _divided(causes, parent, seen)
+
+
+def _fitted_record(experiment: Experiment, parent: Hypothesis, plant: Model) -> FittedRecord:
+    """The record with the largest motion, and what a fitted set leaves there."""
+    liveliest = _liveliest(experiment.records)
+    part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
+    largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
+    zero = parent.initial[liveliest].zero
+    return FittedRecord(plant, part.record, zero, residual, part.noise, largest, not parent.causes)
 
 
 def _divided(causes: Causes, parent: Hypothesis, record: Record) -> list[Model]:

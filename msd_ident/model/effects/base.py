@@ -288,9 +288,7 @@ class Effect:
     def placed(cls) -> bool:
         """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
         laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
-        return cls.knee not in (None, AT_ZERO) or (
-            not cls.memory and any("x" in arguments(law) for law in laws)
-        )
+        return cls.knee not in (None, AT_ZERO) or (not cls.memory and any("x" in arguments(law) for law in laws))
 
     @classmethod
     def is_scale(cls) -> bool:
