@@ -32,6 +32,9 @@ for _effect in LIBRARY:
     for _parameter in _effect.parameters:
         INDEX.setdefault(_parameter.name, len(INDEX))
 
+#: Laws that one test passes over where none of them acts.
+_GROUP = 5
+
 #: Bit of every effect in the kernel's set of active effects.
 BIT: dict[str, int] = {effect.name: 1 << i for i, effect in enumerate(LIBRARY)}
 
@@ -107,13 +110,13 @@ def _dispatcher(kind: str, given: str, start: str, join: str) -> Any:
     lines = [f"def {kind}(active, p, w, {given}):"]
     value = start if start in given.split(", ") else "value"
     lines += [f"    value = {start}"] if value == "value" else []
-    for effect in LIBRARY:
-        law = effect.laws().get(kind)
-        if law is None:
-            continue
-        function = f"{effect.name}_{kind}"
-        scope[function] = joined(with_own_sine(law))
-        lines += [f"    if active & {BIT[effect.name]}:", f"        {value} {join} {_call(function, law)}"]
+    having = [effect for effect in LIBRARY if kind in effect.laws()]
+    for group in (having[i : i + _GROUP] for i in range(0, len(having), _GROUP)):
+        lines.append(f"    if active & {sum(BIT[effect.name] for effect in group)}:")
+        for effect in group:
+            law, function = effect.laws()[kind], f"{effect.name}_{kind}"
+            scope[function] = joined(with_own_sine(law))
+            lines += [f"        if active & {BIT[effect.name]}:", f"            {value} {join} {_call(function, law)}"]
     lines.append(f"    return {value}")
     return _compile(kind, lines, scope)
 
