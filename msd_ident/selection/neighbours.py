@@ -80,6 +80,10 @@ class Neighbours:
         plain = [known[frozenset()]] if not worth or (causes & self.rippled and worth[0].causes) else []
         return worth + plain + [known[twin] for twin in twins if twin in known]
 
+    def singles_beside(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> int:
+        """How many single causes a set may start from, see ``parents``."""
+        return sum(len(one.causes) == 1 for one in self.parents(causes, known))
+
 
 def with_coulomb(causes: Causes) -> list[Causes]:
     """The sets with Coulomb friction in place of a law that holds it as a limit."""

@@ -11,16 +11,14 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from itertools import combinations
 from typing import TypeVar
 
 from msd_ident import parallel
-from msd_ident.estimate.effort import KEPT, LOOK
+from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
-from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import (
@@ -33,7 +31,8 @@ from msd_ident.selection.hypothesis import (
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
+from msd_ident.selection.promising import explaining, pairs
+from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, reduced
 from msd_ident.selection.starting_points import proposals
 
@@ -93,10 +92,13 @@ class Search:
         self._know((base, *known))
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
+        beside = self.neighbours.grown(frozenset({COULOMB})) if self._rubs(base) else []
+        self._fit(beside, 0.05, 0.2)
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
         leader = self._leader()
         if not self.at_floor(leader):
-            explain = [leader.causes, *self._explaining()]
+            self.tried -= {pair for pair in beside if self.neighbours.singles_beside(pair, self.sets) > 1}
+            explain = [leader.causes, *explaining(self.experiment, self.sets)]
             self._fit([other for causes in explain for other in self.neighbours.reformed(causes)], 0.35, 0.36)
             leader = self._leader()
         if self.carries_nothing:
@@ -107,10 +109,14 @@ class Search:
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self.neighbours.rippled) if causes]
             self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.35, 0.55)
         if not self.at_floor(self._leader()):
-            self._fit(self._pairs(), 0.55, 0.6)
+            self._fit(pairs(self.experiment, self.sets, self.ranking()), 0.55, 0.6)
         if not self.at_floor(self._leader()):
             # A cause may explain nothing until another one is there.
-            self._fit([pair for one in self._explaining() for pair in self.neighbours.grown(one)], 0.55, 0.6)
+            self._fit(
+                [pair for one in explaining(self.experiment, self.sets) for pair in self.neighbours.grown(one)],
+                0.55,
+                0.6,
+            )
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
@@ -136,30 +142,14 @@ class Search:
             self.sets[fitted.causes] = fitted
             self.tried.add(fitted.causes)
 
-    def _explaining(self) -> list[Causes]:
-        """The simple laws that leave least by themselves, and less than the base model does.
+    def _rubs(self, base: Hypothesis) -> bool:
+        """Whether Coulomb friction explains something and leaves more than noise: then the causes beside it come first.
 
-        Evidence counts features of the error: a law that takes most of one feature away may lose it to no law at all,
-        where another form of it takes all away. And a third law that acts like two of them may leave far less than each
-        alone.
+        Friction is what most often stands beside another cause. Where the two leave only noise, a single cause need be
+        followed only if it may come near to that.
         """
-        alone = [self.sets[one] for name in self.experiment.tried_alone if (one := frozenset({name})) in self.sets]
-        alone.sort(key=lambda fitted: fitted.chi)
-        return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * self.sets[NOTHING].chi]
-
-    def _pairs(self) -> list[Causes]:
-        """Pairs of the causes that leave least by themselves, of the likeliest ones, and of laws that are linear in
-        their parameters.
-
-        Where two causes act, each alone may leave more than a third one does that acts a little like both. That leaves
-        least where it is flexible; the evidence, which knows how much that says, still has both near. Two linear laws
-        have no start that could be missed.
-        """
-        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda fitted: fitted.chi)
-        near = [one.causes for one in alone[:LEADERS] if one.chi < COMPARABLE * alone[0].chi]
-        likely = [one.causes for one in self.ranking().within(NEAR) if len(one.causes) == 1][:LEADERS]
-        plain = [frozenset({name}) for name in self.experiment.tried_alone if by_name(name).is_linear()]
-        return [one | other for group in (near, likely, plain) for one, other in combinations(group, 2)]
+        rubbing = self.sets.get(frozenset({COULOMB}))
+        return rubbing is not None and rubbing.chi < (1.0 - TENTH) * base.chi and not self.at_floor(rubbing)
 
     @property
     def carries_nothing(self) -> bool:
