@@ -83,6 +83,31 @@ def test_a_motion_that_no_law_carries_is_not_searched_for_pairs(monkeypatch: pyt
         assert max(map(len, asked)) == largest
 
 
+def test_causes_beside_friction_come_before_single_ones_where_friction_explains_something(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Those that may start beside a single cause too are fitted once more from there, if no pair leaves only noise."""
+    data, bent = steps(), BASE + CubicSpring(1e6)
+    spring = frozenset(bent.effect_names)
+    for friction_left, first, times in ((0.5, 2, 2), (0.95, 1, 1)):
+        asked: list[frozenset[str]] = []
+
+        def fit_new(
+            search: Search, new: Sequence[frozenset[str]], *_: float, asked: list[frozenset[str]] = asked
+        ) -> None:
+            asked += new
+            if spring in new:
+                search.sets[spring] = fitted(data, bent, 0.3 * data.motion)
+
+        monkeypatch.setattr(Search, "_fit_new", fit_new)
+        search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+        base = fitted(data, BASE, 0.4 * data.motion)
+        search.run(base, [fitted(data, BASE + CoulombFriction(0.1), friction_left * base.chi)])
+        assert len(asked[0]) == first
+        assert asked.count(spring | {"coulomb_friction"}) == times
+        assert asked.count(frozenset({"quadratic_drag", "coulomb_friction"})) == 1
+
+
 def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_tried_too() -> None:
     data = steps()
     play, bent = BASE + Backlash(1e-3), BASE + CubicSpring(1e6)
