@@ -38,6 +38,15 @@ def safe_steps(point: FloatArray, steps: FloatArray, upper: FloatArray) -> Float
     return safe
 
 
+@njit(nogil=True, cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _product(one: FloatArray, other: FloatArray) -> float:
+    """Inner product; numpy's would bring a library of linear algebra into the compiled code, which loads longer."""
+    total = 0.0
+    for j in range(one.size):
+        total += one[j] * other[j]
+    return total
+
+
 @njit(nogil=True, cache=True, error_model="numpy")
 def broyden_update(
     move: FloatArray, change: FloatArray, jacobian: FloatArray, normal: FloatArray
@@ -62,12 +71,17 @@ def broyden_update(
         along[i] = size * move[i]
         length += along[i] * move[i]
     along /= length
-    surprise = change - move @ jacobian
-    across, further = jacobian @ surprise, surprise @ surprise
-    updated, matrix = np.empty_like(jacobian), np.empty_like(normal)
+    surprise = change.copy()
     for i in range(move.size):
         for j in range(change.size):
+            surprise[j] -= move[i] * jacobian[i, j]
+    further, across = _product(surprise, surprise), np.empty(move.size)
+    updated, matrix = np.empty_like(jacobian), np.empty_like(normal)
+    for i in range(move.size):
+        across[i] = _product(jacobian[i], surprise)
+        for j in range(change.size):
             updated[i, j] = jacobian[i, j] + along[i] * surprise[j]
+    for i in range(move.size):
         for k in range(move.size):
             matrix[i, k] = normal[i, k] + along[i] * across[k] + across[i] * along[k] + further * along[i] * along[k]
     return updated, matrix
@@ -102,6 +116,6 @@ def with_rows(
             matrix[i, i] = normal[places[i], places[i]]
     for i in range(places.size):
         if places[i] < 0:
-            products = larger @ larger[i]
-            matrix[i], matrix[:, i] = products, products
+            for k in range(places.size):
+                matrix[i, k] = matrix[k, i] = _product(larger[i], larger[k])
     return larger, matrix

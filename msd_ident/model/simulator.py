@@ -39,8 +39,9 @@ class Trajectory:
 
 
 _NOTHING: FloatArray = np.empty(0)
-#: What ``run.compare`` leaves readings as they are with.
-_NOT_COMPARED = (_NOTHING, _NOTHING, 0.0)
+#: What ``run.compare`` leaves readings as they are with. Like a record's, the positions cannot be written to: numba would
+#: compile the solver once more for arrays that can.
+_NOT_COMPARED = (np.frombuffer(b"", dtype=np.float64), _NOTHING, 0.0)
 
 
 def _to_stderr(line: str) -> None:

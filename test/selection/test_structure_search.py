@@ -20,7 +20,6 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.end_stop import EndStop
-from msd_ident.model.effects.modulated_disturbance import ModulatedDisturbance
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
@@ -155,42 +154,6 @@ def test_a_start_that_leaves_many_times_what_no_motion_leaves_is_not_followed() 
     assert np.isclose(search.sets[rubs].model["coulomb_force"], 0.03 * 9.81, rtol=0.01)
 
 
-def test_the_causes_that_leave_least_are_paired() -> None:
-    data = steps()
-    laws = {BASE + Backlash(1e-3): 300.0, BASE + CubicSpring(1e6): 200.0, BASE + CoulombFriction(0.1): 900.0}
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    alone = [fitted(data, model, left) for model, left in laws.items()]
-    pair = fitted(data, BASE + Backlash(1e-3) + CoulombFriction(0.1), 10.0)
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), *alone, pair)}
-    found = search._pairs()
-    assert frozenset({"backlash", "cubic_spring"}) in found
-    assert frozenset({"backlash", "coulomb_friction"}) not in found, "friction leaves more than four times as much"
-
-
-def test_the_likeliest_causes_are_paired_where_a_flexible_law_leaves_least() -> None:
-    """Drag and a drift of the stiffness in a free decay: a modulated disturbance leaves a fiftieth of either."""
-    data = steps()
-    laws = {
-        BASE + QuadraticDrag(1.0): 8e5,
-        BASE + StiffnessDrift(0.1): 5e5,
-        BASE + ModulatedDisturbance(1.0, 9.0, 0.0, 2.0, 0.1, 0.0, 0.1, 0.0): 1e4,
-    }
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    alone = [fitted(data, model, left) for model, left in laws.items()]
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 1e6), *alone)}
-    assert frozenset({"quadratic_drag", "stiffness_drift"}) in search._pairs()
-
-
-def test_laws_that_are_linear_in_their_parameters_are_paired_however_much_each_leaves() -> None:
-    """A cubic and a quadratic spring: one with two slopes leaves a twelfth of what each of them does."""
-    data = steps()
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), fitted(data, BASE + Backlash(1e-3), 10.0))}
-    found = search._pairs()
-    assert frozenset({"cubic_spring", "asymmetric_spring"}) in found
-    assert not any("backlash" in pair or "cogging" in pair for pair in found)
-
-
 def test_a_set_that_leads_is_fitted_to_the_end() -> None:
     experiment = rubbing()
     base, near = stood(experiment, BASE), stood(experiment, BASE + CoulombFriction(0.25))
@@ -281,17 +244,6 @@ def test_the_nearest_rival_of_a_law_is_not_passed_over_where_another_form_of_tha
     found = searched(rig, Plant(0.69, 2.6, 235.0))
     assert found.best.causes == {"backlash", "force_offset"}
     assert frozenset({"buffered_stop"}) in {one.causes for one in found.sets}
-
-
-def test_causes_that_a_third_one_imitates_are_paired_although_it_leaves_far_less() -> None:
-    """Ripples leave less than half of what play or a softening spring does alone; only these two together explain."""
-    data = steps()
-    laws = {BASE + Cogging(1.0, 0.01, 0.0): 40.0, BASE + Backlash(1e-3): 250.0, BASE + CubicSpring(1e6): 600.0}
-    alone = [fitted(data, model, left) for model, left in laws.items()]
-    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
-    search.sets = {one.causes: one for one in (fitted(data, BASE, 1200.0), *alone)}
-    pair = frozenset({"backlash", "cubic_spring"})
-    assert pair not in search._pairs() and frozenset({"backlash"}) in search._explaining()
 
 
 def test_dry_friction_is_divided_between_coulombs_and_a_law_that_holds_it() -> None:

@@ -1,0 +1,39 @@
+"""A simulator beside the record that it was made for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from msd_ident.data.record import Record
+from msd_ident.model import Plant, Simulator
+from msd_ident.model.simulator import _kernel
+
+TIME = np.arange(400) / 200.0
+RECORD = Record(time=TIME, position=1e-3 * np.sin(TIME), force_time=TIME[:1], force=np.ones(1))
+MODEL = Plant(1.0, 2.0, 400.0)
+
+
+def test_residuals_are_readings_less_the_measured_ones_times_the_roots_of_weights() -> None:
+    simulator, root = Simulator(MODEL, RECORD), np.linspace(0.5, 2.0, TIME.size)
+    rows = np.array([[1.0, 2.0, 400.0, 1e-3, 0.1, 0.0], [1.0, 3.0, 300.0, 0.0, 0.0, 2e-3]])
+    for row, found in zip(rows, simulator.residuals(rows, 1.0, root), strict=True):
+        simulated = simulator.positions(row[:3], row[3], row[4])
+        np.testing.assert_array_equal(found, (simulated - RECORD.position + row[5]) * root)
+
+
+def test_a_simulation_that_diverges_counts_as_its_worst() -> None:
+    """Without a spring and with a force that pushes on, a light mass leaves every bound."""
+    row = np.array([[1e-300, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    (found,) = Simulator(MODEL, RECORD).residuals(row, 7.0)
+    assert np.max(found) == 7.0
+    assert np.all(np.isfinite(found))
+
+
+def test_the_solver_is_compiled_once_for_all_that_it_is_asked() -> None:
+    simulator = Simulator(MODEL, RECORD)
+    simulator.positions(MODEL.values)
+    simulator.trajectory(MODEL.values)
+    simulator.residuals(np.zeros((1, 6)), 1.0)
+    simulator.residuals(np.zeros((1, 6)), 1.0, np.ones(TIME.size))
+    signatures = getattr(_kernel().run, "signatures", [()])  # none where numba compiles nothing
+    assert len(signatures) == 1
