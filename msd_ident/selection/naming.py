@@ -198,6 +198,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, so "
         "it is not certain. Record longer."
         for name in sorted(ranking.slow.get(named, ()))
+        if not ranking.best.model.effect(name).longest_pitch()
+    ]
+    said += [
+        f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
+        "another kind could do the same, so it is not certain. Move further."
+        for name in sorted(ranking.slow.get(named, ()))
+        if ranking.best.model.effect(name).longest_pitch()
     ]
     said += _aging(ranking)
     if not ranking.rich:

@@ -141,9 +141,16 @@ def _beyond(simple: Causes, same: Sequence[Causes], values: Mapping[Causes, floa
 
 
 def _slow(fitted: Hypothesis) -> frozenset[str]:
-    """Effects that bring a motion of which the longest record holds less than a period."""
+    """Effects that bring a motion of which the longest record holds less than a period, or repeat along the travel and
+    are not seen twice on the longest way.
+    """
     longest = max(record.duration for record in fitted.problem.records)
-    return frozenset(effect.name for effect in fitted.model.effects if effect.longest_period() > longest)
+    widest = max(float(np.ptp(record.position)) for record in fitted.problem.records)
+    return frozenset(
+        effect.name
+        for effect in fitted.model.effects
+        if effect.longest_period() > longest or 2.0 * effect.longest_pitch() > widest
+    )
 
 
 def _forms(causes: Causes) -> int:

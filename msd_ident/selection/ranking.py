@@ -73,8 +73,8 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
-        slow: causes of a set that bring a motion of which the records hold less than a period: a drift of another kind
-            may do the same, so they are not certain.
+        slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
+            less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
