@@ -179,6 +179,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     named = ranking.best.causes
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
+        if first := sorted(one for one in named if name in ranking.curved_by(named, one)):
+            said.append(
+                f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
+                "explains much that the others do not: together they come near any other curve, so none of them is "
+                "certain."
+            )
+            continue
         rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
         said.append(
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "

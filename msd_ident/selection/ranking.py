@@ -180,13 +180,25 @@ class Ranking:
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
         if aged or law in self.slow.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
-        if causes in self.leaves:
+        if causes in self.leaves or self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = self.clear.get(causes, {}).get(law, math.inf)
             clear *= max(min(clear, _usual(effect)), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
         return probability_at(odds)
+
+    def curved_by(self, causes: Causes, law: str) -> frozenset[str]:
+        """Further curves of a set, of the spring or of the sensor as a law is, that explain so much beyond the others
+        that the curve has not the law's form.
+
+        Where the set leaves more than noise, a further curve may be an error of the first one's form (``further``). If
+        that error is more than ``FORM_PART``, the first law is not this rig's either: two curves come near any third.
+        """
+        if causes in self.exact:
+            return frozenset()
+        large = (one for one, part in self.further.get(causes, {}).items() if part > FORM_PART and one != law)
+        return frozenset(one for one in large if by_name(law).bends_as(by_name(one)))
 
     def _of_its_own(self, causes: Causes, law: str) -> float:
         """Greatest odds that a cause which may be another form of the other laws acts by itself.
