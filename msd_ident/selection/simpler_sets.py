@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
@@ -57,7 +58,14 @@ def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Caus
             yield causes, model + DryFriction(fitted.model[HOLDING_COULOMB[name]]), fitted.initial
     for causes, model in imitated(fitted.model).items():
         if causes - fitted.causes <= set(library):
-            yield causes, model, fitted.initial
+            yield causes, model, _counted(fitted, model)
+
+
+def _counted(fitted: Hypothesis, model: Model) -> tuple[Initial, ...]:
+    """The states of a set, counted from where the effects of a model count that it has not."""
+    new = (effect for effect in model.effects if effect.name not in fitted.causes)
+    zero = math.fsum(effect.zero_in(fitted.model) for effect in new)
+    return tuple(replace(one, position=one.position - zero, zero=one.zero + zero) for one in fitted.initial)
 
 
 def _simple_law(model: Model, name: str) -> Effect | None:

@@ -375,6 +375,11 @@ class Effect:
         del other, model
         return None
 
+    def zero_in(self, model: Model) -> float:
+        """Position [m] in a fitted model, one of whose effects it takes the place of, from which it counts."""
+        del model
+        return 0.0
+
     @classmethod
     def is_all_of(cls, other: Effect, model: Model) -> bool:
         """Whether another effect of the model, with the values that it has, comes to this one and nothing more."""
