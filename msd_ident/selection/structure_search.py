@@ -34,7 +34,7 @@ from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingP
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import rank
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
-from msd_ident.selection.simpler_sets import equal_to, reduced
+from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.starting_points import proposals
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
@@ -126,7 +126,7 @@ class Search:
         """
         self._know(sets)
         best = self.ranking().best
-        for causes, model, initial in reduced(best, self.experiment.library):
+        for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
 
@@ -239,7 +239,7 @@ class Search:
         if best.causes in self.pruned:
             return best
         self.pruned.add(best.causes)
-        for causes, model, initial in reduced(best, self.experiment.library):
+        for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial)
         return self._leader()
 
