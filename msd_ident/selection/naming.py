@@ -213,6 +213,11 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         for name in sorted(ranking.slow.get(named, ()))
         if ranking.best.model.effect(name).longest_pitch()
     ]
+    said += [
+        f"nothing of {spoken(name)} is seen in motion: it only holds the cart where it rests, and a force that acts "
+        "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
+        for name in sorted(ranking.held.get(named, ()))
+    ]
     said += _aging(ranking)
     if not ranking.rich:
         said += [

@@ -75,6 +75,8 @@ class Ranking:
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
+        held: causes of a set that hold the cart at rest and do nothing in motion: a force that acts only while the
+            drive is on, or off, may do the same, so they are not certain.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
@@ -91,6 +93,7 @@ class Ranking:
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
+    held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     unchecked: bool = False
     foretold: bool = False
     rich: bool = False
@@ -142,6 +145,7 @@ class Ranking:
             exact=self.exact | ({new} if old in self.exact else set()),
             clear={**self.clear, new: told(self.clear.get(old, {}))},
             slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
+            held={**self.held, new: frozenset(names.get(name, name) for name in self.held.get(old, ()))},
         )
 
     def of_set(self, causes: Causes) -> float:
@@ -178,7 +182,7 @@ class Ranking:
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
-        if aged or law in self.slow.get(causes, ()):
+        if aged or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves or self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)

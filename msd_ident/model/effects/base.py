@@ -208,6 +208,15 @@ class Effect:
         """Force [N] by which the cart may stand off the balance of all others."""
         return sum(value for parameter, value in zip(self.parameters, self.values, strict=True) if parameter.holds)
 
+    def rubs(self, speed: float) -> float:
+        """Dry friction [N] at a speed [m/s], at position 0 with the spring relaxed; NaN without such a law."""
+        law = self.laws().get("friction")
+        if law is None:
+            return math.nan
+        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | dict(self.memory)
+        given |= {**dict.fromkeys(ARGUMENTS, 0.0), "v": speed, "speed": speed, "direction": 1.0}
+        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+
     def keeps_gain(self) -> bool:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
