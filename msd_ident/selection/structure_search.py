@@ -97,7 +97,9 @@ class Search:
         leader = self._leader()
         if not self.at_floor(leader):
             explain = [leader.causes, *self._explaining()]
-            self._fit([other for causes in explain for other in self.neighbours.reformed(causes)], 0.35, 0.36)
+            forms = [other for causes in explain for other in self.neighbours.reformed(causes)]
+            # A form, which has more numbers, may do what friction does beside a simple law: none comes first.
+            self._fit([*forms, *(causes | {COULOMB} for causes in explain)], 0.35, 0.36)
             leader = self._leader()
         if self.carries_nothing:
             return self.ranking()
