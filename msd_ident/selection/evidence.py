@@ -190,11 +190,19 @@ def occam(fitted: Hypothesis, variance: float) -> float:
     information = fitted.information * np.outer(size, size) / variance
     information[np.diag_indices_from(information)] += 1.0  # the prior of the plant's
     cross = information[np.ix_(own, ~own)]
-    about = information[np.ix_(own, own)] - cross @ np.linalg.solve(information[np.ix_(~own, ~own)], cross.T)
+    about = information[np.ix_(own, own)] - cross @ _solved(information[np.ix_(~own, ~own)], cross.T)
     exact = {name for cause in fitted.causes for name in by_name(cause).exact}
     wander = np.array([0.0 if name in exact else LEAST_SPREAD**2 for name in names[own]])
     covariance = np.linalg.pinv(about, hermitian=True) + np.diag(wander)
     return max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
+
+
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Solution (n, m) of a symmetric system (n, n), the shortest one if rounding leaves none to the matrix."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(matrix, hermitian=True) @ right)
 
 
 def log_prior(causes: Causes) -> float:

@@ -6,6 +6,8 @@ e^(rate·time), and what it leaves of the whole record says nothing about it. Wh
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from msd_ident.data.record import FloatArray
@@ -18,6 +20,8 @@ Start = tuple[Weighting, FloatArray]
 
 #: Equal parts of the records, by which a fit grows.
 _PARTS = 2**LOOK
+#: Angle [rad] from the record beyond which a start is nearer to another turn.
+_PARTED = math.pi
 
 
 def grown(starts: list[Start], keep: int) -> list[Start]:
@@ -38,16 +42,21 @@ def grown(starts: list[Start], keep: int) -> list[Start]:
 def _followed(weighting: Weighting, point: FloatArray) -> tuple[int, float]:
     """How many parts of the records a start follows, at least one, and the chi² that it leaves on them.
 
-    It follows where it leaves less than a quarter of the chi² of a cart that stands still at the mean position.
+    It follows where it leaves less than a quarter of the chi² of a cart that stands still at the mean position, up to
+    the first part in which it is half a turn off: it has gone round once more or less, however little that is of a
+    motion of many turns.
     """
-    left, still = np.zeros(_PARTS), np.zeros(_PARTS)
+    left, still, off = np.zeros(_PARTS), np.zeros(_PARTS), np.zeros(_PARTS)
     for r, (record, root) in enumerate(zip(weighting.problem.records, weighting.roots, strict=True)):
-        residual, position = root * weighting.problem.residual(point, r), record.position
+        angle, position = weighting.problem.residual(point, r), record.position
+        residual = root * angle
         for part in range(_PARTS):
             end = max((part + 1) * record.samples // _PARTS, 1)
             left[part] += float(residual[:end] @ residual[:end])
             still[part] += float(np.sum((root[:end] * (position[:end] - np.mean(position[:end]))) ** 2))
-    parts = int(np.max(np.flatnonzero(left < MOST_OF**2 * still), initial=0))
+            off[part] = max(off[part], float(np.max(np.abs(angle[:end]))))
+    near = np.flatnonzero((left < MOST_OF**2 * still) & (off < _PARTED))
+    parts = int(np.max(near, initial=0))
     return parts + 1, float(left[parts])
 
 

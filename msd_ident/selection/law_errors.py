@@ -94,7 +94,7 @@ def other_forms(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float)
         if part <= (FORM_PART if sets[_fitted(causes - {name}, sets)].chi < ROUGH**2 * noise else LEAST_SPREAD)
     }
     if not leaves_noise(sets[causes], noise):
-        found |= {name: parts[name] for name in _further_curves(causes, parts) if name in parts}
+        found |= {name: parts.get(name, math.inf) for name in _further_curves(causes, parts)}
     for name in causes & set(HOLDING_COULOMB):
         limit = causes - {name} | {COULOMB}
         part = _part_beyond(limit, causes, sets)

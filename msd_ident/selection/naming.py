@@ -179,6 +179,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     named = ranking.best.causes
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
+        if first := sorted(one for one in named if name in ranking.curved_by(named, one)):
+            said.append(
+                f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
+                "explains much that the others do not: together they come near any other curve, so none of them is "
+                "certain."
+            )
+            continue
         rest = named - {name} or frozenset({COULOMB})  # alone it is compared with its own limit
         said.append(
             f"{spoken(name)} explains {max(100.0 * part, 1.0):.0f} % of what {_explaining(rest)}: another form of that "
@@ -198,6 +205,18 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, so "
         "it is not certain. Record longer."
         for name in sorted(ranking.slow.get(named, ()))
+        if not ranking.best.model.effect(name).longest_pitch()
+    ]
+    said += [
+        f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
+        "another kind could do the same, so it is not certain. Move further."
+        for name in sorted(ranking.slow.get(named, ()))
+        if ranking.best.model.effect(name).longest_pitch()
+    ]
+    said += [
+        f"nothing of {spoken(name)} is seen in motion: it only holds the cart where it rests, and a force that acts "
+        "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
+        for name in sorted(ranking.held.get(named, ()))
     ]
     said += _aging(ranking)
     if not ranking.rich:

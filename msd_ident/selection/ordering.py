@@ -7,11 +7,13 @@ not a further cause.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
-from msd_ident.estimate.levels import TENTH
+from msd_ident.estimate.levels import NEGLIGIBLE, TENTH
 from msd_ident.model.effects import by_name
+from msd_ident.model.effects.typical import speed
 from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_prior
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
 from msd_ident.selection.law_errors import clearness, leaves_noise, left_over, other_forms, within_law_error
@@ -48,7 +50,8 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         tuple(float(w) for w in weights),
         further={causes: other_forms(causes, sets, scale.noise) for causes in order},
         exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
-        slow={causes: _slow(sets[causes]) for causes in order},
+        slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
+        held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > FORM_PART},
     )
@@ -141,9 +144,26 @@ def _beyond(simple: Causes, same: Sequence[Causes], values: Mapping[Causes, floa
 
 
 def _slow(fitted: Hypothesis) -> frozenset[str]:
-    """Effects that bring a motion of which the longest record holds less than a period."""
+    """Effects that bring a motion of which the longest record holds less than a period, or repeat along the travel and
+    are not seen twice on the longest way.
+    """
     longest = max(record.duration for record in fitted.problem.records)
-    return frozenset(effect.name for effect in fitted.model.effects if effect.longest_period() > longest)
+    widest = max(float(np.ptp(record.position)) for record in fitted.problem.records)
+    return frozenset(
+        effect.name
+        for effect in fitted.model.effects
+        if effect.longest_period() > longest or 2.0 * effect.longest_pitch() > widest
+    )
+
+
+def _held(fitted: Hypothesis) -> frozenset[str]:
+    """Effects that hold the cart at rest, and of which nothing is left as soon as it moves."""
+    slowest = NEGLIGIBLE * max(speed(record) for record in fitted.problem.records)
+    return frozenset(
+        effect.name
+        for effect in fitted.model.effects
+        if effect.holding > 0.0 and effect.rubs(slowest) <= NEGLIGIBLE * effect.holding
+    )
 
 
 def _forms(causes: Causes) -> int:

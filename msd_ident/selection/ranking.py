@@ -73,8 +73,10 @@ class Ranking:
             its laws are not those of the rig, so none of its causes is certain.
         exact: sets that leave only noise: no error of their laws is seen.
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
-        slow: causes of a set that bring a motion of which the records hold less than a period: a drift of another kind
-            may do the same, so they are not certain.
+        slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
+            less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
+        held: causes of a set that hold the cart at rest and do nothing in motion: a force that acts only while the
+            drive is on, or off, may do the same, so they are not certain.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
@@ -91,6 +93,7 @@ class Ranking:
     exact: frozenset[Causes] = frozenset()
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
+    held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     unchecked: bool = False
     foretold: bool = False
     rich: bool = False
@@ -142,6 +145,7 @@ class Ranking:
             exact=self.exact | ({new} if old in self.exact else set()),
             clear={**self.clear, new: told(self.clear.get(old, {}))},
             slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
+            held={**self.held, new: frozenset(names.get(name, name) for name in self.held.get(old, ()))},
         )
 
     def of_set(self, causes: Causes) -> float:
@@ -178,15 +182,27 @@ class Ranking:
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
-        if aged or law in self.slow.get(causes, ()):
+        if aged or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
-        if causes in self.leaves:
+        if causes in self.leaves or self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = self.clear.get(causes, {}).get(law, math.inf)
             clear *= max(min(clear, _usual(effect)), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
         return probability_at(odds)
+
+    def curved_by(self, causes: Causes, law: str) -> frozenset[str]:
+        """Further curves of a set, of the spring or of the sensor as a law is, that explain so much beyond the others
+        that the curve has not the law's form.
+
+        Where the set leaves more than noise, a further curve may be an error of the first one's form (``further``). If
+        that error is more than ``FORM_PART``, the first law is not this rig's either: two curves come near any third.
+        """
+        if causes in self.exact:
+            return frozenset()
+        large = (one for one, part in self.further.get(causes, {}).items() if part > FORM_PART and one != law)
+        return frozenset(one for one in large if by_name(law).bends_as(by_name(one)))
 
     def _of_its_own(self, causes: Causes, law: str) -> float:
         """Greatest odds that a cause which may be another form of the other laws acts by itself.

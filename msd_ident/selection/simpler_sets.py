@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import Effect, by_name
+from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import (
     COULOMB,
     HOLDING_COULOMB,
@@ -18,6 +20,9 @@ from msd_ident.selection.hypothesis import (
     imitated,
     without,
 )
+
+#: A set, and the model and the initial states to start it from.
+Start = tuple[Causes, Model, Sequence[Initial]]
 
 
 def equal_to(fitted: Hypothesis) -> dict[Causes, Model]:
@@ -37,11 +42,12 @@ def _equal_to(fitted: Hypothesis) -> dict[Causes, Model]:
     return found
 
 
-def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Causes, Model, Sequence[Initial]]]:
+def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[Start]:
     """Sets simpler than a fitted one, each with a model and initial states to start from.
 
     Those with one cause less, with the simple law for another form of it, with Coulomb friction for a law that has it
-    as a limit, or with an effect that one of the causes may imitate.
+    as a limit, or with an effect that one of the causes may imitate. A set may come twice, with the other parameters
+    moved and as they are: where a cause does nothing but hold the cart in another place, each move makes it slip.
 
     Args:
         fitted: the set.
@@ -50,6 +56,7 @@ def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Caus
     for name in sorted(fitted.causes):
         model = replace(fitted.model, effects=tuple(e for e in fitted.model.effects if e.name != name))
         yield fitted.causes - {name}, *without(fitted, name)
+        yield fitted.causes - {name}, model, fitted.initial
         if simple := _simple_law(fitted.model, name):
             yield fitted.causes - {name} | {simple.name}, model + simple, fitted.initial
         causes = fitted.causes - {name} | {COULOMB}
@@ -57,7 +64,33 @@ def reduced(fitted: Hypothesis, library: Collection[str]) -> Iterator[tuple[Caus
             yield causes, model + DryFriction(fitted.model[HOLDING_COULOMB[name]]), fitted.initial
     for causes, model in imitated(fitted.model).items():
         if causes - fitted.causes <= set(library):
-            yield causes, model, fitted.initial
+            yield causes, model, _counted(fitted, model)
+
+
+def nearest(experiment: Experiment, fitted: Hypothesis) -> list[Start]:
+    """The sets simpler than a fitted one (``reduced``), each once, with the start that leaves least.
+
+    Args:
+        experiment: readings with their weights.
+        fitted: the set.
+    """
+
+    def left(start: Start) -> float:
+        _, weighting, point = formulated(experiment, *start[1:])
+        residual = weighting.residual(point)
+        return float(residual @ residual)
+
+    found: dict[Causes, list[Start]] = {}
+    for start in reduced(fitted, experiment.library):
+        found.setdefault(start[0], []).append(start)
+    return [starts[0] if len(starts) == 1 else min(starts, key=left) for starts in found.values()]
+
+
+def _counted(fitted: Hypothesis, model: Model) -> tuple[Initial, ...]:
+    """The states of a set, counted from where the effects of a model count that it has not."""
+    new = (effect for effect in model.effects if effect.name not in fitted.causes)
+    zero = math.fsum(effect.zero_in(fitted.model) for effect in new)
+    return tuple(replace(one, position=one.position - zero, zero=one.zero + zero) for one in fitted.initial)
 
 
 def _simple_law(model: Model, name: str) -> Effect | None:

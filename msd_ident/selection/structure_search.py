@@ -33,7 +33,7 @@ from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_
 from msd_ident.selection.ordering import rank
 from msd_ident.selection.promising import explaining, pairs
 from msd_ident.selection.ranking import Ranking
-from msd_ident.selection.simpler_sets import equal_to, reduced
+from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.starting_points import proposals
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
@@ -99,7 +99,9 @@ class Search:
         if not self.at_floor(leader):
             self.tried -= {pair for pair in beside if self.neighbours.singles_beside(pair, self.sets) > 1}
             explain = [leader.causes, *explaining(self.experiment, self.sets)]
-            self._fit([other for causes in explain for other in self.neighbours.reformed(causes)], 0.35, 0.36)
+            forms = [other for causes in explain for other in self.neighbours.reformed(causes)]
+            # A form, which has more numbers, may do what friction does beside a simple law: none comes first.
+            self._fit([*forms, *(causes | {COULOMB} for causes in explain)], 0.35, 0.36)
             leader = self._leader()
         if self.carries_nothing:
             return self.ranking()
@@ -132,7 +134,7 @@ class Search:
         """
         self._know(sets)
         best = self.ranking().best
-        for causes, model, initial in reduced(best, self.experiment.library):
+        for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial, math.inf if causes in self.sets else COMPARABLE * best.chi)
         return self.ranking()
 
@@ -229,7 +231,7 @@ class Search:
         if best.causes in self.pruned:
             return best
         self.pruned.add(best.causes)
-        for causes, model, initial in reduced(best, self.experiment.library):
+        for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial)
         return self._leader()
 

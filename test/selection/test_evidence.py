@@ -152,3 +152,11 @@ def test_rounding_at_rest_is_no_slow_noise(noise: float, shown: bool) -> None:
     one = fitted(Experiment((part,), BASE, frozenset()), BASE, 1.0)
     one = replace(one, state=replace(one.state, residual=(record.position - motion) * part.root))
     assert (evidence.scale_from([one], [part]).spectrum is not None) is shown
+
+
+def test_parameters_that_rounding_makes_one_still_have_an_evidence() -> None:
+    """So well known that the prior is lost beside them: the diagnosis of a ramp ended in an error."""
+    same = np.full((2, 2), 1.0)
+    assert evidence._solved(same, np.full((2, 1), 2.0)) == pytest.approx(np.ones((2, 1)))
+    other = np.array([[2.0, 1.0], [1.0, 3.0]])
+    assert np.array_equal(evidence._solved(other, np.eye(2)), np.linalg.solve(other, np.eye(2)))

@@ -5,19 +5,27 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from setrigs import BASE, fitted, odds, ranked, steps
 
+from msd_ident.model import Effect
 from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
+from msd_ident.model.effects.cogging import Cogging
+from msd_ident.model.effects.cogging_harmonic import CoggingHarmonic
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.eccentricity_harmonic import EccentricityHarmonic
 from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
+from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.modulated_disturbance import ModulatedDisturbance
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
+from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.second_mode import SecondMode
+from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import naming
@@ -208,6 +216,52 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
     assert replace(tones, second_tone_amplitude=0.0).longest_period() == pytest.approx(1.0)
     bands = ModulatedDisturbance(1.0, 6.0, 0.0, 5.0, 0.5, 0.0, 0.0, 0.0)
     assert bands.longest_period() == pytest.approx(2.0 * math.pi)
+
+
+@pytest.mark.parametrize("turns", [1.9, 2.1])
+def test_what_is_not_seen_to_repeat_along_the_travel_is_not_certain(experiment: Experiment, turns: float) -> None:
+    """A sensor bent like tanh³ was "explained" as an eccentric wheel that turned 1.64 times, with 1.000."""
+    pitch = float(np.ptp(experiment.records[0].position)) / turns
+    wheels = (
+        SensorEccentricity(1e-4, pitch, 0.3),
+        EccentricityHarmonic(1e-4, pitch, 0.3, 1e-5, 0.0),
+        EccentricityHarmonic(1e-5, 2.0 * pitch, 0.3, 1e-4, 0.0),  # an oval wheel: its error repeats twice a turn
+    )
+    for effect in (*wheels, Cogging(0.1, pitch, 0.0), CoggingHarmonic(0.1, pitch, 0.0, 0.01, 0.0)):
+        assert effect.longest_pitch() == pytest.approx(pitch)
+        found = ranked(
+            {
+                "nothing": fitted(experiment, BASE, 840.0 * 100.0**2),
+                "turns": fitted(experiment, BASE + effect, 840.0),
+            }
+        )
+        assert found.of_cause(effect.name) == pytest.approx(1.0 if turns > 2.0 else CERTAIN, abs=0.01)
+        said = any("does not show that it repeats" in one for one in naming.other_forms(found))
+        assert said is (turns < 2.0)
+    assert QuadraticDrag(1.0).longest_pitch() == PeriodicDisturbance(0.1, 5.0, 0.0).longest_pitch() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("effect", "sure"),
+    [
+        (StribeckFriction(0.0, 0.4, 1e-4), False),
+        (StribeckFriction(0.05, 0.4, 1e-4), True),
+        (StribeckFriction(0.0, 0.4, 0.1), True),
+        (CoulombFriction(0.4), True),
+        (Hysteresis(0.4, 1e-3), True),
+        (PositionDependentFriction(0.4, 1.0), True),
+    ],
+)
+def test_friction_of_which_nothing_is_seen_in_motion_is_not_certain(
+    experiment: Experiment, effect: Effect, sure: bool
+) -> None:
+    """A drive with a dead zone of two sides was given such friction, with 1.000: it held the cart before the start."""
+    found = ranked(
+        {"nothing": fitted(experiment, BASE, 840.0 * 100.0**2), "held": fitted(experiment, BASE + effect, 840.0)}
+    )
+    assert found.best.causes == {effect.name}
+    assert found.of_cause(effect.name) == pytest.approx(1.0 if sure else CERTAIN, abs=0.01)
+    assert any("only holds the cart" in one for one in naming.other_forms(found)) is not sure
 
 
 def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(experiment: Experiment) -> None:

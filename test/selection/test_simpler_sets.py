@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from setrigs import BASE, steps, stood
+from setrigs import BASE, pushed, steps, stood
 
 from msd_ident.model import Effect
 from msd_ident.model.effects.bouc_wen import BoucWen
@@ -14,7 +16,7 @@ from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_dead_zone import ForceDeadZone
 from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
-from msd_ident.selection.simpler_sets import equal_to, reduced
+from msd_ident.selection.simpler_sets import equal_to, nearest, reduced
 
 
 @pytest.mark.parametrize(
@@ -47,3 +49,18 @@ def test_coulomb_friction_stands_for_a_law_that_holds_it() -> None:
     curve = stood(steps(), BASE + StribeckFriction(0.3, 0.6, 0.05))
     found = {causes: model for causes, model, _ in reduced(curve, ())}
     assert found[frozenset({"coulomb_friction"})] == BASE + CoulombFriction(0.3)
+
+
+@pytest.mark.parametrize(("strength", "sense"), [(1e5, 1.0), (1e-3, 1e12)])
+def test_a_simpler_set_starts_where_it_leaves_least(strength: float, sense: float) -> None:
+    """Beside friction that only holds the cart a move of the other parameters made it slip, and a drift of nothing was
+    named for that. ``sense``: by how much the Jacobian overrates the effect that is left out.
+    """
+    data = pushed(CubicSpring(strength))
+    one = stood(data, BASE + CubicSpring(strength))
+    rows = one.state.jacobian.copy()
+    rows[one.problem.names.index("cubic_stiffness")] *= sense
+    one = replace(one, state=replace(one.state, jacobian=rows))
+    (start,) = nearest(data, one)
+    assert start[0] == frozenset()
+    assert (start[1] == BASE) is (sense > 1.0), "else the plant makes up for what it loses"

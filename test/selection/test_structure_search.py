@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import pytest
@@ -15,11 +15,13 @@ from msd_ident.model import Model, Plant
 from msd_ident.model import simulate as trajectory_of
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
+from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_gain_nonlinearity import ForceGainNonlinearity
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.stiffness_drift import StiffnessDrift
@@ -306,3 +308,26 @@ def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypat
     search._around_likeliest()
     assert frozenset({"cogging", "stribeck_friction"}) in asked, "another law in place of one"
     assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"
+
+
+def test_friction_beside_a_simple_law_is_fitted_together_with_the_forms_of_it() -> None:
+    """A drive at its limit with dry friction was "explained" by a stop with buffers, with 0.95: its four numbers left
+    only noise, so that nothing else was fitted.
+    """
+    data = steps()
+    stop, limit, buffers = EndStop(2e-3, 500.0), ForceGainNonlinearity(0.0, 2.0), BufferedStop(0.0, 2e-3, 500.0, 5.0)
+    search = Search(data, lambda fitted: "buffered_stop" in fitted.causes, lambda stage, part, cause: None)
+    asked: list[set[frozenset[str]]] = []
+
+    def fit(wanted: Iterable[frozenset[str]], start: float, end: float) -> bool:
+        models = {BASE + stop: 3e4, BASE + limit: 4e4} if not asked else {BASE + buffers: 840.0}
+        search.sets |= {one.causes: one for model, chi in models.items() if (one := fitted(data, model, chi))}
+        asked.append(set(wanted))
+        return True
+
+    search._fit = fit  # type: ignore[method-assign]
+    search._walk = search.ranking  # type: ignore[method-assign]
+    search.run(fitted(data, BASE, 9e6))
+    assert len(asked) == 2, "the stop with buffers leaves only noise"
+    beside = {frozenset({name, "coulomb_friction"}) for name in ("end_stop", "force_gain_nonlinearity")}
+    assert asked[1] >= beside | {frozenset({"buffered_stop"})}

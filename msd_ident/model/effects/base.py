@@ -209,6 +209,15 @@ class Effect:
         """Force [N] by which the cart may stand off the balance of all others."""
         return sum(value for parameter, value in zip(self.parameters, self.values, strict=True) if parameter.holds)
 
+    def rubs(self, speed: float) -> float:
+        """Dry friction [N] at a speed [m/s], at position 0 with the spring relaxed; NaN without such a law."""
+        law = self.laws().get("friction")
+        if law is None:
+            return math.nan
+        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | dict(self.memory)
+        given |= {**dict.fromkeys(ARGUMENTS, 0.0), "v": speed, "speed": speed, "direction": 1.0}
+        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+
     def keeps_gain(self) -> bool:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
         return True
@@ -225,6 +234,10 @@ class Effect:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
         least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
         return 2.0 * math.pi / least if least > 0.0 else math.inf
+
+    def longest_pitch(self) -> float:
+        """Pitch [m] of what it repeats along the travel, the longest if it has several; 0 if it repeats nothing."""
+        return float(getattr(self, self.harmonic.scanned)) if self.harmonic and self.harmonic.over == PLACE else 0.0
 
     def tones(self) -> tuple[float, ...]:
         """Angular frequencies [rad/s] of its harmonic terms over time."""
@@ -370,6 +383,11 @@ class Effect:
         """
         del other, model
         return None
+
+    def zero_in(self, model: Model) -> float:
+        """Position [m] in a fitted model, one of whose effects it takes the place of, from which it counts."""
+        del model
+        return 0.0
 
     @classmethod
     def is_all_of(cls, other: Effect, model: Model) -> bool:

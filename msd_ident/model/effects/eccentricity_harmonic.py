@@ -41,6 +41,10 @@ class EccentricityHarmonic(Effect):
     piecewise_linear = True
     mirror = False
 
+    def longest_pitch(self) -> float:
+        """Of the larger one of the two errors: a turn of the wheel, or half of it."""
+        return self.eccentricity_pitch * (1.0 if self.eccentricity > self.second_eccentricity else 0.5)
+
     @staticmethod
     def reading(
         x: float,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from msd_ident.model.declarations import Parameter
+from msd_ident.model.declarations import PLACE, Harmonic, Parameter
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import SOFTENS, Effect
 
@@ -25,6 +25,11 @@ def _turned(x: Any) -> Any:
 def _quarter_on(x: Any) -> Any:
     """The same a quarter turn further."""
     return np.cos(x)
+
+
+def _ripple(effect: Effect) -> Harmonic | None:
+    """The harmonic term of an effect over the travel; None if it has none."""
+    return effect.harmonic if effect.harmonic is not None and effect.harmonic.over == PLACE else None
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,20 @@ class Gravity(Effect):
     def force(x: float, gravity_moment: float) -> float:
         """Moment [N·m] against +x."""
         return gravity_moment * math.sin(x)
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """A ripple whose pitch is nearer to one turn than to a half or to two: on a joint this is gravity."""
+        term = _ripple(other)
+        if term is None or not 0.5 < math.log2(other.longest_pitch() / math.pi) < 1.5:
+            return None
+        others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
+        return replace(model, effects=(*others, cls(getattr(other, term.amplitude))))
+
+    def zero_in(self, model: Model) -> float:
+        """Where the sine of the ripple begins, near the reading from which the model counts."""
+        found = ((effect, term) for effect in model.effects if (term := _ripple(effect)))
+        return next((-math.remainder(getattr(effect, term.phase), 2.0 * math.pi) for effect, term in found), 0.0)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[Gravity, ...]:

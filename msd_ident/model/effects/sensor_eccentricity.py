@@ -44,6 +44,10 @@ class SensorEccentricity(Effect):
     piecewise_linear = True
     mirror = False
 
+    def longest_pitch(self) -> float:
+        """One turn of the wheel."""
+        return self.eccentricity_pitch
+
     @staticmethod
     def reading(x: float, eccentricity: float, eccentricity_pitch: float, eccentricity_phase: float) -> float:
         """What the sensor says [m]."""
