@@ -93,7 +93,8 @@ class Search:
         for causes, model, initial in remembered:
             self._keep(refine(self.experiment, causes, model, initial))
         beside = self.neighbours.grown(frozenset({COULOMB})) if self._rubs(base) else []
-        self._fit(beside, 0.05, 0.2)
+        if beside:
+            self._fit(beside, 0.05, 0.2)
         self._fit([frozenset({name}) for name in self.experiment.tried_alone], 0.05, 0.35)
         leader = self._leader()
         if not self.at_floor(leader):
@@ -114,11 +115,8 @@ class Search:
             self._fit(pairs(self.experiment, self.sets, self.ranking()), 0.55, 0.6)
         if not self.at_floor(self._leader()):
             # A cause may explain nothing until another one is there.
-            self._fit(
-                [pair for one in explaining(self.experiment, self.sets) for pair in self.neighbours.grown(one)],
-                0.55,
-                0.6,
-            )
+            alone = explaining(self.experiment, self.sets)
+            self._fit([pair for one in alone for pair in self.neighbours.grown(one)], 0.55, 0.6)
         return self._walk()
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
