@@ -216,7 +216,7 @@ class Effect:
             return math.nan
         given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | dict(self.memory)
         given |= {**dict.fromkeys(ARGUMENTS, 0.0), "v": speed, "speed": speed, "direction": 1.0}
-        return float(law(*(given[name] for name in inspect.signature(law).parameters)))
+        return float(law(*(given[name] for name in arguments(law))))
 
     def keeps_gain(self) -> bool:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
