@@ -8,6 +8,7 @@ columns of that Jacobian are reused, and later steps update them from the simula
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +20,9 @@ from msd_ident.estimate.damped_step import damped_step
 from msd_ident.estimate.jacobian import broyden_update, safe_steps, with_rows
 from msd_ident.estimate.levels import DAMPING, STUCK
 from msd_ident.estimate.problem import Problem
+from msd_ident.tuning import fixed
+
+_TOGETHER = fixed(1_000_000, "resources", "readings that are simulated in one call: starts of a set, side by side")
 
 
 @dataclass(frozen=True)
@@ -104,25 +108,32 @@ class Weighting:
         return self.exact(state.point, self.steps(state), state.residual)
 
     def columns(
-        self, point: FloatArray, entries: npt.NDArray[np.intp], steps: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Weighted residual (n,) at a point, and its derivatives (q, n) with respect to some entries of the vector.
+        self, points: Sequence[FloatArray], entries: npt.NDArray[np.intp], steps: FloatArray
+    ) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Weighted residual (n,) at each point, and its derivatives (q, n) with respect to some entries of the vector.
 
         Args:
-            point: (p,) vector of the problem.
+            points: (p,) vectors of the problem.
             entries: (q,) indices of the entries to move.
             steps: (p,) positive steps of forward differences, as in ``exact``.
         """
-        moves = safe_steps(point, steps, self.problem.upper)[entries]
-        points = np.repeat(point[None, :], 1 + entries.size, axis=0)
-        points[1 + np.arange(entries.size), entries] += moves
-        moved = points[1 + np.arange(entries.size), entries] - point[entries]
-        parts = [self.problem.residuals(points, r, root) for r, root in enumerate(self.roots)]
-        rows = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        residual, columns = rows[0].copy(), rows[1:]
-        columns -= residual
-        columns /= moved[:, None]
-        return residual, columns
+        together = max(_TOGETHER // (sum(root.size for root in self.roots) * (1 + entries.size)), 1)
+        for first in range(0, len(points), together):
+            yield from self._columns(points[first : first + together], entries, steps)
+
+    def _columns(
+        self, points: Sequence[FloatArray], entries: npt.NDArray[np.intp], steps: FloatArray
+    ) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """``columns`` of points that are simulated together."""
+        moved = np.repeat(np.array(points), 1 + entries.size, axis=0)
+        for point, rows in zip(points, np.split(moved, len(points)), strict=True):
+            rows[1 + np.arange(entries.size), entries] += safe_steps(point, steps, self.problem.upper)[entries]
+        parts = [self.problem.residuals(moved, r, root) for r, root in enumerate(self.roots)]
+        simulated = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        for first, point in zip(range(0, len(moved), 1 + entries.size), points, strict=True):
+            residual, *columns = simulated[first : first + 1 + entries.size]
+            lengths = moved[first + 1 + np.arange(entries.size), entries] - point[entries]
+            yield residual.copy(), (np.array(columns).reshape(entries.size, -1) - residual) / lengths[:, None]
 
     def steps(self, state: State | None) -> FloatArray:
         """Finite-difference steps: from the last Jacobian, or from natural sizes."""
@@ -198,16 +209,19 @@ def _updated(state: State, point: FloatArray, residual: FloatArray) -> State:
     return State(point, residual, *broyden_update(move, residual - state.residual, state.jacobian, state.normal), False)
 
 
-def extended(weighting: Weighting, parent: Problem, known: State, point: FloatArray) -> State:
-    """A start for a model from the end of a smaller one: its Jacobian rows are reused, those of new entries computed.
+def extended(weighting: Weighting, parent: Problem, known: State, points: Sequence[FloatArray]) -> list[State]:
+    """Starts for a model from the end of a smaller one: its Jacobian rows are reused, those of new entries computed.
 
     Args:
         weighting: problem and weights of the larger model.
         parent: the smaller model's problem, all entries of which stand in the larger one under the same names.
         known: the smaller model's state.
-        point: (p,) start of the larger problem.
+        points: (p,) starts of the larger problem.
     """
     place = {name: i for i, name in enumerate(parent.names)}
     places = np.array([place.get(name, -1) for name in weighting.problem.names])
-    residual, columns = weighting.columns(point, np.flatnonzero(places < 0), weighting.steps(None))
-    return State(point, residual, *with_rows(known.jacobian, known.normal, places, columns), False)
+    found = weighting.columns(points, np.flatnonzero(places < 0), weighting.steps(None))
+    return [
+        State(point, residual, *with_rows(known.jacobian, known.normal, places, columns), False)
+        for point, (residual, columns) in zip(points, found, strict=True)
+    ]

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from msd_ident.data.record import FloatArray, Record
-from msd_ident.estimate.broyden import Weighting, extended, step
+from msd_ident.estimate.broyden import State, Weighting, extended, step
 from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.formulation import regressed
 from msd_ident.estimate.levels import DAMPING, MOST_OF, NEGLIGIBLE, TENTH
@@ -113,12 +113,12 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
     found = []
     near = [starts(experiment, causes, parent) for parent in parents]
     for parent, models in zip(parents, near, strict=True):
-        for model in models:
-            start = _beside(experiment, causes, parent, model)
-            if start.fitted.chi > parent.chi and parent.causes < causes:
-                weak = _beside(experiment, causes, parent, _weakened(model, causes - parent.causes))
-                start = weak if weak.promise < MOST_OF * start.promise else start
-            found.append(start)
+        ahead = _beside(experiment, causes, parent, models)
+        far = [i for i, start in enumerate(ahead) if start.fitted.chi > parent.chi and parent.causes < causes]
+        weakened = [_weakened(models[i], causes - parent.causes) for i in far]
+        for i, weak in zip(far, _beside(experiment, causes, parent, weakened), strict=True):
+            ahead[i] = weak if weak.promise < MOST_OF * ahead[i].promise else ahead[i]
+        found += ahead
     found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
     beside = min(parent.chi for parent in parents)
     for parent, models in zip(parents, near, strict=True):
@@ -148,13 +148,20 @@ def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
     return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + SAME) * before.promise]
 
 
-def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, model: Model) -> StartingPoint:
-    """A start next to a fitted parent, whose Jacobian it takes over."""
-    problem, weighting, point = formulated(experiment, model, parent.initial)
-    state = extended(weighting, parent.problem, parent.state, point)
-    promised, most = (step(problem, state, damping)[1] for damping in (DAMPING, DAMPING**2))
-    here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
-    return StartingPoint(state.chi - promised, here, parent.chi, state.chi - most)
+def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, models: Sequence[Model]) -> list[StartingPoint]:
+    """Starts next to a fitted parent, whose Jacobian they take over, one for each model of the set."""
+    posed = [formulated(experiment, model, parent.initial) for model in models]
+    states: dict[int, State] = {}
+    for weighting in {id(one): one for _, one, _ in posed}.values():
+        alike = [i for i, (_, one, _) in enumerate(posed) if one is weighting]
+        made = extended(weighting, parent.problem, parent.state, [posed[i][2] for i in alike])
+        states |= dict(zip(alike, made, strict=True))
+    found = []
+    for i, (model, (problem, _, _)) in enumerate(zip(models, posed, strict=True)):
+        promised, most = (step(problem, states[i], damping)[1] for damping in (DAMPING, DAMPING**2))
+        here = Hypothesis(causes, model, problem, states[i], experiment.readings, experiment.rests)
+        found.append(StartingPoint(here.chi - promised, here, parent.chi, here.chi - most))
+    return found
 
 
 def _weakened(model: Model, names: Causes) -> Model:
