@@ -90,6 +90,12 @@ class Identification:
         return " ".join(dict.fromkeys(features.route for features in self.features))
 
     @property
+    def fits(self) -> dict[str, ModelFit]:
+        """The models by their key in the JSON, in the order in which they were made."""
+        made = {"original": self.original, "paper_refined": self.paper_refined, "refined": self.refined}
+        return {key: one for key, one in made.items() if one is not None}
+
+    @property
     def see_reduction_percent(self) -> float:
         """Reduction of the SEE by the joint refit in per cent, eq. 15."""
         return see_reduction(self.original.see, self.refined.see)
