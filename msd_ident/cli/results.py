@@ -43,11 +43,9 @@ class Output:
             SetupError: the disk does not take the folder.
         """
         json = None if self.json in ("", "-") else Path(self.json)
-        for target in (self.report, self.markdown):
-            if target is not None:
-                check_target(target, self.overwrite)
+        check_targets(self.overwrite, self.report, self.markdown)
         if json is not None:
-            check_target(json, self.overwrite or _holds_refusals_alone(json))
+            check_targets(self.overwrite or _holds_refusals_alone(json), json)
         if self.figures is not None:
             make_folder(self.figures)
 
@@ -57,12 +55,13 @@ class Output:
         return not self.quiet and self.json != "-"
 
 
-def check_target(path: Path, overwrite: bool) -> None:
-    """Raise UsageError when ``path`` exists and may not be replaced, or cannot be created."""
-    if path.exists() and not overwrite:
-        raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+def check_targets(overwrite: bool, *paths: Path | None) -> None:
+    """Raise UsageError when a path exists and may not be replaced, or cannot be created; ``None`` is not written."""
+    for path in filter(None, paths):
+        if path.exists() and not overwrite:
+            raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
+        if not path.absolute().parent.is_dir():
+            raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
 
 
 def _holds_refusals_alone(path: Path) -> bool:

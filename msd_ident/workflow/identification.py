@@ -128,9 +128,7 @@ class Identification:
             "initial": [initial_dict(start) for start in self.refined.initial],
             "open": list(self.open),
             "known": to_json_list(self.known, {name: q.unit for name, q in self.refined.parameters.items()}),
-            "findings": [
-                {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
-            ],
+            "findings": [vars(finding) for finding in self.findings],
             "data": [data_sheet(record).to_json_dict() for record in self.records],
         }  # fmt: skip
 
