@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from msd_ident.errors import MsdError, SetupError, UsageError
+from msd_ident.errors import MsdError, UsageError
+from msd_ident.writing import making, write_text
 
 #: Keys of an object that says why a path has no result.
 _REFUSAL = {"schema", "path", "error"}
@@ -80,12 +81,11 @@ def make_folder(path: Path) -> None:
         UsageError: something else has this name.
         SetupError: the disk does not take it.
     """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
-    except OSError as error:
-        raise SetupError(f"cannot make {path}: {error.strerror}; expected a writable place") from None
+    with making(path):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
 
 
 def jsonable(value: Any) -> Any:
@@ -105,8 +105,6 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        from msd_ident.writing import write_text
-
         write_text(text, Path(output.json))
 
 
