@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from msd_ident.report.calibration import matrix
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.selection.calibration import Calibration
+from msd_ident.selection.calibration import Calibration
 
 
 def calibration(found: Calibration) -> Section:

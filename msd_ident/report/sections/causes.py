@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from msd_ident.diagnosis import Cause, Diagnosis
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import number
 from msd_ident.report.plots import probability_plot
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.diagnosis import Cause, Diagnosis
-    from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: Causes in a picture: the likeliest, so many at most.
 _LIKELY, _MOST = 1e-3, 8

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from msd_ident.diagnosis.nonlinear_laws import Beyond
+from msd_ident.external import Comparison, Difference
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
+from msd_ident.report.plots import Detail
 from msd_ident.report.sections.missing_force import by_record, flat
 from msd_ident.report.sections.parameters import Column
 from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.verdict import Card
 from msd_ident.workflow.explained_motion import percent_text
-
-if TYPE_CHECKING:
-    from msd_ident.external import Comparison, Difference
-    from msd_ident.report.plots import Detail
 
 _METHOD = "The same laws were fitted to the record and to the simulated positions, and compared."
 

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from msd_ident.data.datasheet import DataSheet, data_sheet
+from msd_ident.data.provenance import Provenance
+from msd_ident.data.quality import Finding
+from msd_ident.data.record import Record
+from msd_ident.quantity import Quantity
 from msd_ident.report.marked import Marked, length
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.data.provenance import Provenance
-    from msd_ident.data.quality import Finding
-    from msd_ident.data.record import Record
-    from msd_ident.quantity import Quantity
 
 
 def data(

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from msd_ident.export import Export
 from msd_ident.model.effects import spoken
 from msd_ident.report import marked
 from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.verdict import Card
-
-if TYPE_CHECKING:
-    from msd_ident.export import Export
 
 
 def exported(found: Export) -> Section:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from msd_ident.data.record import Record
 from msd_ident.report.plots import Detail, ModelCurve, fit_plot
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.data.record import Record
 
 
 def fit(records: Sequence[Record], curves: Sequence[ModelCurve], noise_floor: float, detail: Detail) -> Section:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.diagnosis.nonlinear_laws import Beyond, beyond
 from msd_ident.report import words
 from msd_ident.report.numbers import length_scale
 from msd_ident.report.plot import Plot
 from msd_ident.report.plots import Detail, MissingForceView, missing_force_plots, ring_down_plot
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from msd_ident.data.record import Record
-    from msd_ident.diagnosis import Diagnosis
 
 #: For each record its name, and the plots of a force against time, velocity and position.
 ByRecord = tuple[tuple[str, tuple[Plot, ...]], ...]

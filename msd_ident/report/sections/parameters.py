@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from msd_ident.model import frequency_response
+from msd_ident.data.record import Record
+from msd_ident.diagnosis import Diagnosis
+from msd_ident.model import Model, frequency_response
+from msd_ident.quantity import Quantity
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number, shown, with_band
 from msd_ident.report.plot import Plot, Role
 from msd_ident.report.plots import STAGES, bode_plot
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.data.record import Record
-    from msd_ident.diagnosis import Diagnosis
-    from msd_ident.model import Model
-    from msd_ident.quantity import Quantity
-    from msd_ident.workflow.identification import Identification
+from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from msd_ident.report import marked
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
@@ -11,9 +9,7 @@ from msd_ident.report.sections.section import Section
 from msd_ident.report.sections.verdict import Card
 from msd_ident.report.validation import sentences
 from msd_ident.workflow.explained_motion import percent_text
-
-if TYPE_CHECKING:
-    from msd_ident.workflow.validation import Validation
+from msd_ident.workflow.validation import Validation
 
 
 def trial(found: Validation) -> Section:

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
 from msd_ident.report.sections.section import Section
-
-if TYPE_CHECKING:
-    from msd_ident.diagnosis import Diagnosis
-    from msd_ident.workflow.identification import Identification
+from msd_ident.workflow.identification import Identification
 
 
 @dataclass(frozen=True)
