@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from msd_ident.cli import options
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.writing import making, write_text
 
@@ -24,17 +25,17 @@ class Output:
     Attributes:
         json: file for one JSON object a path, ``-`` for standard output (then nothing else is printed there),
             empty for none.
+        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
         quiet: no tables and no progress.
         overwrite: whether a file that exists may be replaced.
-        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
     """
 
-    json: str = ""
-    quiet: bool = False
-    overwrite: bool = False
-    report: Path | None = None
-    markdown: Path | None = None
-    figures: Path | None = None
+    json: options.JsonOption = ""
+    report: options.ReportOption = None
+    markdown: options.MarkdownOption = None
+    figures: options.FiguresOption = None
+    quiet: options.QuietOption = False
+    overwrite: options.OverwriteOption = False
 
     def check(self) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
