@@ -7,6 +7,8 @@ escapes is a defect of this project.
 
 from __future__ import annotations
 
+import sys
+
 #: Characters of the longest line; what is quoted in the middle of a longer one is left out.
 LONGEST = 800
 
@@ -29,3 +31,9 @@ class UsageError(MsdError):
 
 class SetupError(MsdError):
     """Change the installation: something that this needs is not there."""
+
+
+def fail(error: MsdError) -> int:
+    """Print the error's one line to stderr; return the exit code."""
+    print(f"msd: {error}", file=sys.stderr)
+    return 2

@@ -1,4 +1,4 @@
-"""Write to a file; errors of the disk become one line."""
+"""Write to a file, or make a folder; errors of the disk become one line."""
 
 from __future__ import annotations
 
@@ -34,3 +34,16 @@ def writing_to(path: Path, expected: str = "a writable place") -> Iterator[None]
         yield
     except OSError as error:
         raise SetupError(f"cannot write {path}: {error.strerror or error}; expected {expected}") from None
+
+
+@contextmanager
+def making(folder: Path) -> Iterator[None]:
+    """Where a folder is made.
+
+    Raises:
+        SetupError: the disk does not take it.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None

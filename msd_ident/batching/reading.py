@@ -8,10 +8,22 @@ from collections.abc import Mapping
 from typing import Any
 
 from msd_ident.batching import locations
-from msd_ident.batching.row import CAUSES, PARAMETERS, Row
+from msd_ident.batching.row import CAUSES, PARAMETERS, Row, Table
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError
 from msd_ident.io import Joint, SourceOptions, joints, read_all, source_of
+
+
+def diagnosed(table: Table) -> list[Row]:
+    """The rows that have a result.
+
+    Raises:
+        DataError: there is none.
+    """
+    rows = [row for row in table.to_pylist() if row["verdict"]]
+    if not rows:
+        raise DataError("no record of the table has a result; expected diagnoses: look at its column error")
+    return rows
 
 
 def record_of(row: Row) -> Record:

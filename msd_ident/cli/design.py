@@ -55,9 +55,7 @@ def design(
     from msd_ident.workflow import pipeline
 
     output.check()
-    for target in (out, figure):
-        if target is not None:
-            results.check_target(target, output.overwrite)
+    results.check_targets(output.overwrite, out, figure)
     allowed = options.limits_of(limits)
     with progress.stages(output.quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]

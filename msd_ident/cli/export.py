@@ -12,7 +12,6 @@ from msd_ident.errors import MsdError, UsageError
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
-    from msd_ident.export import Target
     from msd_ident.io import SourceOptions
     from msd_ident.workflow.saved_model import SavedModel
 
@@ -84,7 +83,7 @@ def export(
     output.check()
     chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
     chosen.check_name(out)
-    _check_files(chosen, out, output.overwrite)
+    results.check_targets(output.overwrite, out, *chosen.beside(out))
     saved = saved_model(result, line)
     settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
@@ -97,11 +96,6 @@ def export(
     results.write([found.to_json_dict()], output)
     pages.write([(tuple(paths), found)], source, output)
     return 0
-
-
-def _check_files(target: Target, out: Path, overwrite: bool) -> None:
-    for path in (out, *target.beside(out)):
-        results.check_target(path, overwrite)
 
 
 def _paths(

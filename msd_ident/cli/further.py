@@ -50,8 +50,7 @@ class Further:
         for one in self.export:
             target, out = _parsed(one)
             export.target(target).check_name(out)
-            for path in (out, *export.target(target).beside(out)):
-                results.check_target(path, overwrite)
+            results.check_targets(overwrite, out, *export.target(target).beside(out))
 
     def use(
         self, result: Mapping[str, Any], group: tuple[Path, ...], kept: list[Kept], console: Console | None

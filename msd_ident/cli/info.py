@@ -39,15 +39,13 @@ def info(
 
 @dataclass(frozen=True)
 class _Contents:
-    """A bag or table, the record that it gives (or why it gives none), and the findings about that."""
+    """A bag or table, the record that it gives with its numbers (or why it gives none), and the findings about that."""
 
     info: BagInfo
-    record: Record | None
-    problem: str
-    step: float
-    floor: float
-    missing: int
-    findings: tuple[Finding, ...]
+    record: Record | None = None
+    numbers: dict[str, Any] | None = None
+    problem: str = ""
+    findings: tuple[Finding, ...] = ()
 
 
 def _look(path: Path, source: SourceOptions) -> _Contents:
@@ -58,20 +56,29 @@ def _look(path: Path, source: SourceOptions) -> _Contents:
     try:
         record = read(path, source)
     except MsdError as error:
-        return _Contents(info, None, str(error), 0.0, 0.0, 0, ())
-    return _Contents(
-        info,
-        record,
-        "",
-        quality.encoder_step(record),
-        quality.noise_floor(record),
-        quality.missing_samples(record),
-        quality.check(record),
-    )
+        return _Contents(info, problem=str(error))
+    return _Contents(info, record, _numbers(record), findings=quality.check(record))
+
+
+def _numbers(record: Record) -> dict[str, Any]:
+    """The record in the JSON contract."""
+    from msd_ident.data import quality
+
+    return {
+        "samples": record.samples,
+        "duration_s": record.duration,
+        "rate_hz": 1 / record.period,
+        "missing_samples": quality.missing_samples(record),
+        "position_unit": record.position_unit,
+        "encoder_step": quality.encoder_step(record),
+        "noise_floor": quality.noise_floor(record),
+        "force_samples": int(record.force.size),
+        "force_unit": record.force_unit,
+    }
 
 
 def _to_json(found: _Contents) -> dict[str, Any]:
-    info, record = found.info, found.record
+    info = found.info
     return {
         "schema": "msd.info/1",
         "path": info.path,
@@ -93,27 +100,10 @@ def _to_json(found: _Contents) -> dict[str, Any]:
         ],
         "position": info.position,
         "force": info.force,
-        "record": None if record is None else _record_json(found, record),
+        "record": found.numbers,
         "problem": found.problem,
-        "findings": [
-            {"severity": finding.severity, "code": finding.code, "sentence": finding.sentence}
-            for finding in found.findings
-        ],
+        "findings": [vars(finding) for finding in found.findings],
         "notes": list(_notes(found)),
-    }
-
-
-def _record_json(found: _Contents, record: Record) -> dict[str, Any]:
-    return {
-        "samples": record.samples,
-        "duration_s": record.duration,
-        "rate_hz": 1 / record.period,
-        "missing_samples": found.missing,
-        "position_unit": record.position_unit,
-        "encoder_step": found.step,
-        "noise_floor": found.floor,
-        "force_samples": int(record.force.size),
-        "force_unit": record.force_unit,
     }
 
 
@@ -154,17 +144,18 @@ def _show(found: _Contents, console: Console) -> None:
 def _show_signals(found: _Contents, console: Console) -> None:
     from rich.markup import escape
 
-    record, info = found.record, found.info
-    if record is None:
+    record, info, numbers = found.record, found.info, found.numbers
+    if record is None or numbers is None:
         console.print(f"[yellow]not usable as it is[/yellow]: {escape(found.problem)}")
         return
-    step = f"encoder step {found.step:.4g} {record.position_unit}" if found.step else "no encoder step to be seen"
+    size = numbers["encoder_step"]
+    step = f"encoder step {size:.4g} {record.position_unit}" if size else "no encoder step to be seen"
     console.print(f"position: {escape(info.position)}")
     console.print(
         f"          {record.samples} samples in {record.duration:.3f} s, {1 / record.period:.4g} Hz, "
-        f"{found.missing} missing"
+        f"{numbers['missing_samples']} missing"
     )
-    console.print(f"          {step}, noise floor {found.floor:.3g} {record.position_unit}")
+    console.print(f"          {step}, noise floor {numbers['noise_floor']:.3g} {record.position_unit}")
     if info.force == "none":
         console.print("force:    none, a free decay")
     else:

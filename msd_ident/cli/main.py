@@ -13,7 +13,7 @@ import typer
 
 from msd_ident import parallel
 from msd_ident.cli.interruption import send_lost_signals_again
-from msd_ident.errors import MsdError, UsageError
+from msd_ident.errors import MsdError, UsageError, fail
 
 #: Subcommands: each is a module of this package with a function of the same name.
 COMMANDS = (
@@ -67,12 +67,6 @@ def _register(names: Sequence[str] = COMMANDS) -> None:
             continue
         app.command(name=name)(getattr(module, name))
     app.registered_commands.sort(key=lambda command: COMMANDS.index(command.name or ""))
-
-
-def fail(error: MsdError) -> int:
-    """Print the error's one line to stderr; return the exit code."""
-    print(f"msd: {error}", file=sys.stderr)
-    return 2
 
 
 def main() -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from msd_ident.cli import progress
+from msd_ident.cli import options, progress
 from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ class Batching:
         label, covariate: ``NAME=VALUE`` each, as given.
     """
 
-    scheduler: str
-    workers: int
-    all_joints: bool
-    label: Sequence[str] | None
-    covariate: Sequence[str] | None
+    scheduler: options.SchedulerOption = ""
+    workers: options.WorkersOption = 0
+    all_joints: options.AllJointsOption = False
+    label: options.LabelOption = None
+    covariate: options.CovariateOption = None
 
     def job(self, source: SourceOptions, **given: Any) -> Job:
         """The job for each record.

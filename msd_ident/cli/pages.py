@@ -73,8 +73,7 @@ def _figures(kept: Sequence[Kept], folder: Path, overwrite: bool) -> list[str]:
         name = "+".join(record.name for record in found.records)
         target = folder / f"{name}{getattr(found, 'label', '')}".replace("/", "_")
         if target.is_dir():
-            for path in figures.paths(found, target):
-                results.check_target(path, overwrite)
+            results.check_targets(overwrite, *figures.paths(found, target))
         figures.save(found, target)
         lines.append(f"figures: {target}")
     return lines

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from msd_ident.errors import MsdError, SetupError, UsageError
+from msd_ident.cli import options
+from msd_ident.errors import MsdError, UsageError
+from msd_ident.writing import making, write_text
 
 #: Keys of an object that says why a path has no result.
 _REFUSAL = {"schema", "path", "error"}
@@ -23,17 +25,17 @@ class Output:
     Attributes:
         json: file for one JSON object a path, ``-`` for standard output (then nothing else is printed there),
             empty for none.
+        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
         quiet: no tables and no progress.
         overwrite: whether a file that exists may be replaced.
-        report, markdown, figures: page, summary, and folder of figures; ``None`` for none.
     """
 
-    json: str = ""
-    quiet: bool = False
-    overwrite: bool = False
-    report: Path | None = None
-    markdown: Path | None = None
-    figures: Path | None = None
+    json: options.JsonOption = ""
+    report: options.ReportOption = None
+    markdown: options.MarkdownOption = None
+    figures: options.FiguresOption = None
+    quiet: options.QuietOption = False
+    overwrite: options.OverwriteOption = False
 
     def check(self) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
@@ -43,11 +45,9 @@ class Output:
             SetupError: the disk does not take the folder.
         """
         json = None if self.json in ("", "-") else Path(self.json)
-        for target in (self.report, self.markdown):
-            if target is not None:
-                check_target(target, self.overwrite)
+        check_targets(self.overwrite, self.report, self.markdown)
         if json is not None:
-            check_target(json, self.overwrite or _holds_refusals_alone(json))
+            check_targets(self.overwrite or _holds_refusals_alone(json), json)
         if self.figures is not None:
             make_folder(self.figures)
 
@@ -57,12 +57,13 @@ class Output:
         return not self.quiet and self.json != "-"
 
 
-def check_target(path: Path, overwrite: bool) -> None:
-    """Raise UsageError when ``path`` exists and may not be replaced, or cannot be created."""
-    if path.exists() and not overwrite:
-        raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+def check_targets(overwrite: bool, *paths: Path | None) -> None:
+    """Raise UsageError when a path exists and may not be replaced, or cannot be created; ``None`` is not written."""
+    for path in filter(None, paths):
+        if path.exists() and not overwrite:
+            raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
+        if not path.absolute().parent.is_dir():
+            raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
 
 
 def _holds_refusals_alone(path: Path) -> bool:
@@ -81,12 +82,11 @@ def make_folder(path: Path) -> None:
         UsageError: something else has this name.
         SetupError: the disk does not take it.
     """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
-    except OSError as error:
-        raise SetupError(f"cannot make {path}: {error.strerror}; expected a writable place") from None
+    with making(path):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            raise UsageError(f"{path} is no folder and cannot become one; expected a folder's name") from None
 
 
 def jsonable(value: Any) -> Any:
@@ -106,8 +106,6 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     if output.json == "-":
         sys.stdout.write(text)
     elif output.json:
-        from msd_ident.writing import write_text
-
         write_text(text, Path(output.json))
 
 

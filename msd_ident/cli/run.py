@@ -39,7 +39,7 @@ def run(
     allowed = options.limits_of(limits)
     allowed.check(wanted)
     bag = out or Path(f"{profile.stem}_bag")
-    results.check_target(bag, False)
+    results.check_targets(False, bag)
     require_ros("msd run")
     from msd_ident.ros.experimenter.profile_player import Experiment
     from msd_ident.ros.experimenter.session import conductor

@@ -67,7 +67,7 @@ def simulate(
     from msd_ident import io
     from msd_ident.cli import results
 
-    output = results.Output(json, quiet, overwrite)
+    output = results.Output(json=json, quiet=quiet, overwrite=overwrite)
     output.check()
     if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
         raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")

@@ -39,9 +39,7 @@ def measured(table: Table, by: str) -> tuple[tuple[Measured, ...], tuple[str, ..
         DataError: no record has a result, or none can be read any more.
     """
     check(by)
-    rows = [row for row in table.to_pylist() if row["verdict"]]
-    if not rows:
-        raise DataError("no record of the table has a result; expected diagnoses: look at its column error")
+    rows = reading.diagnosed(table)
     named = [row for row in rows if row[by]]
     if not named:
         raise UsageError(f"the column {by} is empty in all rows; expected what to compare by: fill it with --label")

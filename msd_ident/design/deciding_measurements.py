@@ -8,8 +8,6 @@ from msd_ident.model.base_model import Offset
 from msd_ident.model.effects import by_name
 from msd_ident.selection.candidate_models import CandidateModel
 
-WEIGH = "weigh the cart, or add a known mass and repeat: mass, damping, stiffness and friction share the unknown gain"
-
 
 def measurement(one: CandidateModel, other: CandidateModel) -> str:
     """What to measure to distinguish two explanations that no profile distinguishes, in words.

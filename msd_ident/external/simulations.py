@@ -129,15 +129,10 @@ class FunctionSimulation:
     sample. It returns (n,) readings.
 
     Attributes:
-        target: ``module:function``; the module may lie in the present folder.
+        name: ``module:function``; the module may lie in the present folder.
     """
 
-    target: str
-
-    @property
-    def name(self) -> str:
-        """Name for sentences and tables."""
-        return self.target
+    name: str
 
     def check(self, record: Record) -> None:
         """Raises UsageError: there is no such function."""
@@ -145,12 +140,12 @@ class FunctionSimulation:
 
     def how(self, record: Record) -> str:
         """What it was called with."""
-        return f"{self.target} was called with time and force of the record, and with the state at its first sample."
+        return f"{self.name} was called with time and force of the record, and with the state at its first sample."
 
     def _function(self) -> Any:
-        module, _, function = self.target.partition(":")
+        module, _, function = self.name.partition(":")
         if not module or not function:
-            raise UsageError(f"--callable {self.target}; expected module:function, e.g. --callable my_rig:simulate")
+            raise UsageError(f"--callable {self.name}; expected module:function, e.g. --callable my_rig:simulate")
         here = str(Path.cwd())
         if here not in sys.path:
             sys.path.insert(0, here)
@@ -173,11 +168,11 @@ class FunctionSimulation:
             made = np.asarray(given, dtype=np.float64)
         except Exception as error:
             raise DataError(
-                f"{self.target} failed on {record.name} with {type(error).__name__} ({error}); expected positions: "
+                f"{self.name} failed on {record.name} with {type(error).__name__} ({error}); expected positions: "
                 "call it with (time, force, position, velocity) by itself"
             ) from None
         if made.shape != time.shape:
-            raise DataError(f"{self.target} returned shape {made.shape}; expected {time.shape}, a position a sample")
+            raise DataError(f"{self.name} returned shape {made.shape}; expected {time.shape}, a position a sample")
         return _finite(made, self.name)
 
 
@@ -186,19 +181,14 @@ class TableSimulation:
     """Positions that were simulated elsewhere.
 
     Attributes:
-        label: of the file.
+        name: of the file.
         time: (m,) [s] on the record's clock.
         position: (m,) in the position unit.
     """
 
-    label: str
+    name: str
     time: FloatArray
     position: FloatArray
-
-    @property
-    def name(self) -> str:
-        """Name for sentences and tables."""
-        return self.label
 
     def check(self, record: Record) -> None:
         """Raises DataError: it ends before the record does, or begins after it."""
@@ -206,14 +196,14 @@ class TableSimulation:
         slack = 1.5 * record.period
         if first > record.time[0] + slack or last < record.time[-1] - slack:
             raise DataError(
-                f"{self.label} goes from {first:.4g} to {last:.4g} s, and {record.name} from {record.time[0]:.4g} to "
+                f"{self.name} goes from {first:.4g} to {last:.4g} s, and {record.name} from {record.time[0]:.4g} to "
                 f"{record.time[-1]:.4g} s; expected a simulation of all of it: simulate longer, or cut the record "
                 "with --start and --end"
             )
 
     def how(self, record: Record) -> str:
         """That nothing was run."""
-        return f"The simulated positions are those of {self.label}, on the record's clock."
+        return f"The simulated positions are those of {self.name}, on the record's clock."
 
     def positions(self, record: Record, initial: Initial) -> FloatArray:
         """Simulated readings (n,) at the record's samples, in the position unit."""

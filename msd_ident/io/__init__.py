@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from msd_ident.io.bag import Bag, iterate_messages, open_bag
 from msd_ident.io.covariates import covariates
 from msd_ident.io.csv_file import write_csv
-from msd_ident.io.describe import BagInfo, TopicInfo, describe
+from msd_ident.io.describe import BagInfo, describe
 from msd_ident.io.joints import Joint, joints, source_of
 from msd_ident.io.qos import OfferedQos, qos_from_yaml, qos_to_yaml
 from msd_ident.io.read import each_run, read, read_all
 from msd_ident.io.repair import Repair, repair
 from msd_ident.io.source_options import SourceOptions
-from msd_ident.io.topics import RawMessage, Topic
+from msd_ident.io.topics import RawMessage
 
 if TYPE_CHECKING:
     from msd_ident.io.record_writer import write_bag
@@ -32,8 +32,6 @@ __all__ = [
     "RawMessage",
     "Repair",
     "SourceOptions",
-    "Topic",
-    "TopicInfo",
     "covariates",
     "describe",
     "each_run",

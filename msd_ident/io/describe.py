@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
+from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
 from msd_ident.io import runs
 from msd_ident.io.bag import Bag, is_bag, open_bag
@@ -120,18 +122,15 @@ def _describe_bag(bag: Bag, options: SourceOptions) -> BagInfo:
 
 def _topic_info(topic: Topic, times: array[int]) -> TopicInfo:
     stamps = np.sort(np.frombuffer(times, dtype=np.int64)) if len(times) else np.zeros(0, dtype=np.int64)
-    qos = topic.offered_qos[0] if topic.offered_qos else None
-    duration = float(stamps[-1] - stamps[0]) / 1e9 if stamps.size else 0.0
-    return TopicInfo(
-        name=topic.name,
-        type=topic.type,
-        messages=stamps.size,
-        duration=duration,
-        rate=(stamps.size - 1) / duration if duration > 0 else float("nan"),
-        longest_gap=float(np.max(np.diff(stamps))) / 1e9 if stamps.size > 1 else float("nan"),
-        reliability=qos.reliability if qos else "",
-        durability=qos.durability if qos else "",
-    )
+    offered = (topic.offered_qos[0].reliability, topic.offered_qos[0].durability) if topic.offered_qos else ()
+    return TopicInfo(topic.name, topic.type, stamps.size, *_pace(stamps, 1e9), *offered)
+
+
+def _pace(stamps: npt.NDArray[np.int64] | FloatArray, ticks: float) -> tuple[float, float, float]:
+    """Duration [s], rate [Hz] and longest gap [s] of rising stamps (n,), ``ticks`` a second; NaN for unknown."""
+    duration = float(stamps[-1] - stamps[0]) / ticks if stamps.size else 0.0
+    rate = (stamps.size - 1) / duration if duration > 0 else float("nan")
+    return duration, rate, float(np.max(np.diff(stamps))) / ticks if stamps.size > 1 else float("nan")
 
 
 def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
@@ -153,8 +152,6 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
     except DataError as error:
         problem = str(error)
     lines = time.size or table.lines
-    duration = float(time[-1] - time[0]) if time.size else 0.0
-    rate = (time.size - 1) / duration if duration > 0 else float("nan")
-    gap = float(np.max(np.diff(time))) if time.size > 1 else float("nan")
-    topics = tuple(TopicInfo(name, "column", lines, duration, rate, gap) for name in columns)
-    return BagInfo(str(path), table.kind, 0, duration, lines, topics, position, force, problem, (), is_table=True)
+    pace = _pace(time, 1.0)
+    topics = tuple(TopicInfo(name, "column", lines, *pace) for name in columns)
+    return BagInfo(str(path), table.kind, 0, pace[0], lines, topics, position, force, problem, (), is_table=True)

@@ -8,9 +8,10 @@ from datetime import datetime
 from itertools import chain, count
 from pathlib import Path
 
-from msd_ident.errors import SetupError, UsageError
+from msd_ident.errors import UsageError
 from msd_ident.io.crash_safe_file import PART, copies_of, is_being_written
 from msd_ident.io.metadata import BagEntry
+from msd_ident.writing import making
 
 #: Smaller files than this are nothing but their index.
 _LEAST_BYTES = 10_000
@@ -29,16 +30,15 @@ def make_folder(folder: Path, overwrite: bool) -> None:
         UsageError: the folder exists and may not be replaced.
         SetupError: the folder cannot be made.
     """
-    try:
+    with making(folder):
         if is_empty(folder):
             return
         if folder.exists() or folder.is_symlink():
             _clear(folder, overwrite)
-        folder.mkdir(parents=True)
-    except FileExistsError:
-        raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
-    except OSError as error:
-        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            raise UsageError(f"{folder} exists; expected a new name: nothing is overwritten") from None
 
 
 def dated_folder(parent: Path, prefix: str) -> Path:
@@ -52,16 +52,12 @@ def dated_folder(parent: Path, prefix: str) -> Path:
     stem = f"{prefix}_{datetime.now():%Y_%m_%d-%H_%M_%S}"
     for name in chain([stem], (f"{stem}_{number}" for number in count(2))):
         folder = parent / name
-        try:
+        with making(folder):
             parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            continue
-        except OSError as error:
-            raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                continue
         return folder
     raise AssertionError("unreachable")
 

@@ -10,7 +10,6 @@ from typing import Any
 
 from msd_ident.batching import reading
 from msd_ident.batching.row import Table
-from msd_ident.errors import DataError
 from msd_ident.monitoring.watching import Sample
 
 
@@ -21,11 +20,8 @@ def by_robot(table: Table) -> dict[str, list[Sample]]:
         DataError: no record has a result.
     """
     found = defaultdict(list)
-    for row in table.to_pylist():
-        if row["verdict"]:
-            found[" ".join(filter(None, (row["robot"], row["joint"])))].append(_sample(row))
-    if not found:
-        raise DataError("no record of the table has a result; expected diagnoses: look at its column error")
+    for row in reading.diagnosed(table):
+        found[" ".join(filter(None, (row["robot"], row["joint"])))].append(_sample(row))
     return dict(sorted(found.items()))
 
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from msd_ident.report import words
-
-if TYPE_CHECKING:
-    from msd_ident.selection.calibration import Calibration, Row
-    from msd_ident.selection.hypothesis import Causes
+from msd_ident.selection.calibration import Calibration, Row
+from msd_ident.selection.hypothesis import Causes
 
 #: Columns of a table: the most frequent results; all others together are one more.
 _MOST = 5

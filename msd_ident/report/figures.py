@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def plots(found: Result) -> tuple[Plot, ...]:
     """All plots of a result, each with a name of its own."""
-    papers = [plot for section in article(found).sections for plot in section.papers]
+    papers = [plot for section in article(found).sections for plot in (*section.plots, *section.beside)]
     if isinstance(found, Diagnosis | Validation | Comparison | Export):
         return _named(papers)
     of_paper = [plot for index in range(len(found.records)) for plot in (_model(found, index), _residual(found, index))]
@@ -79,10 +79,9 @@ def _model(found: Identification, index: int) -> Plot:
 def _residual(found: Identification, index: int) -> Plot:
     """Figure 8: what each model leaves, each on its own scale."""
     record, panels = found.records[index], []
-    sees = [model.see for model in (found.original, found.paper_refined, found.refined) if model is not None]
-    for curve, see in zip(identification_curves(found), sees, strict=True):
-        scale = length_scale(see, record.position_unit)
-        label = f"{curve.label}: SEE {number(scale.factor * see, 3)} {scale.unit}"
+    for curve, one in zip(identification_curves(found), found.fits.values(), strict=True):
+        scale = length_scale(one.see, record.position_unit)
+        label = f"{curve.label}: SEE {number(scale.factor * one.see, 3)} {scale.unit}"
         residual = line(label, curve.role, record.time, scale.factor * curve.residuals[index])
         band = noise_band(record, found.noise_floor, scale)
         panels.append(Panel(f"model − data [{scale.unit}]", (band, residual)))

@@ -17,24 +17,24 @@ from msd_ident.external import Comparison
 from msd_ident.model.effects import structural
 from msd_ident.model.effects.base import DELAY
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
-from msd_ident.report.sections.calibration import Calibration
-from msd_ident.report.sections.causes import Causes
-from msd_ident.report.sections.comparison import Differences, LackingForce, Outcome, comparison_columns
-from msd_ident.report.sections.data import Data
-from msd_ident.report.sections.export import Effects, Exported
-from msd_ident.report.sections.fit import Fit
-from msd_ident.report.sections.missing_force import MissingForce
-from msd_ident.report.sections.next_experiment import NextExperiment
+from msd_ident.report.sections.calibration import calibration
+from msd_ident.report.sections.causes import causes
+from msd_ident.report.sections.comparison import comparison_columns, differences, lacking_force, outcome
+from msd_ident.report.sections.data import data
+from msd_ident.report.sections.export import effects, exported
+from msd_ident.report.sections.fit import fit
+from msd_ident.report.sections.missing_force import missing_force
+from msd_ident.report.sections.next_experiment import next_experiment
 from msd_ident.report.sections.parameters import (
     Column,
-    Parameters,
-    StandardForm,
     diagnosis_columns,
     identification_columns,
+    parameters,
+    standard_form,
 )
 from msd_ident.report.sections.section import Section
-from msd_ident.report.sections.trial import Trial
-from msd_ident.report.sections.verdict import DiagnosisVerdict, IdentificationVerdict
+from msd_ident.report.sections.trial import trial
+from msd_ident.report.sections.verdict import diagnosis_verdict, identification_verdict
 from msd_ident.workflow.validation import Validation
 from msd_ident.writing import write_text
 
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
     from msd_ident.data.provenance import Provenance
+    from msd_ident.data.record import Record
     from msd_ident.quantity import Quantity
     from msd_ident.report.plot import Plot
     from msd_ident.workflow.identification import Identification
@@ -62,121 +63,98 @@ class Article:
     sections: tuple[Section, ...]
 
     @property
-    def verdict(self) -> str:
-        """For the colour of its pill."""
-        return str(self.sections[0].context()["verdict"])
-
-    @property
-    def pill(self) -> str:
-        """The verdict in a few words."""
-        return str(self.sections[0].context()["pill"])
-
-    @property
     def plots(self) -> tuple[Plot, ...]:
         """All plots of all sections."""
         return tuple(plot for section in self.sections for plot in section.plots)
 
 
-def of_diagnosis(found: Diagnosis, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+def _names(records: Sequence[Record]) -> str:
+    return " + ".join(record.name for record in records)
+
+
+def _of_diagnosis(found: Diagnosis, provenance: Provenance | None, detail: Detail) -> Article:
     """The sections of a diagnosis."""
-    detail = detail or Detail.shared_by(len(found.records))
-    sections: list[Section] = [
-        DiagnosisVerdict(found),
-        Fit(found.records, diagnosis_curves(found), found.noise_floor, detail),
-        MissingForce(found, found.records, detail),
-        Causes(found),
-        Parameters(found.records, diagnosis_columns(found), found.extended.open_directions, found.spread),
-        Data(found.records, found.findings, provenance, _delay(found)),
+    sections = [
+        diagnosis_verdict(found),
+        fit(found.records, diagnosis_curves(found), found.noise_floor, detail),
+        missing_force(found, detail),
+        causes(found),
+        parameters(found.records, diagnosis_columns(found), found.extended.open_directions, found.spread),
+        data(found.records, found.findings, provenance, _delay(found)),
     ]
     if found.calibration is not None:
-        sections.insert(4, Calibration(found.calibration))
+        sections.insert(4, calibration(found.calibration))
     if found.next_experiment is not None:
-        sections.append(NextExperiment(found.next_experiment, found.records[0].position_unit))
-    return Article("msd diagnose", " + ".join(record.name for record in found.records), tuple(sections))
+        sections.append(next_experiment(found.next_experiment, found.records[0].position_unit))
+    return Article("msd diagnose", _names(found.records), tuple(sections))
 
 
-def of_identification(
-    found: Identification, provenance: Provenance | None = None, detail: Detail | None = None
-) -> Article:
+def _of_identification(found: Identification, provenance: Provenance | None, detail: Detail) -> Article:
     """The sections of an identification."""
-    detail = detail or Detail.shared_by(len(found.records))
-    sections: tuple[Section, ...] = (
-        IdentificationVerdict(found),
-        Fit(found.records, identification_curves(found), found.noise_floor, detail),
-        StandardForm(found),
-        Parameters(found.records, identification_columns(found), found.open),
-        Data(found.records, found.findings, provenance, None),
+    sections = (
+        identification_verdict(found),
+        fit(found.records, identification_curves(found), found.noise_floor, detail),
+        standard_form(found),
+        parameters(found.records, identification_columns(found), found.open),
+        data(found.records, found.findings, provenance),
     )
-    return Article("msd identify", " + ".join(record.name for record in found.records), sections)
+    return Article("msd identify", _names(found.records), sections)
 
 
-def of_validation(found: Validation, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+def _of_validation(found: Validation, provenance: Provenance | None, detail: Detail) -> Article:
     """The sections of a saved model tried on another record."""
-    detail = detail or Detail.shared_by(len(found.records))
+    saved = found.saved
     curve = ModelCurve("saved model", "extended", found.predicted, found.residuals)
-    sections: tuple[Section, ...] = (
-        Trial(found),
-        Fit(found.records, (curve,), found.noise_floor, detail),
-        Parameters(found.records, (_saved_column(found),), ()),
-        Data(found.records, found.findings, provenance, None),
+    column = Column("saved model", "extended", "model", saved.parameters, saved.see, saved.model)
+    sections = (
+        trial(found),
+        fit(found.records, (curve,), found.noise_floor, detail),
+        parameters(found.records, (column,), ()),
+        data(found.records, found.findings, provenance),
     )
-    return Article("msd validate", " + ".join(record.name for record in found.records), sections)
+    return Article("msd validate", _names(found.records), sections)
 
 
-def of_export(found: Export, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+def _of_export(found: Export, provenance: Provenance | None, detail: Detail) -> Article:
     """The sections of an exported model: in its target with and without the correction."""
-    sections: list[Section] = [Exported(found)]
+    sections = [exported(found)]
     if found.proof is not None:
-        detail = detail or Detail.shared_by(len(found.records))
-        target, parts = found.target.name, found.proof.parts
-        base, exported = tuple(part.base for part in parts), tuple(part.target for part in parts)
-        curves = [
-            ModelCurve.of_readings(f"m, b, k alone, in {target}", "base", found.records, base),
-            ModelCurve.of_readings(f"exported, in {target}", "extended", found.records, exported),
-        ]
-        sections.append(Fit(found.records, curves, found.plan.saved.noise_floor, detail))
-    sections.append(Effects(found))
+        target, parts, floor = found.target.name, found.proof.parts, found.plan.saved.noise_floor
+        before, after = tuple(part.base for part in parts), tuple(part.target for part in parts)
+        curves = (
+            ModelCurve.of_readings(f"m, b, k alone, in {target}", "base", found.records, before),
+            ModelCurve.of_readings(f"exported, in {target}", "extended", found.records, after),
+        )
+        sections.append(fit(found.records, curves, floor, detail))
+    sections.append(effects(found))
     if found.records:
-        sections.append(Data(found.records, (), provenance, None))
+        sections.append(data(found.records, (), provenance))
     return Article("msd export", f"{found.out.name} ({found.target.name})", tuple(sections))
 
 
-def of_comparison(found: Comparison, provenance: Provenance | None = None, detail: Detail | None = None) -> Article:
+def _of_comparison(found: Comparison, provenance: Provenance | None, detail: Detail) -> Article:
     """The sections of a user's own simulation against a record."""
-    detail = detail or Detail.shared_by(len(found.records))
     curves = (
         ModelCurve.of_readings("your simulation", "base", found.records, found.simulated),
         ModelCurve.of_fit("model of the rig", "extended", found.records, found.rig),
     )
-    sections: tuple[Section, ...] = (
-        Outcome(found),
-        Differences(found),
-        Fit(found.records, curves, found.diagnosis.noise_floor, detail),
-        LackingForce(found, found.records, detail),
-        Parameters(found.records, comparison_columns(found), found.rig.open_directions),
-        Data(found.records, found.diagnosis.findings, provenance, _delay(found.diagnosis)),
+    sections = (
+        outcome(found),
+        differences(found),
+        fit(found.records, curves, found.diagnosis.noise_floor, detail),
+        lacking_force(found, detail),
+        parameters(found.records, comparison_columns(found), found.rig.open_directions),
+        data(found.records, found.diagnosis.findings, provenance, _delay(found.diagnosis)),
     )
-    name = " + ".join(record.name for record in found.records)
-    return Article("msd validate", f"{found.simulation} on {name}", sections)
-
-
-def _saved_column(found: Validation) -> Column:
-    saved = found.saved
-    return Column("saved model", "extended", "model", saved.parameters, saved.see, saved.model)
-
-
-def articles(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> tuple[Article, ...]:
-    """An article for each result, all together as detailed as one page can carry."""
-    detail = Detail.shared_by(sum(len(found.records) for found in results))
-    return tuple(article(found, origin, detail) for found, origin in zip_longest(results, provenance))
+    return Article("msd validate", f"{found.simulation} on {_names(found.records)}", sections)
 
 
 #: What makes the article of a result, by its class; the others are identifications.
 _ARTICLES: dict[type, Callable[..., Article]] = {
-    Diagnosis: of_diagnosis,
-    Validation: of_validation,
-    Export: of_export,
-    Comparison: of_comparison,
+    Diagnosis: _of_diagnosis,
+    Validation: _of_validation,
+    Export: _of_export,
+    Comparison: _of_comparison,
 }
 
 
@@ -188,12 +166,14 @@ def article(found: Result, provenance: Provenance | None = None, detail: Detail 
         provenance: files, versions and command.
         detail: points per curve; as many as a page of this result alone can carry if ``None``.
     """
-    return _ARTICLES.get(type(found), of_identification)(found, provenance, detail)
+    detail = detail or Detail.shared_by(len(found.records))
+    return _ARTICLES.get(type(found), _of_identification)(found, provenance, detail)
 
 
 def render(results: Sequence[Result], provenance: Sequence[Provenance | None] = ()) -> str:
     """The page as text; ``provenance`` of each result, where it is known."""
-    made = articles(results, provenance)
+    detail = Detail.shared_by(sum(len(found.records) for found in results))  # as much as one page can carry of all
+    made = [article(found, origin, detail) for found, origin in zip_longest(results, provenance)]
     title = made[0].name if len(made) == 1 else f"{len(made)} results"
     return document(
         [_rendered(article, f"r{number}") for number, article in enumerate(made, start=1)],
@@ -254,17 +234,11 @@ def _rendered(article: Article, anchor: str) -> dict[str, Any]:
     sections = []
     for section in article.sections:
         here = f"{anchor}-{section.slug}"
-        template = environment().get_template(section.template)
-        body = template.render(here=here, plots=section.plots, **section.context())
-        sections.append({"anchor": here, "slug": section.slug, "title": section.title, "body": Markup(body)})
-    return {
-        "anchor": anchor,
-        "command": article.command,
-        "name": article.name,
-        "verdict": article.verdict,
-        "pill": article.pill,
-        "sections": sections,
-    }
+        template = environment().get_template(f"{section.slug}.html.j2")
+        body = Markup(template.render(here=here, plots=section.plots, **section.context))
+        sections.append({"anchor": here, "slug": section.slug, "title": section.title, "body": body})
+    head = {name: article.sections[0].context[name] for name in ("verdict", "pill")}
+    return {"anchor": anchor, "command": article.command, "name": article.name, **head, "sections": sections}
 
 
 @cache

@@ -5,14 +5,12 @@ from __future__ import annotations
 import base64
 import html
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from msd_ident.data.record import FloatArray
 from msd_ident.report.plot import Panel, Plot, Series
-
-if TYPE_CHECKING:
-    from msd_ident.data.record import FloatArray
 
 _GAP = 0.045
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from msd_ident.model.frequency_response import FrequencyResponse
     from msd_ident.residuals.disturbance import DisturbanceEstimate
     from msd_ident.residuals.ringdown import RingDown
-    from msd_ident.workflow.identification import Identification, ModelFit
+    from msd_ident.workflow.identification import Identification
 
 
 #: Points of curves and clouds of each kind that a page can carry.
@@ -75,13 +75,18 @@ def diagnosis_curves(diagnosis: Diagnosis) -> tuple[ModelCurve, ...]:
     return base, ModelCurve.of_fit("extended model", "extended", diagnosis.records, diagnosis.extended)
 
 
+#: Label and role of each of the fits of an identification, by its key in the JSON.
+STAGES: dict[str, tuple[str, Role]] = {
+    "original": ("original (m, b, k)", "base"),
+    "paper_refined": ("friction raised", "paper"),
+    "refined": ("joint refit", "extended"),
+}
+
+
 def identification_curves(found: Identification) -> tuple[ModelCurve, ...]:
     """Original model, friction raised, joint refit."""
-    fits: list[tuple[str, Role, ModelFit]] = [("original (m, b, k)", "base", found.original)]
-    if found.paper_refined is not None:
-        fits.append(("friction raised", "paper", found.paper_refined))
-    fits.append(("joint refit", "extended", found.refined))
-    return tuple(ModelCurve.of_readings(label, role, found.records, model.predicted) for label, role, model in fits)
+    fits = found.fits.items()
+    return tuple(ModelCurve.of_readings(*STAGES[key], found.records, one.predicted) for key, one in fits)
 
 
 def fit_plot(

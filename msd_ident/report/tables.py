@@ -115,17 +115,15 @@ def _row(table: Table, name: str, quantity: Quantity) -> None:
 
 def parameter_table(identification: Identification) -> Table:
     """Original model, friction raised, and joint refit side by side, with their SEE (the paper's Table 3)."""
-    fits = [("original", identification.original)]
-    if identification.paper_refined is not None:
-        fits.append(("friction raised", identification.paper_refined))
-    fits.append(("joint refit", identification.refined))
-    table = new_table("Physical parameters (Table 3)", "", *(name for name, _ in fits), "unit")
-    for name in dict.fromkeys(name for _, found in fits for name in found.parameters):
-        unit = next(found.parameters[name].unit for _, found in fits if name in found.parameters)
-        table.add_row(_label(name), *(_cell(found, name) for _, found in fits), unit)
+    fits, heads = identification.fits.values(), {"paper_refined": "friction raised", "refined": "joint refit"}
+    columns = (heads.get(key, key) for key in identification.fits)
+    table = new_table("Physical parameters (Table 3)", "", *columns, "unit")
+    for name in dict.fromkeys(name for found in fits for name in found.parameters):
+        unit = next(found.parameters[name].unit for found in fits if name in found.parameters)
+        table.add_row(_label(name), *(_cell(found, name) for found in fits), unit)
     table.add_section()
     factor, unit = _length(identification)
-    table.add_row("SEE", *(numbers.number(found.see * factor, 3) for _, found in fits), unit)
+    table.add_row("SEE", *(numbers.number(found.see * factor, 3) for found in fits), unit)
     reductions = [numbers.number(round(value, 6), 3) for value in _reductions(identification)]
     table.add_row("SEE reduction", *["–", *reductions][-len(fits) :], "%")
     return table

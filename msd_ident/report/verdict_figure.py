@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from msd_ident.report import words
 from msd_ident.report.matplotlib_figure import panel, plain, write
 from msd_ident.report.numbers import length_scale, number
-from msd_ident.report.page import of_diagnosis
+from msd_ident.report.page import article
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +39,7 @@ def draw(diagnosis: Diagnosis) -> Figure:
     """The first record's motion on the left, its missing force over velocity on the right."""
     from matplotlib.figure import Figure
 
-    plots = {plot.slug: plot for plot in reversed(of_diagnosis(diagnosis).plots)}
+    plots = {plot.slug: plot for plot in reversed(article(diagnosis).plots)}
     fit, cloud = plots["fit"], plots["missing_velocity"]
     made = Figure(figsize=(12.0, 5.4), layout="constrained")
     left, right = made.subfigures(1, 2, squeeze=False, width_ratios=(1.45, 1.0))[0]

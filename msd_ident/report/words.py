@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING
 
+from msd_ident.diagnosis import Diagnosis
 from msd_ident.diagnosis import verdict as said
 from msd_ident.diagnosis.verdict import percent
 from msd_ident.model.effects import by_name
@@ -14,9 +14,6 @@ from msd_ident.model.parameters import PARAMETERS
 from msd_ident.report.tables import VERDICTS, WORDS
 
 __all__ = ["VERDICTS", "effect", "percent"]
-
-if TYPE_CHECKING:
-    from msd_ident.diagnosis import Diagnosis
 
 
 def effects(names: str) -> str:

@@ -90,6 +90,12 @@ class Identification:
         return " ".join(dict.fromkeys(features.route for features in self.features))
 
     @property
+    def fits(self) -> dict[str, ModelFit]:
+        """The models by their key in the JSON, in the order in which they were made."""
+        made = {"original": self.original, "paper_refined": self.paper_refined, "refined": self.refined}
+        return {key: one for key, one in made.items() if one is not None}
+
+    @property
     def see_reduction_percent(self) -> float:
         """Reduction of the SEE by the joint refit in per cent, eq. 15."""
         return see_reduction(self.original.see, self.refined.see)
@@ -122,9 +128,7 @@ class Identification:
             "initial": [initial_dict(start) for start in self.refined.initial],
             "open": list(self.open),
             "known": to_json_list(self.known, {name: q.unit for name, q in self.refined.parameters.items()}),
-            "findings": [
-                {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
-            ],
+            "findings": [vars(finding) for finding in self.findings],
             "data": [data_sheet(record).to_json_dict() for record in self.records],
         }  # fmt: skip
 

@@ -165,9 +165,7 @@ class Validation:
             "missing_force_depends_on": dict(self.depends_on),
             "missing_force_state": self.states,
             "initial": [initial_dict(start) for start in self.initial],
-            "findings": [
-                {"severity": f.severity, "code": f.code, "sentence": f.sentence} for f in self.findings
-            ],
+            "findings": [vars(finding) for finding in self.findings],
             "data": [data_sheet(record).to_json_dict() for record in self.records],
             "warnings": list(self.warnings),
         }  # fmt: skip

@@ -155,7 +155,7 @@ def test_names_out_of_bags_are_text_and_nothing_else(make: type) -> None:
 def test_plotly_takes_every_figure() -> None:
     from plotly.graph_objects import Figure
 
-    plots = (*page.of_diagnosis(with_everything()).plots, *page.of_identification(identified()).plots)
+    plots = (*page.article(with_everything()).plots, *page.article(identified()).plots)
     assert {plot.slug for plot in plots} >= {"fit", "missing_time", "missing_velocity", "missing_position", "bode"}
     for plot in plots:
         assert len(Figure(plotly_figure.figure(plot)).data) > 0

@@ -15,7 +15,7 @@ import msd_ident
 from msd_ident.diagnosis.result import Verdict
 from msd_ident.live import cards
 from msd_ident.report import diagnosis, words
-from msd_ident.report.sections.parameters import Parameters, diagnosis_columns
+from msd_ident.report.sections.parameters import diagnosis_columns, parameters
 
 pytestmark = pytest.mark.xdist_group("report")
 
@@ -52,6 +52,6 @@ def test_where_laws_fit_alike_their_range_stands_in_the_place_of_one_interval() 
     (row,) = (line for line in text.splitlines() if line.strip().startswith("mass"))
     assert row.rstrip().endswith("2.6 to 2.9             kg") and "±" in row.split("2.6 to")[0]
     columns = diagnosis_columns(found)
-    section = Parameters(found.records, columns, (), found.spread)
-    assert [row[4] for row in section.context()["rows"]][0] == "2.600 to 2.900"
-    assert not Parameters(found.records, columns, ()).context()["ranges"]
+    section = parameters(found.records, columns, (), found.spread)
+    assert [row[4] for row in section.context["rows"]][0] == "2.600 to 2.900"
+    assert not parameters(found.records, columns, ()).context["ranges"]

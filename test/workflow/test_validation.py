@@ -249,7 +249,7 @@ def test_every_key_is_documented_and_there(told: dict[str, Any]) -> None:
 @pytest.mark.xdist_group("validation")
 def test_the_page_shows_both_and_its_numbers_are_the_jsons(told: dict[str, Any]) -> None:
     found = validation.validate(saved_model.from_json_dict(told), [record(height=9.0, seed=2)])
-    article = page.of_validation(found)
+    article = page.article(found)
     motion = article.plots[0].panels[1]
     assert [series.name for series in motion.series] == ["measured", "saved model"]
     text = page.render([found])

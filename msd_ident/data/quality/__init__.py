@@ -13,7 +13,7 @@ import numpy as np
 from msd_ident.data.motion import observe
 from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality.begin import begins_pushed, rest_before, rests_under_force, since_before
-from msd_ident.data.quality.cleaning import Cleaned, clean, removed
+from msd_ident.data.quality.cleaning import clean, removed
 from msd_ident.data.quality.clocks import clocks
 from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
 from msd_ident.data.quality.excitation import excitation
@@ -25,7 +25,6 @@ from msd_ident.data.quality.units import time_unit, units
 from msd_ident.data.record import Record
 
 __all__ = [
-    "Cleaned",
     "Examined",
     "Finding",
     "begins_pushed",

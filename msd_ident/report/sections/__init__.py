@@ -1,3 +1,3 @@
-"""The sections of the page: one class and one template each, in the order of a reader's questions."""
+"""The sections of the page: one function or two, and a template each, in the order of a reader's questions."""
 
 from __future__ import annotations

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from msd_ident.report.calibration import matrix
-from msd_ident.report.sections.section import ResultSection
-from msd_ident.selection.calibration import Calibration as Found
+from msd_ident.report.sections.section import Section
+from msd_ident.selection.calibration import Calibration
 
 
-class Calibration(ResultSection[Found]):
+def calibration(found: Calibration) -> Section:
     """A table, and a sentence for each of its rows."""
-
-    slug = "calibration"
-    title = "Copies of this record"
-
-    def context(self) -> Mapping[str, Any]:
-        """The matrix in words, and the number of copies."""
-        return {"matrix": matrix(self._found), "copies": self._found.copies}
+    return Section("calibration", "Copies of this record", {"matrix": matrix(found), "copies": found.copies})

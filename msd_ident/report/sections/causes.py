@@ -4,24 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-from msd_ident.diagnosis import Diagnosis
+from msd_ident.diagnosis import Cause, Diagnosis
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import number
-from msd_ident.report.plot import Plot
 from msd_ident.report.plots import probability_plot
-from msd_ident.report.sections.section import ResultSection
-
-if TYPE_CHECKING:
-    from msd_ident.diagnosis import Cause
-    from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.report.sections.section import Section
+from msd_ident.selection.candidate_models import CandidateModel
 
 #: Causes in a picture: the likeliest, so many at most.
 _LIKELY, _MOST = 1e-3, 8
-_SHOWN = PLANT
 
 
 @dataclass(frozen=True)
@@ -44,69 +38,56 @@ class Change:
     cells: tuple[tuple[str, str], ...]
 
 
-class Causes(ResultSection[Diagnosis]):
-    """Bars in groups, changes, rejected causes."""
+def causes(found: Diagnosis) -> Section:
+    """Bars in groups, rows of changes, rows of what was tried and rejected; in files the likeliest causes as bars."""
+    context = {
+        "groups": [tuple(_group(found, index, cause)) for index, cause in enumerate(found.causes)],
+        "changes": list(_changes(found)),
+        "units": [found.base.quantities[name].unit for name in PLANT],
+        "rejected": [
+            (words.effect(one.name), words.meaning(one.name), words.probability(one.probability), one.reason)
+            for one in found.tried
+            if not one.held
+        ],
+        "unexplained": found.verdict == "unexplained",
+        "spread": [(words.parameter(name), number(low), number(high)) for name, (low, high) in found.spread.items()],
+    }
+    likely = [one for one in found.tried if one.held or one.probability > _LIKELY][:_MOST]
+    bars = probability_plot([words.effect(one.name) for one in likely], [one.probability for one in likely])
+    return Section("causes", "Causes", context, beside=(bars,) if likely else ())
 
-    slug = "causes"
-    title = "Causes"
 
-    @property
-    def papers(self) -> tuple[Plot, ...]:
-        """The likeliest causes as bars."""
-        likely = [one for one in self._found.tried if one.held or one.probability > _LIKELY][:_MOST]
-        if not likely:
-            return ()
-        return (probability_plot([words.effect(one.name) for one in likely], [one.probability for one in likely]),)
+def _group(found: Diagnosis, index: int, cause: Cause) -> Iterator[Bar]:
+    key = f"causes.{index}"
+    sure = Marked(f"{key}.probability", cause.probability, words.probability(cause.probability))
+    parameters = tuple(
+        (*words.parameter(name), _with_unit(marked.quantity(f"{key}.parameters.{name}", quantity), quantity.unit))
+        for name, quantity in cause.parameters.items()
+    )
+    yield Bar(words.effect(cause.name), words.meaning(cause.name), 100.0 * cause.probability, sure, parameters)
+    chances = {one.name: one.probability for one in found.tried}
+    for name in cause.tied_with:
+        chance = chances.get(name, 0.0)
+        yield Bar(words.effect(name), words.meaning(name), 100.0 * chance, words.probability(chance), ())
 
-    def context(self) -> Mapping[str, Any]:
-        """Groups of bars, rows of changes, rows of what was tried."""
-        found = self._found
-        tried = [one for one in found.tried if not one.held]
-        return {
-            "groups": [tuple(self._group(index, cause)) for index, cause in enumerate(found.causes)],
-            "changes": list(self._changes()),
-            "units": [found.base.quantities[name].unit for name in _SHOWN],
-            "rejected": [
-                (words.effect(one.name), words.meaning(one.name), words.probability(one.probability), one.reason)
-                for one in tried
-            ],
-            "unexplained": found.verdict == "unexplained",
-            "spread": [
-                (words.parameter(name), number(low), number(high)) for name, (low, high) in found.spread.items()
-            ],
-        }
 
-    def _group(self, index: int, cause: Cause) -> Iterator[Bar]:
-        key = f"causes.{index}"
-        sure = Marked(f"{key}.probability", cause.probability, words.probability(cause.probability))
-        parameters = tuple(
-            (*words.parameter(name), _with_unit(marked.quantity(f"{key}.parameters.{name}", found), found.unit))
-            for name, found in cause.parameters.items()
-        )
-        yield Bar(words.effect(cause.name), words.meaning(cause.name), 100.0 * cause.probability, sure, parameters)
-        chances = {one.name: one.probability for one in self._found.tried}
-        for name in cause.tied_with:
-            chance = chances.get(name, 0.0)
-            yield Bar(words.effect(name), words.meaning(name), 100.0 * chance, words.probability(chance), ())
+def _changes(found: Diagnosis) -> Iterator[Change]:
+    base = {name: found.base.quantities[name].value for name in PLANT}
+    yield Change("base model", "", (*((number(value), "") for value in base.values()), ("–", "")))
+    for contender in found.contenders:
+        if contender.causes:
+            yield _change(base, contender)
 
-    def _changes(self) -> Iterator[Change]:
-        base = self._found.base.quantities
-        cells = tuple((number(base[name].value), "") for name in _SHOWN)
-        yield Change("base model", "", (*cells, ("–", "")))
-        for contender in self._found.contenders:
-            if contender.causes:
-                yield self._change(contender)
 
-    def _change(self, contender: CandidateModel) -> Change:
-        base, model = self._found.base.quantities, contender.model
-        cells = []
-        for name in _SHOWN:
-            before, after = base[name].value, model[name]
-            cells.append((number(after), f"{100.0 * (after / before - 1.0):+.2g} %" if before else ""))
-        rubbing = FRICTION_FORCE in model.names
-        cells.append((f"{number(model[FRICTION_FORCE], 3)}" if rubbing else "–", ""))
-        name = words.listed([words.effect(cause) for cause in contender.causes])
-        return Change(name, words.probability(contender.probability), tuple(cells))
+def _change(base: Mapping[str, float], contender: CandidateModel) -> Change:
+    model, cells = contender.model, []
+    for name, before in base.items():
+        after = model[name]
+        cells.append((number(after), f"{100.0 * (after / before - 1.0):+.2g} %" if before else ""))
+    rubbing = FRICTION_FORCE in model.names
+    cells.append((f"{number(model[FRICTION_FORCE], 3)}" if rubbing else "–", ""))
+    name = words.listed([words.effect(cause) for cause in contender.causes])
+    return Change(name, words.probability(contender.probability), tuple(cells))
 
 
 def _with_unit(found: Marked, unit: str) -> Marked:

@@ -3,55 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
 
 from msd_ident.data.datasheet import DataSheet, data_sheet
+from msd_ident.data.provenance import Provenance
+from msd_ident.data.quality import Finding
+from msd_ident.data.record import Record
+from msd_ident.quantity import Quantity
 from msd_ident.report.marked import Marked, length
 from msd_ident.report.numbers import length_scale, number, with_band
 from msd_ident.report.sections.section import Section
 
-if TYPE_CHECKING:
-    from msd_ident.data.provenance import Provenance
-    from msd_ident.data.quality import Finding
-    from msd_ident.data.record import Record
-    from msd_ident.quantity import Quantity
 
-
-class Data(Section):
-    """One column a record; files, versions, command."""
-
-    slug = "data"
-    title = "The data"
-
-    def __init__(
-        self,
-        records: Sequence[Record],
-        findings: Sequence[Finding],
-        provenance: Provenance | None,
-        clock_offset: Quantity | None,
-    ) -> None:
-        self._records, self._findings = records, findings
-        self._provenance, self._offset = provenance, clock_offset
-
-    def context(self) -> Mapping[str, Any]:
-        """Rows over records, findings, provenance."""
-        sheets = [data_sheet(record) for record in self._records]
-        columns = [_column(sheet, index) for index, sheet in enumerate(sheets)]
-        rows = [(label, [column[label] for column in columns]) for label in columns[0]]
-        offset = (
-            f"{with_band(self._offset)} {self._offset.unit}"
-            if self._offset is not None
-            else "none that the data requires"
-        )
-        return {
-            "names": [sheet.name for sheet in sheets],
-            "rows": rows,
-            "offset": offset,
-            "notes": [note for record in self._records for note in record.notes],
-            "findings": self._findings,
-            "provenance": self._provenance,
-        }
+def data(
+    records: Sequence[Record],
+    findings: Sequence[Finding],
+    provenance: Provenance | None,
+    clock_offset: Quantity | None = None,
+) -> Section:
+    """One column a record; findings; files, versions, command."""
+    sheets = [data_sheet(record) for record in records]
+    columns = [_column(sheet, index) for index, sheet in enumerate(sheets)]
+    context = {
+        "names": [sheet.name for sheet in sheets],
+        "rows": [(label, [column[label] for column in columns]) for label in columns[0]],
+        "offset": f"{with_band(clock_offset)} {clock_offset.unit}" if clock_offset else "none that the data requires",
+        "notes": [note for record in records for note in record.notes],
+        "findings": findings,
+        "provenance": provenance,
+    }
+    return Section("data", "The data", context)
 
 
 def _column(sheet: DataSheet, index: int) -> dict[str, Marked | str]:

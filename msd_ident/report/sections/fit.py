@@ -2,37 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
 
-from msd_ident.report.plot import Plot
+from msd_ident.data.record import Record
 from msd_ident.report.plots import Detail, ModelCurve, fit_plot
 from msd_ident.report.sections.section import Section
 
-if TYPE_CHECKING:
-    from msd_ident.data.record import Record
 
-
-class Fit(Section):
+def fit(records: Sequence[Record], curves: Sequence[ModelCurve], noise_floor: float, detail: Detail) -> Section:
     """One plot a record."""
-
-    slug = "fit"
-    title = "Model on data"
-
-    def __init__(
-        self, records: Sequence[Record], curves: Sequence[ModelCurve], noise_floor: float, detail: Detail
-    ) -> None:
-        self._records, self._curves, self._floor, self._detail = records, curves, noise_floor, detail
-
-    @cached_property
-    def plots(self) -> tuple[Plot, ...]:
-        """The plot of each record."""
-        return tuple(
-            fit_plot(record, self._curves, index, self._floor, self._detail)
-            for index, record in enumerate(self._records)
-        )
-
-    def context(self) -> Mapping[str, Any]:
-        """Nothing beside the plots."""
-        return {}
+    plots = (fit_plot(record, curves, index, noise_floor, detail) for index, record in enumerate(records))
+    return Section("fit", "Model on data", plots=tuple(plots))

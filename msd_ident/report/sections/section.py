@@ -1,48 +1,28 @@
-"""Base class of the page's sections: title, template, plots and values."""
+"""One section of a page: its template, the template's values, and its plots."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar, Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from msd_ident.report.plot import Plot
 
-Found = TypeVar("Found")
 
+@dataclass(frozen=True)
+class Section:
+    """A part of a result, arranged for a template.
 
-class Section(ABC):
-    """One section: it arranges a part of a result for its template of the same name."""
-
-    slug: ClassVar[str]
-    title: ClassVar[str]
-
-    @property
-    def template(self) -> str:
-        """File name of the template."""
-        return f"{self.slug}.html.j2"
-
-    @property
-    def plots(self) -> tuple[Plot, ...]:
-        """All plots, in order: files get the same as the page."""
-        return ()
-
-    @property
-    def papers(self) -> tuple[Plot, ...]:
-        """What goes into files: the plots, and what a page shows by other means."""
-        return self.plots
-
-    @abstractmethod
-    def context(self) -> Mapping[str, Any]:
-        """What the template is given, beside ``section`` and ``plots``."""
-
-
-class ResultSection(Section, Generic[Found]):
-    """A section about one result.
-
-    Args:
-        found: the result.
+    Attributes:
+        slug: file name of the template without its ending, and class of the section on the page.
+        title: its heading.
+        context: what the template is given, beside ``here`` and ``plots``.
+        plots: all plots, in order: files get the same as the page.
+        beside: plots for files alone, of what the page shows by other means.
     """
 
-    def __init__(self, found: Found) -> None:
-        self._found = found
+    slug: str
+    title: str
+    context: Mapping[str, Any] = field(default_factory=dict)
+    plots: tuple[Plot, ...] = ()
+    beside: tuple[Plot, ...] = ()

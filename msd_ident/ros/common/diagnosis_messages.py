@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from msd_ident.data import quality
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.diagnosis.result import Cause
-from msd_ident.quantity import Quantity
 from msd_ident.ros.common.codes import with_nan
 from msd_ident.ros.common.conversions import time_message
-from msd_ident.ros.common.result_messages import model_symbols, stamp_of, to_losses, to_parameter
+from msd_ident.ros.common.result_messages import model_symbols, stamp_of, to_losses, to_parameters
 from msd_interfaces.msg import Cause as CauseMessage
 from msd_interfaces.msg import Diagnosis as DiagnosisMessage
-from msd_interfaces.msg import Parameter as ParameterMessage
 
 
 def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> DiagnosisMessage:
@@ -39,9 +37,9 @@ def to_diagnosis(found: Diagnosis, path: str, made_ns: int, frame: str = "") -> 
         verdict=found.verdict,
         summary=found.summary,
         causes=[_cause(cause, symbols) for cause in found.causes],
-        base=_parameters(found.base.quantities, symbols),
+        base=to_parameters(found.base.quantities, symbols),
         base_see=found.base.see,
-        extended=_parameters(found.extended.quantities, symbols),
+        extended=to_parameters(found.extended.quantities, symbols),
         extended_see=found.extended.see,
         see_reduction_percent=found.see_reduction_percent,
         heldout_see_base=held.see_base,
@@ -88,10 +86,6 @@ def _cause(cause: Cause, symbols: Mapping[str, str]) -> CauseMessage:
     return CauseMessage(
         name=cause.name,
         probability=cause.probability,
-        parameters=_parameters(cause.parameters, symbols),
+        parameters=to_parameters(cause.parameters, symbols),
         tied_with=list(cause.tied_with),
     )
-
-
-def _parameters(quantities: Mapping[str, Quantity], symbols: Mapping[str, str]) -> Sequence[ParameterMessage]:
-    return [to_parameter(name, quantity, symbols) for name, quantity in quantities.items()]

@@ -8,8 +8,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from msd_ident import parallel
-from msd_ident.errors import MsdError
-from msd_ident.ros.common.signals import Signals, fail, noted_signals
+from msd_ident.errors import MsdError, fail
+from msd_ident.ros.common.signals import Signals, noted_signals
 
 if TYPE_CHECKING:
     from msd_ident.ros.common.node_runner import NodeOwner

@@ -15,8 +15,8 @@ from rclpy.executors import ExternalShutdownException, ShutdownException, Single
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from msd_ident.errors import DataError, UsageError
-from msd_ident.ros.common.signals import Signals, fail
+from msd_ident.errors import DataError, UsageError, fail
+from msd_ident.ros.common.signals import Signals
 
 
 class NodeOwner(ABC):

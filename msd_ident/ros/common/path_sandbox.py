@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import stat
 from pathlib import Path
 
 from msd_ident.errors import UsageError
 from msd_ident.io.new_folder import dated_folder
+from msd_ident.paths import kind_of
 
 #: Longest path that a request may hold, and longest name in it, as Linux has them [bytes].
 LONGEST_PATH, LONGEST_NAME = 4096, 255
@@ -36,7 +36,7 @@ class Place:
         for part in (path, *_entries(path)):
             if not self._holds(part.resolve()):
                 raise UsageError(f"{part} leads out of {self.root}; expected files there: copy it")
-            if not is_plain(part):
+            if kind_of(part):  # reading it need not end: a pipe's other side may never write
                 raise UsageError(f"{part} is neither file nor folder; expected a bag or a CSV file")
         return path
 
@@ -110,12 +110,3 @@ def _entries(path: Path) -> list[Path]:
         return list(path.iterdir()) if path.is_dir() else []
     except OSError:
         return []
-
-
-def is_plain(path: Path) -> bool:
-    """Whether reading it ends: a pipe's other side may never write."""
-    try:
-        mode = path.stat().st_mode
-    except OSError:
-        return True
-    return stat.S_ISREG(mode) or stat.S_ISDIR(mode)

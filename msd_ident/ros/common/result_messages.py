@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from msd_ident.data import quality
 from msd_ident.data.record import Origin, Record
 from msd_ident.model import Model
 from msd_ident.quantity import Quantity
 from msd_ident.ros.common.conversions import time_message
-from msd_ident.workflow.identification import Identification, ModelFit
+from msd_ident.workflow.identification import Identification
 from msd_interfaces.msg import Estimate, Loss
 from msd_interfaces.msg import Parameter as ParameterMessage
 
@@ -37,6 +37,11 @@ def to_parameter(name: str, quantity: Quantity, symbols: Mapping[str, str]) -> P
     )
 
 
+def to_parameters(quantities: Mapping[str, Quantity], symbols: Mapping[str, str]) -> list[ParameterMessage]:
+    """Quantities by name as messages, with the symbols of a model."""
+    return [to_parameter(name, quantity, symbols) for name, quantity in quantities.items()]
+
+
 def to_estimate(found: Identification, source: str, made_ns: int, frame: str = "") -> Estimate:
     """An identification of one record as a message.
 
@@ -61,8 +66,8 @@ def to_estimate(found: Identification, source: str, made_ns: int, frame: str = "
         position_unit=record.position_unit,
         route=found.route,
         method=found.refined.method,
-        paper_refined=_parameters(found.paper_refined, symbols),
-        refined=_parameters(found.refined, symbols),
+        paper_refined=to_parameters(found.paper_refined.parameters if found.paper_refined else {}, symbols),
+        refined=to_parameters(found.refined.parameters, symbols),
         see_original=found.original.see,
         see_paper_refined=found.paper_refined.see if found.paper_refined else math.nan,
         see_refined=found.refined.see,
@@ -113,11 +118,6 @@ def sentence(estimate: Estimate) -> str:
         f"{values}; SEE {estimate.see_refined:.3g} {estimate.position_unit}, {estimate.see_reduction_percent:.0f} % "
         f"below the linear model, from {estimate.samples} samples of {estimate.source}"
     )
-
-
-def _parameters(found: ModelFit | None, symbols: Mapping[str, str]) -> list[ParameterMessage]:
-    parameters: Iterable[tuple[str, Quantity]] = found.parameters.items() if found else ()
-    return [to_parameter(name, quantity, symbols) for name, quantity in parameters]
 
 
 def model_symbols(model: Model) -> dict[str, str]:

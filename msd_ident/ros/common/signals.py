@@ -7,13 +7,10 @@ from __future__ import annotations
 
 import queue
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-
-from msd_ident.errors import MsdError
 
 #: Signals that end a node.
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -75,9 +72,3 @@ def noted_signals(*others: signal.Signals) -> Iterator[Signals]:
     finally:
         for number in (*ENDING, *others):
             signal.signal(number, signal.SIG_IGN)
-
-
-def fail(error: MsdError) -> int:
-    """Print the error's one line; return the exit code."""
-    print(f"msd: {error}", file=sys.stderr)
-    return 2

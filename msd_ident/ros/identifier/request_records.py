@@ -15,6 +15,9 @@ from msd_ident.ros.common.live_buffer import LiveBuffer
 from msd_ident.ros.common.parameters import Settings
 from msd_ident.ros.common.path_sandbox import Place
 
+#: Parameters of the node that are fields of ``SourceOptions``.
+_SIGNALS = ("force", "position", "force_scale", "position_scale", "force_unit", "position_unit", "hold")
+
 
 @dataclass(frozen=True)
 class Part:
@@ -123,14 +126,5 @@ def options(s: Settings, part: Part = Part()) -> SourceOptions:  # noqa: B008 - 
     Raises:
         UsageError: the window or a scale makes no sense.
     """
-    return SourceOptions(
-        force=s["force"],
-        position=s["position"],
-        force_scale=s["force_scale"],
-        position_scale=s["position_scale"],
-        force_unit=s["force_unit"],
-        position_unit=s["position_unit"],
-        hold=s["hold"],
-        start=part.start if part.start or part.end else None,
-        end=part.end or None,
-    )
+    start, end = part.start if part.start or part.end else None, part.end or None
+    return SourceOptions(**{name: s[name] for name in _SIGNALS}, start=start, end=end)

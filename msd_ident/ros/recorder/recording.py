@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from msd_ident.io import BagWriter, OfferedQos, qos_to_yaml
@@ -45,7 +45,10 @@ class Summary:
 
 @dataclass(frozen=True)
 class QueueLimits:
-    """When the bag is seen onto the disk [s], and the size [bytes] and length [s] of its files; 0 s for any length."""
+    """When the bag is seen onto the disk [s], and the size [bytes] and length [s] of its files; 0 s for any length.
+
+    The names are those of ``BagWriter``.
+    """
 
     sync_seconds: float = 1.0
     split_bytes: int = SPLIT_BYTES
@@ -83,13 +86,7 @@ class Recording:
     ) -> None:
         self.folder = folder
         self._idle = min(IDLE, max(limits.sync_seconds / 2, 0.01))
-        self._writer = BagWriter(
-            folder,
-            compression,
-            sync_seconds=limits.sync_seconds,
-            split_bytes=limits.split_bytes,
-            split_seconds=limits.split_seconds,
-        )
+        self._writer = BagWriter(folder, compression, **asdict(limits))
         self._queue: queue.SimpleQueue[tuple[str, bytes, int, int] | None] = queue.SimpleQueue()
         self._counts: dict[str, TopicCount] = {}
         self._most_bytes = most_bytes
