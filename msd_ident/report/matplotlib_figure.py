@@ -59,10 +59,12 @@ def write(figure: Figure, targets: list[Path]) -> list[Path]:
     Raises:
         SetupError: the disk does not take it.
     """
+    from matplotlib import rc_context
+
     figure.draw_without_rendering()  # lays it out: once is enough for all files
     figure.set_layout_engine(None)
     for target in targets:
-        with writing_to(target):
+        with writing_to(target), rc_context({"svg.hashsalt": ""}):  # names in the file are drawn by lot without it
             target.parent.mkdir(parents=True, exist_ok=True)
             figure.savefig(target, dpi=_DOTS, metadata={"Date": None} if target.suffix == ".svg" else None)
     return targets

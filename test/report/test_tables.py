@@ -72,3 +72,5 @@ def test_figures_are_written_as_agreed(tmp_path: Path) -> None:
     assert written == figures.paths(identified(), tmp_path / "new")
     assert all("<svg" in path.read_text(encoding="utf-8") for path in written if path.suffix == ".svg")
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written if path.suffix == ".png")
+    again = figures.save(identified(), tmp_path / "again")
+    assert [path.read_bytes() for path in again] == [path.read_bytes() for path in written]
