@@ -205,13 +205,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, so "
         "it is not certain. Record longer."
         for name in sorted(ranking.slow.get(named, ()))
-        if not ranking.best.model.effect(name).longest_pitch()
+        if not ranking.best.model.effect(name).repeats_after()
     ]
     said += [
         f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
         "another kind could do the same, so it is not certain. Move further."
         for name in sorted(ranking.slow.get(named, ()))
-        if ranking.best.model.effect(name).longest_pitch()
+        if ranking.best.model.effect(name).repeats_after()
     ]
     said += [
         f"nothing of {spoken(name)} is seen in motion: it only holds the cart where it rests, and a force that acts "

@@ -152,7 +152,7 @@ def _slow(fitted: Hypothesis) -> frozenset[str]:
     return frozenset(
         effect.name
         for effect in fitted.model.effects
-        if effect.longest_period() > longest or 2.0 * effect.longest_pitch() > widest
+        if effect.longest_period() > longest or 2.0 * effect.repeats_after() > widest
     )
 
 

@@ -235,8 +235,8 @@ class Effect:
         least = min((abs(frequency) for frequency in self.tones()), default=math.inf)
         return 2.0 * math.pi / least if least > 0.0 else math.inf
 
-    def longest_pitch(self) -> float:
-        """Pitch [m] of what it repeats along the travel, the longest if it has several; 0 if it repeats nothing."""
+    def repeats_after(self) -> float:
+        """Pitch [m] of what it repeats along the travel, of several their rms by power; 0 if it repeats nothing."""
         return float(getattr(self, self.harmonic.scanned)) if self.harmonic and self.harmonic.over == PLACE else 0.0
 
     def tones(self) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
+from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.cogging import Cogging
 
@@ -41,6 +42,10 @@ class CoggingHarmonic(Effect):
     mirror = False
     harmonic = Cogging.harmonic
     ring_down = Cogging.ring_down
+
+    def repeats_after(self) -> float:
+        """Between the pitch and half of it."""
+        return typical.rms_pitch(self.cogging_pitch, self.cogging_amplitude, self.harmonic_amplitude)
 
     @staticmethod
     def force(

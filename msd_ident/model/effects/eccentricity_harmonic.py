@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
+from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 
@@ -41,9 +42,9 @@ class EccentricityHarmonic(Effect):
     piecewise_linear = True
     mirror = False
 
-    def longest_pitch(self) -> float:
-        """Of the larger one of the two errors: a turn of the wheel, or half of it."""
-        return self.eccentricity_pitch * (1.0 if self.eccentricity > self.second_eccentricity else 0.5)
+    def repeats_after(self) -> float:
+        """Between a turn of the wheel and half of it."""
+        return typical.rms_pitch(self.eccentricity_pitch, self.eccentricity, self.second_eccentricity)
 
     @staticmethod
     def reading(

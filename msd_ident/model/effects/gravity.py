@@ -62,7 +62,7 @@ class Gravity(Effect):
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
         """A ripple whose pitch is nearer to one turn than to a half or to two: on a joint this is gravity."""
         term = _ripple(other)
-        if term is None or not 0.5 < math.log2(other.longest_pitch() / math.pi) < 1.5:
+        if term is None or not 0.5 < math.log2(getattr(other, term.scanned) / math.pi) < 1.5:
             return None
         others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
         return replace(model, effects=(*others, cls(getattr(other, term.amplitude))))

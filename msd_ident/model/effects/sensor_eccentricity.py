@@ -44,7 +44,7 @@ class SensorEccentricity(Effect):
     piecewise_linear = True
     mirror = False
 
-    def longest_pitch(self) -> float:
+    def repeats_after(self) -> float:
         """One turn of the wheel."""
         return self.eccentricity_pitch
 

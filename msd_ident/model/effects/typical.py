@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from msd_ident.data.record import Record
@@ -48,6 +50,17 @@ def natural_frequency(record: Record, plant: Model) -> float:
     """Natural frequency [rad/s] of the plant, or of one swing a record where there is no spring."""
     spring = plant["stiffness"] / plant["mass"]
     return max(float(np.sqrt(max(spring, 0.0))), 2.0 * np.pi / record.duration)
+
+
+def rms_pitch(pitch: float, once: float, twice: float) -> float:
+    """Root of the mean square of a pitch [m] and of half of it, weighted with the power of the sines of each.
+
+    Args:
+        pitch: of the first sine [m].
+        once, twice: amplitudes of the sine, and of the one of half its pitch.
+    """
+    power = once**2 + twice**2
+    return pitch * math.sqrt((once**2 + 0.25 * twice**2) / power) if power > 0.0 else pitch
 
 
 def pitches(span: float, longest: float = PITCHES[1]) -> FloatArray:
