@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from msd_ident.cli.main import COMMANDS
+from msd_ident.model import warm_up
 from test.cli.test_diagnose import written
 
 #: Libraries that a command on a table has no use for. Each takes from 20 to 250 ms to import.
@@ -70,7 +71,7 @@ gc.callbacks.append(lambda phase, about: ran.append(phase) if gc.get_threshold()
 main.main()
 print(len(ran))
 """
-    _printed(code, "identify", path)  # compiles what is not compiled yet
+    warm_up()  # compiles what is not compiled yet
     assert _printed(code, "identify", path).splitlines()[-1] == "0"
 
 
