@@ -69,6 +69,16 @@ def pytest_sessionstart(session: pytest.Session) -> None:
             work.wait()
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[object]:
+    """Collecting leaves no garbage: to look for some took a fifth of its time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+
+
 def pytest_collection_finish(session: pytest.Session) -> None:
     """What collecting made lives until the end: the garbage collector need not walk through it at every turn."""
     gc.collect()

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import cache
 from unittest import mock
 
 import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.paper import method
 from msd_ident.selection import replication
 from msd_ident.workflow import pipeline
+
+
+@cache
+def paper_study() -> method.Paper:
+    """The study of the paper's own numbers, which is always the same."""
+    return method.study()
+
 
 _made: dict[object, Diagnosis] = {}
 _diagnose = pipeline.diagnose

@@ -37,7 +37,7 @@ def test_a_rig_without_faults_is_the_linear_one() -> None:
 
 def test_frictionloss_is_dry_friction() -> None:
     """Between two turns it is a constant force: each swing is shorter by 2 Fc/k both ways, and at last it stands."""
-    undamped = replace(PLAIN, damping=0.0, frictionloss=0.5, start=0.01, commands=(0.0,) * 2000, noise=1e-6, count=0.0)
+    undamped = replace(PLAIN, damping=0.0, frictionloss=0.5, start=0.01, commands=(0.0,) * 1200, noise=1e-6, count=0.0)
     found = simulate.positions(undamped)
     turn, shift = math.sqrt(420.0 / 1.1), 0.5 / 420.0
     half = math.pi / turn

@@ -12,6 +12,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from badinputs import Outcome, run
+from once import paper_study
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.io import write_csv
@@ -38,7 +39,7 @@ def process(*words: str | Path, expect: int = 0) -> subprocess.CompletedProcess[
 @pytest.fixture(scope="module")
 def once() -> Iterator[None]:
     """The paper's study, which is always the same, is made once for the tests here."""
-    made = method.study()
+    made = paper_study()
     with mock.patch.object(method, "study", lambda progress: made):
         yield
 

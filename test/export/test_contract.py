@@ -73,7 +73,7 @@ def _replayed(
     target: Target, name: str, hold: str, folder: Path, *others: str, steps: int = 4
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Readings in the target, here, and here without the effect."""
-    record = effect_examples.record(1000.0, hold, duration=1.5)  # type: ignore[arg-type]
+    record = effect_examples.record(1000.0, hold, duration=0.75)  # type: ignore[arg-type]
     model, bare = effect_examples.model(name, *others), effect_examples.model(*others)
     plan = Plan(saved(model), model, zero=ZERO, steps=steps)
     out = folder / f"rig{target.suffixes[0]}"

@@ -197,7 +197,7 @@ def test_other_laws_of_known_families_against_scipy():
         parts, state = [], [0.0, 0.0]
         for begin, end in ((0.0, 0.5), (0.5, 0.9)):
             inside = np.append(time[(time >= begin) & (time < end - 1e-12)], end)
-            found = solve_ivp(slope, (begin, end - 1e-12), state, "DOP853", rtol=1e-8, atol=1e-12, max_step=2e-4,
+            found = solve_ivp(slope, (begin, end - 1e-12), state, "DOP853", rtol=1e-8, atol=1e-12, max_step=1e-3,
                               t_eval=np.minimum(inside, end - 1e-12))  # fmt: skip
             parts.append(found.y[0][:-1])
             state = found.y[:, -1]

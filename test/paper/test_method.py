@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from once import paper_study
 
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
-from msd_ident.paper.models import Closest, nearest_coulomb, single_causes, undecidable
+from msd_ident.paper.models import Closest, nearest_coulomb, undecidable
 from msd_ident.paper.tables import Table1, derive, losses
 
 pytestmark = pytest.mark.xdist_group("paper")
@@ -15,9 +16,8 @@ pytestmark = pytest.mark.xdist_group("paper")
 @pytest.fixture(scope="module")
 def both() -> tuple[Closest, Closest]:
     """The viscous + Coulomb models nearest to Table 1 by least squares, and most evenly."""
-    found = nearest_coulomb(Table1())
-    assert found is not None
-    return found
+    made = paper_study()
+    return made.coulomb, made.coulomb_even
 
 
 def test_amplitude_is_lost_fastest_where_it_is_largest() -> None:
@@ -48,7 +48,7 @@ def test_a_table_that_a_coulomb_model_did_make_is_reproduced() -> None:
 
 
 def test_drag_hardening_spring_or_end_stop_alone_reproduce_it_and_coulomb_friction_does_not() -> None:
-    able = {cause.cause: cause.reproduces for cause in single_causes(Table1())}
+    able = {cause.cause: cause.reproduces for cause in paper_study().causes}
     assert able["quadratic_drag"] and able["cubic_spring"] and able["end_stop"]
     assert not able["coulomb_friction"] and not able["force_offset"] and not able["backlash"]
     assert "stribeck_friction" in undecidable() and not set(able) & set(undecidable())
