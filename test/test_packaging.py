@@ -8,13 +8,15 @@ import subprocess
 import sys
 import zipfile
 from importlib import import_module
-from importlib.metadata import distribution
+from importlib.metadata import distribution, distributions
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from packaging.specifiers import SpecifierSet
 
 REPOSITORY = Path(__file__).resolve().parent.parent
+LOCK = REPOSITORY / "requirements" / "lock.txt"
 MANIFESTS = [REPOSITORY / "package.xml", REPOSITORY / "msd_interfaces" / "package.xml"]
 LAUNCH_FILES = sorted((REPOSITORY / "launch").glob("*.launch.py"))
 #: Keys of rosdep for what is not called the same.
@@ -188,3 +190,12 @@ def test_launch_file_names_parameter_files_that_exist(path: Path) -> None:
     named = re.findall(r'"(\w+\.yaml)"', path.read_text(encoding="utf-8"))
     assert named
     assert [name for name in named if not (REPOSITORY / "config" / name).is_file()] == []
+
+
+def test_what_is_locked_installs_on_every_python_that_the_lock_is_for() -> None:
+    """pip of Debian 12, whose Python is 3.11.2, refused a lock with a package for 3.11.5 and later."""
+    locked = [line.partition("==")[0] for line in LOCK.read_text(encoding="utf-8").splitlines() if "==" in line]
+    here = [one for name in locked for one in distributions(name=name)]
+    assert len(here) > 0.9 * len(locked), "some are for other versions of Python"
+    needs = {one.name: one.metadata.get("Requires-Python") or "" for one in here}
+    assert [name for name, versions in needs.items() if "3.11.0" not in SpecifierSet(versions)] == []

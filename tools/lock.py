@@ -1,6 +1,7 @@
 """Write requirements/lock.txt: the versions that are in the Python that runs this.
 
 To renew the lock: `make clean`, `make test LOCK=`, then `.venv/bin/python tools/lock.py`.
+A test names packages that ask for more than Python 3.11.0: put an older version of them in.
 """
 
 from __future__ import annotations
