@@ -16,8 +16,6 @@ from msd_ident.data.record import FloatArray
 from msd_ident.tuning import fixed
 
 _FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
-#: Diagonal of a Gauss–Newton matrix that stands for an entry which moves nothing.
-_NOTHING = 1e-300
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
@@ -67,7 +65,7 @@ def broyden_update(
     """
     along, length = np.empty(move.size), 0.0
     for i in range(move.size):
-        size = max(normal[i, i], _NOTHING)
+        size = max(normal[i, i], 1e-300)  # an entry may move nothing
         along[i] = size * move[i]
         length += along[i] * move[i]
     along /= length

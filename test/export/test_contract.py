@@ -70,10 +70,10 @@ def test_an_effect_without_element_and_law_is_no_secret() -> None:
 
 
 def _replayed(
-    target: Target, name: str, hold: str, folder: Path, *others: str, steps: int = 4
+    target: Target, name: str, hold: str, folder: Path, *others: str, steps: int = 4, duration: float = 0.75
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Readings in the target, here, and here without the effect."""
-    record = effect_examples.record(1000.0, hold, duration=0.75)  # type: ignore[arg-type]
+    record = effect_examples.record(1000.0, hold, duration=duration)  # type: ignore[arg-type]
     model, bare = effect_examples.model(name, *others), effect_examples.model(*others)
     plan = Plan(saved(model), model, zero=ZERO, steps=steps)
     out = folder / f"rig{target.suffixes[0]}"
@@ -101,7 +101,7 @@ def test_exact_is_exact(target: str, effect: str, hold: str, tmp_path: Path) -> 
 @pytest.mark.parametrize("law", ["coulomb_friction", "stribeck_friction", "load_dependent_friction"])
 def test_dry_friction_is_exact_at_the_records_own_step(law: str, beside: str, tmp_path: Path) -> None:
     others = (beside,) if beside else ()
-    got, ours, without = _replayed(BY_NAME["mujoco"], law, "zero", tmp_path, *others, steps=1)
+    got, ours, without = _replayed(BY_NAME["mujoco"], law, "zero", tmp_path, *others, steps=1, duration=1.5)
     assert np.sqrt(np.mean((got - ours) ** 2)) < 5e-4 * np.sqrt(np.mean((ours - without) ** 2))
 
 
