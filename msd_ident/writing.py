@@ -20,12 +20,13 @@ def write_text(text: str, path: Path) -> None:
 
 
 @contextmanager
-def writing_to(path: Path, expected: str = "a writable place") -> Iterator[None]:
-    """Where a file is written.
+def writing_to(path: Path, expected: str = "a writable place", doing: str = "write") -> Iterator[None]:
+    """Where a file is written, or a folder is made.
 
     Args:
-        path: of the file, for the words of the refusal.
+        path: of the file or folder, for the words of the refusal.
         expected: what it should be, for the same.
+        doing: what the disk does not take, for the same.
 
     Raises:
         SetupError: the disk does not take it.
@@ -33,17 +34,4 @@ def writing_to(path: Path, expected: str = "a writable place") -> Iterator[None]
     try:
         yield
     except OSError as error:
-        raise SetupError(f"cannot write {path}: {error.strerror or error}; expected {expected}") from None
-
-
-@contextmanager
-def making(folder: Path) -> Iterator[None]:
-    """Where a folder is made.
-
-    Raises:
-        SetupError: the disk does not take it.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise SetupError(f"cannot make {folder}: {error.strerror}; expected a writable place") from None
+        raise SetupError(f"cannot {doing} {path}: {error.strerror or error}; expected {expected}") from None

@@ -12,7 +12,7 @@ from typing import Any
 
 from msd_ident.cli import options
 from msd_ident.errors import MsdError, UsageError
-from msd_ident.writing import making, write_text
+from msd_ident.writing import write_text, writing_to
 
 #: Keys of an object that says why a path has no result.
 _REFUSAL = {"schema", "path", "error"}
@@ -82,7 +82,7 @@ def make_folder(path: Path) -> None:
         UsageError: something else has this name.
         SetupError: the disk does not take it.
     """
-    with making(path):
+    with writing_to(path, doing="make"):
         try:
             path.mkdir(parents=True, exist_ok=True)
         except (FileExistsError, NotADirectoryError):

@@ -11,7 +11,7 @@ from pathlib import Path
 from msd_ident.errors import UsageError
 from msd_ident.io.crash_safe_file import PART, copies_of, is_being_written
 from msd_ident.io.metadata import BagEntry
-from msd_ident.writing import making
+from msd_ident.writing import writing_to
 
 #: Smaller files than this are nothing but their index.
 _LEAST_BYTES = 10_000
@@ -30,7 +30,7 @@ def make_folder(folder: Path, overwrite: bool) -> None:
         UsageError: the folder exists and may not be replaced.
         SetupError: the folder cannot be made.
     """
-    with making(folder):
+    with writing_to(folder, doing="make"):
         if is_empty(folder):
             return
         if folder.exists() or folder.is_symlink():
@@ -52,7 +52,7 @@ def dated_folder(parent: Path, prefix: str) -> Path:
     stem = f"{prefix}_{datetime.now():%Y_%m_%d-%H_%M_%S}"
     for name in chain([stem], (f"{stem}_{number}" for number in count(2))):
         folder = parent / name
-        with making(folder):
+        with writing_to(folder, doing="make"):
             parent.mkdir(parents=True, exist_ok=True)
             try:
                 folder.mkdir()

@@ -41,7 +41,8 @@ class Trajectory:
 _NOTHING: FloatArray = np.empty(0)
 #: What ``run.compare`` leaves readings as they are with. As in a record, the positions cannot be written to: for arrays
 #: that can, numba would compile the solver once more.
-_NOT_COMPARED = (np.frombuffer(b"", dtype=np.float64), _NOTHING, 0.0)
+_NOT_COMPARED = (np.empty(0), _NOTHING, 0.0)
+_NOT_COMPARED[0].setflags(write=False)
 
 
 def _to_stderr(line: str) -> None:

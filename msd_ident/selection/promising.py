@@ -26,7 +26,12 @@ def explaining(experiment: Experiment, sets: Mapping[Causes, Hypothesis]) -> lis
     """
     alone = [sets[one] for name in experiment.tried_alone if (one := frozenset({name})) in sets]
     alone.sort(key=lambda fitted: fitted.chi)
-    return [one.causes for one in alone[:KEPT] if one.chi < (1.0 - TENTH) * sets[frozenset()].chi]
+    return [one.causes for one in alone[:KEPT] if explains(one, sets[frozenset()])]
+
+
+def explains(fitted: Hypothesis, base: Hypothesis) -> bool:
+    """Whether a set leaves less than the base model does, by more than a ``TENTH`` of it."""
+    return fitted.chi < (1.0 - TENTH) * base.chi
 
 
 def pairs(experiment: Experiment, sets: Mapping[Causes, Hypothesis], ranking: Ranking) -> list[Causes]:

@@ -16,7 +16,7 @@ from typing import TypeVar
 from msd_ident import parallel
 from msd_ident.estimate.effort import LOOK
 from msd_ident.estimate.explained import LEAST
-from msd_ident.estimate.levels import MOST_OF, TENTH
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.selection.evidence import NoiseScale, scale_from
@@ -31,7 +31,7 @@ from msd_ident.selection.hypothesis import (
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import rank
-from msd_ident.selection.promising import explaining, pairs
+from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.starting_points import proposals
@@ -149,7 +149,7 @@ class Search:
         followed only if it may come near to that.
         """
         rubbing = self.sets.get(frozenset({COULOMB}))
-        return rubbing is not None and rubbing.chi < (1.0 - TENTH) * base.chi and not self.at_floor(rubbing)
+        return rubbing is not None and explains(rubbing, base) and not self.at_floor(rubbing)
 
     @property
     def carries_nothing(self) -> bool:
