@@ -20,6 +20,7 @@ from msd_ident.design.profile import Profile
 from msd_ident.estimate.levels import NEGLIGIBLE
 from msd_ident.parallel import each
 from msd_ident.selection.candidate_models import CandidateModel
+from msd_ident.selection.excitation import poor
 from msd_ident.selection.ranking import DECISIVE
 
 #: Probability of a decision that is as good as certain: of the profiles that have it, the shortest is taken.
@@ -144,6 +145,26 @@ def family_of(question: Question, unit: str = "N") -> list[Profile]:
     """
     made = family(TimeScale(question.period, question.limits.duration), unit)
     return sorted(made, key=lambda profile: profile.duration)
+
+
+def exciting(
+    question: Question, profiles: Sequence[Profile], records: Sequence[Record]
+) -> tuple[list[Profile], list[Profile]]:
+    """The profiles that excite more than one kind of motion, together with what was measured, and the other ones.
+
+    Without that no cause is certain, whatever a profile shows (``selection.excitation``).
+
+    Args:
+        question: gives the plant's period.
+        profiles: to choose from.
+        records: what was measured.
+    """
+    rich: list[Profile] = []
+    plain: list[Profile] = []
+    for profile in profiles:
+        played = grid(profile, question.period, question.sensing).record
+        (plain if poor([*records, played], question.period) else rich).append(profile)
+    return rich, plain
 
 
 def choose(found: Sequence[Option]) -> Option | None:

@@ -11,7 +11,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.design import deciding_measurements as measurements
 from msd_ident.design import profile_search
-from msd_ident.design.evaluation import Option, Question, family_of
+from msd_ident.design.evaluation import Option, Question, exciting, family_of
 from msd_ident.design.hidden_effects import hidden
 from msd_ident.design.library import why
 from msd_ident.design.limits import Limits
@@ -148,7 +148,11 @@ def default_limits(diagnosis: Diagnosis) -> Limits:
 
 def _proposed(question: Question, diagnosis: Diagnosis, called: Sequence[str], verb: str) -> Proposal:
     unit, length = diagnosis.records[0].force_unit, diagnosis.records[0].position_unit
-    found = profile_search.search(question, family_of(question, unit))
+    rich, plain = exciting(question, family_of(question, unit), diagnosis.records)
+    if verb == "parts":
+        found = profile_search.search(question, [*rich, *plain])
+    else:
+        found = profile_search.search(question, rich) or profile_search.search(question, plain)
     if found is None:
         raise UsageError(
             "no experiment has room within these limits; expected more force, travel, speed or time: raise them"

@@ -24,6 +24,7 @@ _MOVED, _STRONGER = 0.02, 5.0
 #: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
 _SURE, _SHIFT = 0.9, frozenset({OFFSET})
 _REST, _LONGEST_STEP = 0.3, 3.0
+_STANDS, _NOTHING = "one explanation stands", "no experiment that would tell more is known"
 _FIRST, _GENTLE = "a first look", "a gentle step that sizes the first experiment"
 
 
@@ -203,7 +204,7 @@ class Loop:
             looked = self.checked
             proposal, purpose = self._next()
             if proposal is None:
-                break
+                return self._ended(self._settled, _STANDS if self._settled else _NOTHING)
             self.measurements = proposal.measurements
             against = self._against(proposal, purpose, spent)
             if against and looked and self._settled:
@@ -212,7 +213,7 @@ class Loop:
                 return self._ended(False, against)
             self._play(purpose, proposal.profile, proposal)
             spent += proposal.profile.duration
-        return self._ended(self._settled, "one explanation stands" if self._settled else "the budget is spent")
+        return self._ended(self._settled, _STANDS if self._settled else "the budget is spent")
 
     @property
     def _settled(self) -> bool:

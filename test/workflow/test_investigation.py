@@ -13,10 +13,12 @@ from typing import Any
 import pytest
 from designrigs import BENT, LIMITS, STEP, Rig, share
 
+from bench.blind_design import cases
 from msd_ident.cli.main import main
 from msd_ident.design import Limits, Profile, Segment
 from msd_ident.errors import DataError, UsageError
 from msd_ident.report import investigation_page
+from msd_ident.selection import replication
 from msd_ident.workflow import investigation
 from msd_ident.workflow.investigation import Budget, Loop, Ran
 
@@ -32,6 +34,17 @@ def test_the_truth_stands_after_one_more_experiment(monkeypatch: pytest.MonkeyPa
     assert [cause.name for cause in found.diagnosis.causes] == ["force_gain_nonlinearity"]
     assert [step.diagnosis.verdict for step in found.steps] == ["adequate", "explained"]
     assert found.steps[1].purpose.startswith("to see what could hide: ")
+
+
+def test_a_look_at_what_hides_excites_enough_to_be_certain(
+    asking_about: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One step leaves friction and a delay uncertain where no copies are made, and so did a second step beside it."""
+    asking_about("coulomb_friction", "time_offset", "actuator_lag", "force_gain_nonlinearity")
+    monkeypatch.setattr(replication, "_CHEAP", 0.0)
+    found = cases.run(cases.Case(45011, "time_offset", True), False)
+    assert found is not None and found.first == ("ambiguous", found.truth)
+    assert found.right and found.runs == 1
 
 
 def test_the_first_push_of_an_unknown_rig_is_gentle() -> None:
