@@ -76,7 +76,8 @@ special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagno
 - *Family*: the causes of the library that describe the law or a part of it (`bench/blind/truth.py`). It is named if one
   of its causes is named or tied with a named one. Where no cause has to be named, every visible case counts.
 - *False*: a named cause outside the family. A force offset is not false: with a linear spring it is a shifted zero.
-- *m and k within 2 %*: both relative errors are at most 2 %; in a free decay, the error of k/m.
+- *m and k within 2 %*: both relative errors are at most 2 %; in a free decay, the error of k/m. k is the slope at
+  rest: where the diagnosis states `stiffness_at_rest`, and no constant force is hidden, that is compared.
 - *Covered*: m and k are within 2 % of their stated range: the 95 % interval, and the `spread` if there is one.
 
 {tables}

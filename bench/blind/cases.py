@@ -20,8 +20,10 @@ from msd_ident.diagnosis import Diagnosis
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant
+from msd_ident.model.base_model import OFFSET
 from msd_ident.model.effects import by_name
-from msd_ident.quantity import Z95
+from msd_ident.model.rest import AT_REST
+from msd_ident.quantity import Z95, Quantity
 from msd_ident.workflow import pipeline
 from msd_sim import foreign, lottery
 from msd_sim.effects import ALL
@@ -213,13 +215,21 @@ def _plant(rig: Sealed, diagnosis: Diagnosis) -> tuple[tuple[str, float, float, 
     """Name, value, standard deviation and truth; of a free decay, which has no newtons, nothing."""
     if rig.experiment == "release":
         return ()
-    found = [(name, diagnosis.extended.quantities[name]) for name in PLANT]
+    found = [(name, _found(rig, diagnosis, name)) for name in PLANT]
     return tuple((name, quantity.value, quantity.std, rig.plant[name]) for name, quantity in found)
+
+
+def _found(rig: Sealed, diagnosis: Diagnosis, name: str) -> Quantity:
+    """A parameter of the plant. The stiffness of a rig without a constant force is that at rest."""
+    quantities = diagnosis.extended.quantities
+    if name == "stiffness" and OFFSET not in rig.truth:
+        return diagnosis.derived.get(AT_REST, quantities[name])
+    return quantities[name]
 
 
 def _plant_error(rig: Sealed, diagnosis: Diagnosis) -> float:
     """Larger relative error of mass and stiffness; a free decay knows their ratio only."""
-    found = {name: diagnosis.extended.quantities[name].value for name in ("mass", "stiffness")}
+    found = {name: _found(rig, diagnosis, name).value for name in ("mass", "stiffness")}
     return max(abs(value / truth - 1.0) for value, truth in _plant_and_truth(rig, diagnosis, found))
 
 
@@ -231,7 +241,7 @@ def _plant_stated(rig: Sealed, diagnosis: Diagnosis) -> float:
     for side in (-1.0, 1.0):
         found = {}
         for name in ("mass", "stiffness"):
-            quantity = diagnosis.extended.quantities[name]
+            quantity = _found(rig, diagnosis, name)
             half = Z95 * quantity.std if math.isfinite(quantity.std) else 0.0
             stated = (quantity.value + side * half, *diagnosis.spread.get(name, ()))
             found[name] = max(stated) if side > 0.0 else min(stated)

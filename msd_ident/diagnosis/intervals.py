@@ -16,7 +16,7 @@ variance; Hoeting et al. 1999, Stat. Sci. 14):
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,8 @@ from msd_ident.estimate import FitResult
 from msd_ident.estimate.covariance import unit_diagonal
 from msd_ident.estimate.result import scale_known
 from msd_ident.model.parameters import FORCES
+from msd_ident.model.rest import AT_REST, slope_at_rest
+from msd_ident.quantity import Quantity
 from msd_ident.selection import rest_constraint
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
@@ -52,7 +54,7 @@ def stated(
         stiffness is known to within its value, all parameters with a unit of force are open.
     """
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
-    law = _of_laws(fitted, scale.spread(fitted.chi))[: noise.size]
+    law = np.sqrt(np.maximum(np.diag(_of_laws(fitted, scale.spread(fitted.chi))), 0.0))[: noise.size]
     whole = np.hypot(np.maximum(noise, law), _between(result.free, fitted, rivals))
     growth = np.where(noise > 0.0, whole / np.where(noise > 0.0, noise, 1.0), 1.0)
     covariance = result.covariance * np.outer(growth, growth)
@@ -67,12 +69,45 @@ def stated(
     return replace(result, quantities=quantities, covariance=covariance)
 
 
+def at_rest(
+    result: FitResult, fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]], scale: NoiseScale
+) -> dict[str, Quantity]:
+    """The stiffness at rest by its name (``model.rest``), if it is printed otherwise than the parameter ``stiffness``.
+
+    That parameter is the slope at the spring's zero, a place that the constant force decides. At rest the slope has an
+    interval of its own, because the parameters in it vary together.
+
+    Args:
+        result: of ``fitted``, with the covariance of noise alone.
+        fitted, rivals, scale: as in ``stated``.
+    """
+    model = result.model
+    if f"{slope_at_rest(model):.4g}" == f"{model.stiffness:.4g}":
+        return {}
+
+    def slope(values: Mapping[str, float]) -> float:
+        return slope_at_rest(model.with_values(values))
+
+    unit, count = result.quantities["stiffness"].unit, len(result.free)
+    law = _of_laws(fitted, scale.spread(fitted.chi))[:count, :count]
+    known = [replace(result, covariance=one).derived(slope, unit) for one in (result.covariance, law)]
+    lead = slope_at_rest(fitted.model)
+    between = sum(p * (slope_at_rest(rival.model) - lead) ** 2 for p, rival in rivals)
+    std = math.hypot(max((one.std for one in known), key=_open_first), math.sqrt(between))
+    return {AT_REST: replace(known[0], std=std)}
+
+
+def _open_first(std: float) -> float:
+    return math.inf if math.isnan(std) else std
+
+
 def _of_laws(fitted: Hypothesis, variance: float) -> FloatArray:
-    """Standard deviation (p,) of the entries of a set's vector, where the error of its laws has this variance."""
+    """Covariance (q, q) of the entries of a set's vector, parameters first, where the error of its laws has this
+    variance.
+    """
     rest = rest_constraint.information(fitted.problem, fitted.point, fitted.problem.balances)
     scaled, size = unit_diagonal(fitted.information / variance + rest)
-    inverse = np.linalg.pinv(scaled, rcond=1e-15, hermitian=True)
-    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) / size)
+    return np.asarray(np.linalg.pinv(scaled, rcond=1e-15, hermitian=True) / np.outer(size, size))
 
 
 def _between(names: tuple[str, ...], fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]]) -> FloatArray:

@@ -175,7 +175,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, shown = _resting(experiment, base), _resting(experiment, best)
     heard, left = _heard(experiment, scale.other_noise, (base, shown))
     rivals = _beside(experiment, best, ranking, alike, scale)
-    extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
+    found = _result(experiment, shown, shared)
+    extended = intervals.stated(found, shown, rivals, scale)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
@@ -222,6 +223,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         ring_down=_read(task, causes, fits[1]),
         contenders=of_ranking(ranking, scale, experiment.readings),
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
+        derived=intervals.at_rest(found, shown, rivals, scale),
     )
 
 

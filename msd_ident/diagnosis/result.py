@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from msd_ident.data.datasheet import data_sheet
@@ -89,6 +89,8 @@ class Diagnosis:
         turned: whether the force's sign was changed because a positive force moves the encoder downwards.
         calibration: diagnoses of copies of this experiment, and the probabilities corrected by them; ``None`` where no
             copies were made.
+        derived: what follows from the parameters of the extended model, by name: ``stiffness_at_rest`` of a bent spring
+            beside a constant force (``intervals.at_rest``).
     """
 
     records: tuple[Record, ...]
@@ -117,6 +119,7 @@ class Diagnosis:
     tried: tuple[CauseAssessment, ...] = ()
     turned: bool = False
     calibration: Calibration | None = None
+    derived: Mapping[str, Quantity] = field(default_factory=dict)
 
     def to_json_dict(self) -> dict[str, Any]:
         """The JSON contract's object, without ``path``."""
@@ -155,6 +158,8 @@ class Diagnosis:
             ],
             "next_experiment": None if self.next_experiment is None else dict(self.next_experiment),
         }
+        if self.derived:
+            found["derived"] = quantities_dict(self.derived)
         if self.ring_down is not None:
             found["ring_down"] = self.ring_down.to_json_dict()
         if self.calibration is not None:

@@ -68,6 +68,8 @@ def models_table(diagnosis: Diagnosis) -> Table:
     for name, quantity in diagnosis.base.quantities.items():
         other = numbers.with_band(diagnosis.extended.quantities[name])
         table.add_row(name, numbers.with_band(quantity), ranges.get(name, other), quantity.unit)
+    for name, quantity in diagnosis.derived.items():
+        table.add_row(words.parameter(name)[0], "", numbers.with_band(quantity), quantity.unit)
     table.add_section()
     unit = diagnosis.records[0].position_unit
     base, extended, held = diagnosis.base_adequacy, diagnosis.adequacy, diagnosis.heldout

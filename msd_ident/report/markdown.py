@@ -109,10 +109,10 @@ def _noise_floor(found: Identification) -> str:
 
 
 def _parameter_rows(columns: Sequence[Column]) -> Iterator[tuple[str, ...]]:
-    for name in dict.fromkeys(name for column in columns for name in column.quantities):
-        known = [column.quantities.get(name) for column in columns]
-        unit = next(quantity.unit for quantity in known if quantity is not None)
-        cells = [with_band(quantity) if quantity is not None else "–" for quantity in known]
+    for name in dict.fromkeys(name for column in columns for name in column.shown):
+        known = [column.shown.get(name) for column in columns]
+        unit = next(quantity.unit for _, quantity in filter(None, known))
+        cells = [with_band(one[1]) if one is not None else "–" for one in known]
         yield " ".join(words.parameter(name)).strip(), *cells, "" if unit == "1" else unit
 
 

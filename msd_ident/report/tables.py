@@ -13,6 +13,7 @@ from rich.table import Table
 
 from msd_ident.estimate.result import scale_known
 from msd_ident.model.base_model import FRICTION_FORCE, OFFSET_FORCE
+from msd_ident.model.rest import AT_REST
 from msd_ident.quantity import Quantity
 from msd_ident.report import numbers
 
@@ -28,6 +29,7 @@ WORDS = {
     "mass": ("mass", "m"),
     "damping": ("viscous damping", "b"),
     "stiffness": ("stiffness", "k"),
+    AT_REST: ("stiffness at rest", "k0"),
     FRICTION_FORCE: ("dry friction", "Fc"),
     "friction_coefficient": ("friction coeff.", "µ"),
     OFFSET_FORCE: ("constant force", "F0"),

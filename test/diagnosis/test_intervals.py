@@ -14,8 +14,11 @@ from msd_ident.estimate import FitResult
 from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.summary import summarise_fit
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.rest import slope_at_rest
 from msd_ident.selection.evidence import SHAPES, NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.hypothesis_fit import refine
 
 
 @pytest.fixture
@@ -67,3 +70,26 @@ def test_what_is_open_stays_open(plain: Hypothesis) -> None:
     quantities = {**before.quantities, "damping": replace(before.quantities["damping"], std=math.nan)}
     after = intervals.stated(replace(before, quantities=quantities), plain, (), NoiseScale(0.01 * plain.chi))
     assert math.isnan(after.quantities["damping"].std) and math.isfinite(after.quantities["mass"].std)
+
+
+def test_the_stiffness_at_rest_has_the_interval_of_the_curve_and_of_its_rivals() -> None:
+    """k, k3 and F0 vary together, as their covariance says."""
+    k3 = 3e5
+    effects = CubicSpring(k3), ForceOffset(-BASE.stiffness * 0.02 - k3 * 0.02**3)
+    experiment, model = pushed(*effects), replace(BASE, effects=effects)
+    fitted = refine(experiment, frozenset(model.effect_names), model, experiment.problem(model).initial)
+    before, scale = result(fitted), NoiseScale(fitted.chi)
+    rest = intervals.at_rest(before, fitted, (), scale)["stiffness_at_rest"]
+    assert rest.value == pytest.approx(BASE.stiffness + 3.0 * k3 * 0.02**2, abs=3.0 * rest.std) and rest.unit == "N/m"
+    drawn = np.random.default_rng(1).multivariate_normal([before.model[p] for p in before.free], before.covariance, 400)
+    slopes = [slope_at_rest(before.model.with_values(dict(zip(before.free, one, strict=True)))) for one in drawn]
+    assert rest.std == pytest.approx(np.std(slopes), rel=0.2)
+    rival = stood(pushed(), replace(BASE, stiffness=rest.value + 10.0))
+    wider = intervals.at_rest(before, fitted, ((0.25, rival),), scale)["stiffness_at_rest"]
+    assert wider.std == pytest.approx(math.hypot(rest.std, 5.0), rel=1e-3)
+
+
+def test_a_spring_without_a_constant_force_has_no_second_stiffness(plain: Hypothesis) -> None:
+    bent = stood(pushed(), BASE + CubicSpring(3e5))
+    for fitted in (plain, bent):
+        assert intervals.at_rest(result(fitted), fitted, (), NoiseScale(fitted.chi)) == {}

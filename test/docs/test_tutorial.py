@@ -104,7 +104,7 @@ def experiment_paths(whole: dict[str, Any]) -> set[str]:
 
 
 def everything(diagnosis: Diagnosis) -> Diagnosis:
-    """The same with what only other verdicts have: measured curves, a spread, a tie, a finding, a warning."""
+    """The same with what only other verdicts have: curves, a spread, a tie, a finding, a warning, a second k."""
     curve = Curve(np.zeros(2), np.zeros(2), np.zeros(2))
     return replace(
         diagnosis,
@@ -116,6 +116,7 @@ def everything(diagnosis: Diagnosis) -> Diagnosis:
         calibration=Calibration(
             (Row(frozenset({"backlash"}), True, {frozenset({"end_stop"}): 1}),), {"a": 1.0}, {"a": 0.9}
         ),
+        derived={"stiffness_at_rest": diagnosis.extended.quantities["stiffness"]},
     )
 
 

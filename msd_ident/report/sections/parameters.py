@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from msd_ident.data.record import Record
@@ -21,7 +21,7 @@ from msd_ident.workflow.identification import Identification
 
 @dataclass(frozen=True)
 class Column:
-    """One model: its heading, where its numbers stand in the JSON, its quantities, SEE, and model."""
+    """One model: its heading, where its numbers stand in the JSON, its quantities, SEE, model, and what follows."""
 
     label: str
     role: Role
@@ -29,6 +29,15 @@ class Column:
     quantities: Mapping[str, Quantity]
     see: float
     model: Model
+    derived: Mapping[str, Quantity] = field(default_factory=dict)
+
+    @property
+    def shown(self) -> Mapping[str, tuple[str, Quantity]]:
+        """All quantities by name, each with its place in the JSON."""
+        return {
+            **{name: (f"{self.key}.parameters.{name}", quantity) for name, quantity in self.quantities.items()},
+            **{name: (f"derived.{name}", quantity) for name, quantity in self.derived.items()},
+        }
 
 
 def parameters(
@@ -38,7 +47,7 @@ def parameters(
     ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Section:
     """Models side by side, what is open, and the frequency response; ``ranges`` over all that fits alike."""
-    names = dict.fromkeys(name for column in columns for name in column.quantities)
+    names = dict.fromkeys(name for column in columns for name in column.shown)
     scale = length_scale(min(column.see for column in columns), records[0].position_unit)
     context = {
         "columns": columns,
@@ -52,12 +61,9 @@ def parameters(
 
 def _row(name: str, columns: Sequence[Column], spread: tuple[float, float] | None) -> tuple[Any, ...]:
     """Words, symbol, a cell for each column, unit, and range of a parameter."""
-    known = [column.quantities.get(name) for column in columns]
-    cells = [
-        marked.quantity(f"{column.key}.parameters.{name}", quantity) if quantity is not None else None
-        for column, quantity in zip(columns, known, strict=True)
-    ]
-    unit = next(quantity.unit for quantity in known if quantity is not None)
+    known = [column.shown.get(name) for column in columns]
+    cells = [marked.quantity(*one) if one is not None else None for one in known]
+    unit = next(quantity.unit for _, quantity in filter(None, known))
     said = f"{number(spread[0])} to {number(spread[1])}" if spread is not None else ""
     return (*words.parameter(name), cells, "" if unit == "1" else unit, said)
 
@@ -87,7 +93,9 @@ def diagnosis_columns(found: Diagnosis) -> tuple[Column, ...]:
     if not found.causes:
         return (base,)
     extended = found.extended
-    return base, Column("extended model", "extended", "extended", extended.quantities, extended.see, extended.model)
+    return base, Column(
+        "extended model", "extended", "extended", extended.quantities, extended.see, extended.model, found.derived
+    )
 
 
 def identification_columns(found: Identification) -> tuple[Column, ...]:
