@@ -177,12 +177,13 @@ class Ranking:
         prior odds count only as far as it explains more than is left. In a poor experiment the amplitude falls with
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor, in a poor experiment, is a law
-        that creeps: a sensor that settles moves alike.
+        that creeps: a sensor that settles moves alike. Nor is what may be another shape of the other laws.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
-        if aged or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
+        shape = effect.is_shape_beside(by_name(one) for one in causes - {law})
+        if aged or shape or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves or self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)

@@ -48,6 +48,8 @@ def test_an_offset_is_a_zero_or_asymmetric_friction(model: Model, begins: list[s
     said = sentences(model, forced=True, gain_known=True)
     assert len(said) == len(begins)
     assert all(sentence.startswith(begin) for sentence, begin in zip(said, begins, strict=True))
+    others = [type(effect) for effect in model.effects if effect.name != LEANS.name]
+    assert LEANS.is_shape_beside(others) == (RESHAPED in begins)
 
 
 def test_stops_off_the_middle_are_an_offset_beside_stops() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
@@ -264,6 +264,12 @@ class Effect:
 
     def is_dry_friction(self) -> bool:
         """Whether its values leave nothing of it but Coulomb's friction."""
+        return False
+
+    @classmethod
+    def is_shape_beside(cls, others: Iterable[type[Effect]]) -> bool:
+        """Whether beside these laws it may be nothing but another shape of them, which no data tells."""
+        del others
         return False
 
     def same_as_beside(self, model: Model) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 def _constant() -> float:
     """It is proportional to nothing that moves."""
     return 1.0
+
+
+def _bends(law: type[Effect]) -> bool:
+    """Whether it is a spring of another shape, of which nothing repeats along the travel."""
+    return law.stores_only() and law.harmonic is None and not law.angular
 
 
 @dataclass(frozen=True)
@@ -59,17 +65,22 @@ class ForceOffset(Effect):
             "no record of force and position tells them apart; turn the rig round and repeat."
         )
 
+    @classmethod
+    def is_shape_beside(cls, others: Iterable[type[Effect]]) -> bool:
+        """Beside bent springs alone: together they are a spring of another shape about the place of rest."""
+        placed = [other for other in others if other.placed() or other.shows_zero]
+        return bool(placed) and all(_bends(other) for other in placed)
+
     def same_as(self, model: Model) -> str:
         """A shifted zero, where nothing shows where the spring's is; beside a bent spring, one of another shape."""
-        placed = [effect for effect in model.effects if effect.placed() or effect.shows_zero]
-        bent = [one for one in placed if one.stores_only() and one.harmonic is None and not one.angular]
-        if not model.stiffness > 0.0 or len(bent) < len(placed):
+        placed = [type(effect) for effect in model.effects if effect.placed() or effect.shows_zero]
+        if not model.stiffness > 0.0 or not all(map(_bends, placed)):
             return ""
-        if bent:
+        if placed:
             return (
-                f"force_offset beside {bent[0].name} is equivalent to a spring of another shape about the place of "
-                "rest, without a constant force: its stiffness there counts in the ranges. Read the encoder with the "
-                "spring relaxed to tell them apart."
+                f"force_offset beside {placed[0].name} is equivalent to a spring of another shape about the place of "
+                "rest, without a constant force, so it is not certain. Read the encoder with the spring relaxed to "
+                "tell them apart."
             )
         return (
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
