@@ -22,18 +22,14 @@ def characteristic(k, gap, knees):
         (edges, springs): piece i lies between edges[i] and edges[i + 1], the outer edges are infinite; springs[:, i] is
         its slope, intercept, and slope and intercept of the linear spring without the stops.
     """
-    wanted = np.empty(knees.shape[0] + 2)
-    wanted[0], wanted[1] = (-gap, gap) if gap > 0.0 and k != 0.0 else (np.inf, np.inf)
-    for n in range(knees.shape[0]):
-        wanted[n + 2] = knees[n, 0] if knees[n, 1] != 0.0 else np.inf
-    wanted.sort()
-    edges = np.empty(wanted.size + 2)
+    edges = np.empty(knees.shape[0] + 4)
     edges[0] = -np.inf
     count = 1
-    for edge in wanted:
-        if abs(edge) < np.inf and edge != edges[count - 1]:
-            edges[count] = edge
-            count += 1
+    if gap > 0.0 and k != 0.0:
+        count = _with_edge(_with_edge(1, edges, -gap), edges, gap)
+    for n in range(knees.shape[0]):
+        if knees[n, 1] != 0.0:
+            count = _with_edge(count, edges, knees[n, 0])
     edges[count] = np.inf
     springs = np.empty((4, count))
     for i in range(count):
@@ -46,6 +42,20 @@ def characteristic(k, gap, knees):
         springs[0, i], springs[1, i] = own_slope + more, own_intercept + shift
         springs[2, i], springs[3, i] = own_slope, own_intercept
     return edges[: count + 1], springs
+
+
+@lean
+def _with_edge(count, edges, edge):
+    """Number of edges, in rising order from −∞ on, after one more that is finite and new found its place."""
+    i = count
+    while edges[i - 1] > edge:
+        i -= 1
+    if not abs(edge) < np.inf or edges[i - 1] == edge:
+        return count
+    for j in range(count, i, -1):  # sorting them all would take three seconds more to compile
+        edges[j] = edges[j - 1]
+    edges[i] = edge
+    return count + 1
 
 
 @lean
