@@ -37,3 +37,13 @@ class Quantity:
     def known(self) -> bool:
         """Whether the data decides the value, i.e. there is an interval to print."""
         return math.isfinite(self.value) and math.isfinite(self.std)
+
+
+def probability(value: float) -> str:
+    """A probability in per cent that never claims certainty."""
+    percent = 100.0 * value
+    if percent > 99.9:
+        return "> 99.9 %"
+    if percent < 0.01:
+        return "< 0.01 %"
+    return f"{percent:.1f} %" if percent >= 1.0 else f"{percent:.2g} %"

@@ -14,6 +14,7 @@ from msd_ident.comparison.hypotheses import GROUP, Design, Hypothesis, Posterior
 from msd_ident.comparison.joint import JointFit, joint_fit
 from msd_ident.errors import DataError, UsageError
 from msd_ident.parallel import each
+from msd_ident.quantity import probability
 
 SCHEMA = "msd.compare/1"
 #: Probability from which a difference is named, and from which a rival is worth a word.
@@ -97,7 +98,7 @@ class Comparison:
         ]
         text = f"{one.parameter} is {', '.join(sizes)}"
         if one.kind == "differs":
-            return f"{text} (p {min(one.probability, 0.999):.3f})"
+            return f"{text} (p {probability(one.probability)})"
         return f"{text}, or it is {' or '.join(one.tied_with)}: these records cannot tell"
 
     def to_json_dict(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 from msd_ident.diagnosis.result import Cause, Verdict
 from msd_ident.model.effects import by_name, spoken
+from msd_ident.quantity import probability
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Causes
@@ -119,7 +120,7 @@ def _part(left: Remainders) -> str:
 
 
 def _named(causes: Sequence[Cause]) -> str:
-    words = [f"{spoken(cause.name)} (probability {min(cause.probability, 0.999):.3g})" for cause in causes]
+    words = [f"{spoken(cause.name)} (probability {probability(cause.probability)})" for cause in causes]
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1] if words else ""
 
 

@@ -13,7 +13,7 @@ from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult
 from msd_ident.model import Model, Simulator
 from msd_ident.model.effects import spoken
-from msd_ident.quantity import Quantity
+from msd_ident.quantity import Quantity, probability
 
 #: Standard deviations from which on two values differ.
 SIGMAS = 3.0
@@ -52,15 +52,10 @@ class Difference:
         return Quantity(100.0 * (ratio - 1.0), abs(100.0 * ratio * parts), "%")
 
     @property
-    def probability_text(self) -> str:
-        """The probability with one decimal, never a whole 100 %."""
-        return "> 99.9 %" if self.probability > 0.999 else f"{100.0 * self.probability:.1f} %"
-
-    @property
     def sentence(self) -> str:
         """For the terminal."""
         words = self.name.replace("_", " ")
-        sure = f" (probability {self.probability_text})" if math.isfinite(self.probability) else ""
+        sure = f" (probability {probability(self.probability)})" if math.isfinite(self.probability) else ""
         if self.kind == "lacks":
             return f"It lacks {spoken(self.name)}{sure}: {_with_interval(self.rig)} on the rig"
         if self.kind == "has":

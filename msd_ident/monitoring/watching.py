@@ -15,6 +15,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
 from msd_ident.monitoring.alarm import Detector, Ranks, Regression, rank_evidence, shift_evidence
 from msd_ident.monitoring.changes import Change, changes
+from msd_ident.quantity import probability
 
 SCHEMA = "msd.watch/1"
 #: Parameters that are watched: those that every model has, so that a series has no gaps.
@@ -132,7 +133,7 @@ class Watch:
         found = [(change, one) for one in self.series for change in one.changes]
         listed = ", ".join(
             f"{one.name} {change.percent:+.2g} % at {self.samples[one.index[change.index]].name} "
-            f"(p {min(change.probability, 0.999):.3f})"
+            f"(p {probability(change.probability)})"
             for change, one in found
         )
         return (

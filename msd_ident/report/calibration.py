@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from msd_ident.quantity import probability
 from msd_ident.report import words
 from msd_ident.selection.calibration import Calibration, Row
 from msd_ident.selection.hypothesis import Causes
@@ -84,8 +85,8 @@ def corrections(found: Calibration) -> tuple[str, ...]:
 
 def _correction(found: Calibration, name: str, before: float) -> str:
     cause = words.effect(name)
-    after = f"{words.probability(found.corrected[name])} after correction by {found.copies} copies of this record"
-    said = f"{cause[0].upper()}{cause[1:]}: probability {words.probability(before)} by the evidence, {after}"
+    after = f"{probability(found.corrected[name])} after correction by {found.copies} copies of this record"
+    said = f"{cause[0].upper()}{cause[1:]}: probability {probability(before)} by the evidence, {after}"
     if found.confirms(name):
         return f"{said}."
     return (

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from msd_ident.quantity import probability
 from msd_ident.report import calibration, numbers, words
 from msd_ident.report.tables import new_table, say
 
@@ -33,7 +34,7 @@ def causes_table(diagnosis: Diagnosis) -> Table | None:
         return None
     table = new_table("Causes", "name", "probability", "", "value ± 95 %", "unit")
     for cause in diagnosis.causes:
-        lead = (cause.name, words.probability(cause.probability))
+        lead = (cause.name, probability(cause.probability))
         for name, quantity in cause.parameters.items():
             table.add_row(*lead, words.parameter(name)[1], numbers.with_band(quantity), _unit(quantity))
             lead = ("", "")
@@ -96,7 +97,7 @@ def rivals_table(diagnosis: Diagnosis) -> Table | None:
     table.columns[0].no_wrap = False
     for rival in diagnosis.rivals:
         left = numbers.number(rival.floors, 3)
-        table.add_row(" + ".join(rival.causes) or "none", words.probability(rival.probability), left)
+        table.add_row(" + ".join(rival.causes) or "none", probability(rival.probability), left)
     return table
 
 

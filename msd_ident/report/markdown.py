@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.data.datasheet import data_sheet
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.quantity import probability
 from msd_ident.report import words
 from msd_ident.report.calibration import Matrix, matrix
 from msd_ident.report.numbers import length_scale, number, with_band
@@ -95,7 +96,7 @@ def _cause_rows(found: Diagnosis) -> Iterator[tuple[str, ...]]:
     for cause in found.causes:
         values = (f"{words.parameter(name)[1]} = {with_band(q)} {q.unit}" for name, q in cause.parameters.items())
         tied = ", ".join(words.effect(name) for name in cause.tied_with) or "–"
-        yield words.effect(cause.name), words.probability(cause.probability), "; ".join(values), tied
+        yield words.effect(cause.name), probability(cause.probability), "; ".join(values), tied
 
 
 def _copies_rows(table: Matrix) -> Iterator[tuple[str, ...]]:

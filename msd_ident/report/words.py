@@ -82,13 +82,3 @@ def gain(diagnosis: Diagnosis) -> str:
     if not diagnosis.causes or not math.isfinite(held.reduction_percent):
         return ""
     return f"{held.reduction_percent:.1f} % ({held.interval_percent[0]:.1f} to {held.interval_percent[1]:.1f} %)"
-
-
-def probability(value: float) -> str:
-    """A probability in per cent that never claims certainty."""
-    percent = 100.0 * value
-    if percent > 99.9:
-        return "> 99.9 %"
-    if percent < 0.01:
-        return "< 0.01 %"
-    return f"{percent:.1f} %" if percent >= 1.0 else f"{percent:.2g} %"

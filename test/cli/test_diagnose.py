@@ -36,7 +36,7 @@ def test_words_and_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert run(monkeypatch, path) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("rubbing.csv: explained\n")
-    assert "The model lacks Coulomb friction (probability 0.999)." in shown.replace("\n", " ")
+    assert "The model lacks Coulomb friction (probability > 99.9 %)." in shown.replace("\n", " ")
     assert "on left-out data" in shown
 
 

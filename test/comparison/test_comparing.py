@@ -42,7 +42,7 @@ def test_the_parameter_that_differs_is_named_with_its_size(name: str, factor: fl
     (one,) = [one for one in found.differences if one.parameter == name]
     size, half = one.percent["B"]
     assert size == pytest.approx(100.0 * (factor - 1.0), abs=max(3.0 * half, 0.05)) and one.probability > 0.99
-    assert f"{name} is " in found.sentence and "on robot B (p 0.999); the rest agrees" in found.sentence
+    assert f"{name} is " in found.sentence and "on robot B (p > 99.9 %); the rest agrees" in found.sentence
 
 
 def test_nothing_differs_is_said_with_what_would_have_been_seen() -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from msd_ident.diagnosis import Cause, Diagnosis
 from msd_ident.model.base_model import FRICTION_FORCE, PLANT
+from msd_ident.quantity import probability
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import number
@@ -45,7 +46,7 @@ def causes(found: Diagnosis) -> Section:
         "changes": list(_changes(found)),
         "units": [found.base.quantities[name].unit for name in PLANT],
         "rejected": [
-            (words.effect(one.name), words.meaning(one.name), words.probability(one.probability), one.reason)
+            (words.effect(one.name), words.meaning(one.name), probability(one.probability), one.reason)
             for one in found.tried
             if not one.held
         ],
@@ -59,7 +60,7 @@ def causes(found: Diagnosis) -> Section:
 
 def _group(found: Diagnosis, index: int, cause: Cause) -> Iterator[Bar]:
     key = f"causes.{index}"
-    sure = Marked(f"{key}.probability", cause.probability, words.probability(cause.probability))
+    sure = Marked(f"{key}.probability", cause.probability, probability(cause.probability))
     parameters = tuple(
         (*words.parameter(name), _with_unit(marked.quantity(f"{key}.parameters.{name}", quantity), quantity.unit))
         for name, quantity in cause.parameters.items()
@@ -68,7 +69,7 @@ def _group(found: Diagnosis, index: int, cause: Cause) -> Iterator[Bar]:
     chances = {one.name: one.probability for one in found.tried}
     for name in cause.tied_with:
         chance = chances.get(name, 0.0)
-        yield Bar(words.effect(name), words.meaning(name), 100.0 * chance, words.probability(chance), ())
+        yield Bar(words.effect(name), words.meaning(name), 100.0 * chance, probability(chance), ())
 
 
 def _changes(found: Diagnosis) -> Iterator[Change]:
@@ -87,7 +88,7 @@ def _change(base: Mapping[str, float], contender: CandidateModel) -> Change:
     rubbing = FRICTION_FORCE in model.names
     cells.append((f"{number(model[FRICTION_FORCE], 3)}" if rubbing else "–", ""))
     name = words.listed([words.effect(cause) for cause in contender.causes])
-    return Change(name, words.probability(contender.probability), tuple(cells))
+    return Change(name, probability(contender.probability), tuple(cells))
 
 
 def _with_unit(found: Marked, unit: str) -> Marked:

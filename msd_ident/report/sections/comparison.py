@@ -6,6 +6,7 @@ from typing import Any
 
 from msd_ident.diagnosis.nonlinear_laws import Beyond
 from msd_ident.external import Comparison, Difference
+from msd_ident.quantity import probability
 from msd_ident.report import marked, words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
@@ -62,7 +63,7 @@ def _row(key: str, one: Difference, position_unit: str) -> dict[str, Any]:
         "unit": "" if one.rig.unit == "1" else one.rig.unit,
         "off": f"{off.value:+.3g} ± {1.96 * off.std:.2g} %" if one.kind == "value" and off.known else "–",
         "does": marked.length(f"{key}.motion_rms_m", one.does, length_scale(one.does, position_unit)),
-        "probability": Marked(f"{key}.probability", one.probability, one.probability_text) if sure else "–",
+        "probability": Marked(f"{key}.probability", one.probability, probability(one.probability)) if sure else "–",
     }
 
 

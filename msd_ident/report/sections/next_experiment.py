@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.design.profile_file import from_tree
+from msd_ident.quantity import probability
 from msd_ident.report import words
 from msd_ident.report.marked import Marked
 from msd_ident.report.numbers import length_scale, number
@@ -38,9 +39,9 @@ def _force(tree: Mapping[str, Any]) -> Plot:
 def _rows(proposal: Mapping[str, Any], unit: str) -> Iterator[tuple[str, Marked | str]]:
     yield "duration", _mark("duration_s", proposal["duration_s"], f"{number(proposal['duration_s'])} s")
     chance = proposal["probability_of_decision"]
-    yield "probability that it decides", _mark("probability_of_decision", chance, words.probability(chance))
+    yield "probability that it decides", _mark("probability_of_decision", chance, probability(chance))
     for name, value in proposal.get("decided", {}).items():
-        yield f"… if it is {words.effects(name)}", _mark(f"decided.{name}", value, words.probability(value))
+        yield f"… if it is {words.effects(name)}", _mark(f"decided.{name}", value, probability(value))
     if "travel_m" in proposal:
         low, high = proposal["travel_m"]
         scale = length_scale(max(abs(low), abs(high)), unit)
