@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 from msd_ident.cli import groups, options, progress, results
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from msd_ident.data.record import Record
     from msd_ident.design import Limits, Proposal
     from msd_ident.design.parameter_design import Sharpened
@@ -90,8 +88,6 @@ class Found:
 
 
 def _write(made: Found, output: results.Output, out: Path | None, figure: Path | None) -> None:
-    from rich.console import Console
-
     from msd_ident.design import Proposal, write_profile
     from msd_ident.report import design_figures, design_tables
 
@@ -101,7 +97,7 @@ def _write(made: Found, output: results.Output, out: Path | None, figure: Path |
         "limits": made.limits.to_dict(), "next_experiment": None if found is None else found.to_json_dict(),
     }  # fmt: skip
     results.write([line], output)
-    console: Console = Console(highlight=False)
+    console = results.console()
     if output.tables:
         design_tables.print_design(found, diagnosis, console)
     if found is None:

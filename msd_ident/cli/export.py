@@ -74,8 +74,6 @@ def export(
     output: results.Output,
 ) -> int:
     """Export a saved model to MuJoCo, SDF, URDF, Python, FMU, gains or draws, and check it by replay."""
-    from rich.console import Console
-
     from msd_ident import export as exports
     from msd_ident.io import read_all
     from msd_ident.report import export as tables
@@ -92,7 +90,7 @@ def export(
     if why and found.proof is None and found.target.library is not None:
         found = found.unproven(why)
     if output.tables:
-        tables.print_export(found, Console(highlight=False))
+        tables.print_export(found, results.console())
     results.write([found.to_json_dict()], output)
     pages.write([(tuple(paths), found)], source, output)
     return 0

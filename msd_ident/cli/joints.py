@@ -59,8 +59,6 @@ def diagnose_joints(
 def _one_bag(
     path: Path, source: SourceOptions, options: pipeline.Options, output: results.Output
 ) -> list[dict[str, Any]]:
-    from rich.console import Console
-
     from msd_ident.io import joints as in_bag
     from msd_ident.io import read, source_of
     from msd_ident.workflow import all_joints
@@ -68,10 +66,10 @@ def _one_bag(
     found = in_bag(path)
     with progress.stages(output.quiet) as tell:
         tell(f"{len(found)} joints", 0.1)
-        results = all_joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
+        known = all_joints.each_joint(found, lambda one: read(path, source_of(source, one)), options)
     if output.tables:
-        _show(path, results, Console(highlight=False))
-    return [_line(path, one) for one in results]
+        _show(path, known, results.console())
+    return [_line(path, one) for one in known]
 
 
 def _line(path: Path, one: Any) -> dict[str, Any]:

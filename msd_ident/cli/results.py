@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, TYPE_CHECKING, Any, cast
 
 from msd_ident.cli import options
 from msd_ident.errors import MsdError, UsageError
 from msd_ident.writing import write_text, writing_to
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 #: Keys of an object that says why a path has no result.
 _REFUSAL = {"schema", "path", "error"}
@@ -55,6 +59,38 @@ class Output:
     def tables(self) -> bool:
         """Whether tables belong on standard output."""
         return not self.quiet and self.json != "-"
+
+
+class _Lasting:
+    """Standard output whose reader may leave, as ``| head`` does: the rest goes nowhere, and the work goes on."""
+
+    def write(self, text: str) -> int:
+        try:
+            return sys.stdout.write(text)
+        except BrokenPipeError:
+            return self._left()
+
+    def flush(self) -> None:
+        try:
+            sys.stdout.flush()
+        except BrokenPipeError:
+            self._left()
+
+    def _left(self) -> int:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())  # also for what is still in the buffer at the end of the process
+        os.close(nowhere)
+        return 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(sys.stdout, name)
+
+
+def console() -> Console:
+    """A console on standard output, for commands that write files too: they are written although nobody reads on."""
+    from rich.console import Console
+
+    return Console(highlight=False, file=cast("IO[str]", _Lasting()))
 
 
 def check_targets(overwrite: bool, *paths: Path | None) -> None:
@@ -104,7 +140,9 @@ def write(lines: Sequence[Mapping[str, Any]], output: Output) -> None:
     """One JSON object a line, to the file or to standard output, as ``output`` says."""
     text = "".join(json.dumps(jsonable(line), ensure_ascii=False, allow_nan=False) + "\n" for line in lines)
     if output.json == "-":
-        sys.stdout.write(text)
+        lasting = _Lasting()
+        lasting.write(text)
+        lasting.flush()
     elif output.json:
         write_text(text, Path(output.json))
 

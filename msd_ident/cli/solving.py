@@ -51,14 +51,12 @@ def work(
     Returns:
         The exit code, 2 when any path failed, and the results.
     """
-    from rich.console import Console
-
     output.check()
     if further is not None:
         further.check(1 if data.together else len(data.paths), output.overwrite)
     groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]
     parts = [part for group in groups for part in _parts(group, data)]
-    console = Console(highlight=False)
+    console = results.console()
     lines: list[dict[str, Any]] = []
     kept: list[pages.Kept] = []
     failed = False

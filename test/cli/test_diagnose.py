@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -111,3 +112,18 @@ def test_a_page_into_nowhere_is_refused_before_any_work(
 ) -> None:
     assert run(monkeypatch, tmp_path / "none.csv", "--report", tmp_path / "nowhere" / "report.html") == 2
     assert "does not exist; expected one to write report.html into" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("printed", [[], ["--json", "-"]], ids=["tables", "json"])
+def test_files_are_written_although_nobody_reads_what_is_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed: list[str]
+) -> None:
+    """As behind ``| head -1``: the table was printed first, and the page and the JSON were never written."""
+    path, page = written(tmp_path / "clean.csv", rate=200), tmp_path / "page.html"
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w", buffering=1) as deaf:
+        monkeypatch.setattr("sys.stdout", deaf)
+        assert run(monkeypatch, path, "--report", page, *(printed or ["--json", tmp_path / "found.json"])) == 0
+    assert "adequate" in page.read_text()
+    assert printed or json.loads((tmp_path / "found.json").read_text())["verdict"] == "adequate"

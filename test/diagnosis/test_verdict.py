@@ -48,15 +48,15 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
 @pytest.mark.parametrize(
     ("name", "causes", "remainder", "words"),
     [
-        ("explained", [cause(0.98)], left(0.4), ["The model lacks Coulomb friction (probability 98.0 %). With it, 0.4 % "
-          "of the motion is still unexplained, less than the tolerance of 1 %: a missing force of 0.012 N rms (0.01 to "
-          "0.015), 0.8 % of the applied force.", "The noise is 0.05 % of the motion.",
+        ("explained", [cause(0.98)], left(0.4), ["The model lacks Coulomb friction (probability 98.0 %). With it, "
+          "0.4 % of the motion is still unexplained, less than the tolerance of 1 %: a missing force of 0.012 N rms "
+          "(0.01 to 0.015), 0.8 % of the applied force.", "The noise is 0.05 % of the motion.",
           "Without it, 7 % of the motion is unexplained; left-out data is predicted 90 % better (80 to 95 %)."]),
         ("explained", [cause(0.98)], left(0.4, seen=False), ["With it, the residual is consistent with noise: "
           "any slow missing force is below 0.015 N rms, 0.8 % of the applied force."]),
         ("mostly_explained", [cause(0.98), cause(0.95, (), "cogging")], left(4.0), ["Coulomb friction (probability "
-          "98.0 %) and cogging (probability 95.0 %).", "With them, 4 % of the motion is still unexplained, more than the "
-          "tolerance of 1 %", "DEPENDS"]),
+          "98.0 %) and cogging (probability 95.0 %).", "With them, 4 % of the motion is still unexplained, more "
+          "than the tolerance of 1 %", "DEPENDS"]),
         ("ambiguous", [cause(0.6, ("hysteresis",))], left(0.4), ["but this data cannot tell Coulomb friction from "
           "hysteresis."]),
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
