@@ -115,7 +115,7 @@ def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
-        ranking = noted(rank({NOTHING: base}, NoiseScale()), experiment)
+        ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, _Search(base, ranking, shared), progress)
@@ -175,7 +175,9 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, shown = _resting(experiment, base), _resting(experiment, best)
     heard, left = _heard(experiment, scale.other_noise, (base, shown))
     rivals = _beside(experiment, best, ranking, alike, scale)
-    extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale)
+    rubbing = ranking.rubbing.get(best.causes)
+    faint = rubbing and _resting(experiment, rubbing)
+    extended = intervals.stated(_result(experiment, shown, shared), shown, rivals, scale, faint)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
