@@ -271,13 +271,12 @@ def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
-    """The same set with rest at the start as a constraint, which decides what the samples leave open."""
+    """The same set with rest at the start as a constraint, which decides what the samples leave open and no more."""
     missed = see(fitted.residuals())  # a wrong model errs at rest too
     known = tuple(
         replace(balance, spread=balance.spread + missed) for balance in rest_constraint.rest_constraints(fitted)
     )
-    fitted = rest_constraint.constrained(fitted, experiment.readings, known)
-    return replace(fitted, problem=replace(fitted.problem, balances=known))
+    return rest_constraint.constrained(fitted, experiment.readings, known)
 
 
 def _result(experiment: Experiment, fitted: Hypothesis, shared: Shared) -> FitResult:
