@@ -11,6 +11,9 @@ Where rivals are left, a parameter also varies between the explanations i with t
 variance; Hoeting et al. 1999, Stat. Sci. 14):
 
     var θ = var(θ | leading set) + Σ p_i (θ_i − θ)².
+
+Friction too weak to be seen is no explanation, but possible on every rig, and what there is of it counts as damping.
+The set with friction beside is such an i, with its own variance too: p (var(θ | i) − var(θ | leading set)) more.
 """
 
 from __future__ import annotations
@@ -25,12 +28,14 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.covariance import unit_diagonal
 from msd_ident.estimate.result import scale_known
+from msd_ident.model.effects import by_name
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.rest import AT_REST, slope_at_rest
 from msd_ident.quantity import Quantity
 from msd_ident.selection import rest_constraint
-from msd_ident.selection.evidence import NoiseScale
-from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.evidence import NoiseScale, log_evidence
+from msd_ident.selection.hypothesis import COULOMB, Hypothesis
+from msd_ident.selection.ranking import DECISIVE
 
 NO_SCALE = (
     "Neither mass nor damping nor stiffness is known to within its value, so no parameter with a unit of force is: "
@@ -39,7 +44,11 @@ NO_SCALE = (
 
 
 def stated(
-    result: FitResult, fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]], scale: NoiseScale
+    result: FitResult,
+    fitted: Hypothesis,
+    rivals: Sequence[tuple[float, Hypothesis]],
+    scale: NoiseScale,
+    rubbing: Hypothesis | None = None,
 ) -> FitResult:
     """The result of a set with the standard deviations that are stated.
 
@@ -48,14 +57,18 @@ def stated(
         fitted: the set.
         rivals: other explanations, each with its probability.
         scale: what the noise leaves.
+        rubbing: the set with Coulomb friction too weak to be seen; None where friction acts, or was not tried.
 
     Returns:
         The same values. Open and fixed parameters keep their standard deviation. If neither mass nor damping nor
         stiffness is known to within its value, all parameters with a unit of force are open.
     """
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
-    law = np.sqrt(np.maximum(np.diag(_of_laws(fitted, scale.spread(fitted.chi))), 0.0))[: noise.size]
-    whole = np.hypot(np.maximum(noise, law), _between(result.free, fitted, rivals))
+    law = _std(_of_laws(fitted, scale.spread(fitted.chi)))[: noise.size]
+    known = np.maximum(noise, law)
+    whole = np.hypot(known, _between(result.free, fitted, rivals))
+    if rubbing is not None:
+        whole = np.hypot(whole, _unseen(result.free, known, (fitted, rubbing), scale))
     growth = np.where(noise > 0.0, whole / np.where(noise > 0.0, noise, 1.0), 1.0)
     covariance = result.covariance * np.outer(growth, growth)
     covariance.setflags(write=False)
@@ -101,13 +114,22 @@ def _open_first(std: float) -> float:
     return math.inf if math.isnan(std) else std
 
 
-def _of_laws(fitted: Hypothesis, variance: float) -> FloatArray:
+def _of_laws(fitted: Hypothesis, variance: float, before: FloatArray | float = 0.0) -> FloatArray:
     """Covariance (q, q) of the entries of a set's vector, parameters first, where the error of its laws has this
     variance.
+
+    Args:
+        fitted: the set.
+        variance: in units of the noise's.
+        before: (q,) information about the entries by themselves, before any data.
     """
     rest = rest_constraint.information(fitted.problem, fitted.point, fitted.problem.balances)
-    scaled, size = unit_diagonal(fitted.information / variance + rest)
+    scaled, size = unit_diagonal(fitted.information / variance + rest + np.diag(np.zeros(rest.shape[0]) + before))
     return np.asarray(np.linalg.pinv(scaled, rcond=1e-15, hermitian=True) / np.outer(size, size))
+
+
+def _std(covariance: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
 
 
 def _between(names: tuple[str, ...], fitted: Hypothesis, rivals: Sequence[tuple[float, Hypothesis]]) -> FloatArray:
@@ -118,3 +140,26 @@ def _between(names: tuple[str, ...], fitted: Hypothesis, rivals: Sequence[tuple[
             if name in rival.model.names:
                 variance[place] += probability * (rival.model[name] - fitted.model[name]) ** 2
     return np.asarray(np.sqrt(variance))
+
+
+def _unseen(
+    names: tuple[str, ...], known: FloatArray, sets: tuple[Hypothesis, Hypothesis], scale: NoiseScale
+) -> FloatArray:
+    """Standard deviation (p,) that parameters have because of friction too weak to be seen.
+
+    Args:
+        names: of the parameters.
+        known: (p,) their standard deviations without friction.
+        sets: without and with it.
+        scale: what the noise leaves.
+    """
+    plain, rubbing = sets
+    odds = math.exp(min(log_evidence(rubbing, scale) - log_evidence(plain, scale), DECISIVE))
+    entries = rubbing.problem.names
+    natural = np.zeros(len(entries))
+    for place in [entries.index(parameter.name) for parameter in by_name(COULOMB).parameters]:
+        natural[place] = 1.0 / rubbing.problem.scale[place] ** 2
+    own = dict(zip(entries, _std(_of_laws(rubbing, scale.spread(rubbing.chi), natural)), strict=True))
+    moved = [rubbing.model[name] - plain.model[name] for name in names]
+    more = np.maximum([own[name] ** 2 for name in names] - known**2, 0.0)
+    return np.asarray(np.sqrt(odds / (1.0 + odds) * (np.square(moved) + more)))

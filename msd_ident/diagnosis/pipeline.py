@@ -115,7 +115,7 @@ def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis
     experiment = replace(experiment, base=base.model)
     left = judge(base.residuals(), experiment.readings)
     if left.consistent:
-        ranking = noted(rank({NOTHING: base}, NoiseScale()), experiment)
+        ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
     return _conclude(task, experiment, _Search(base, ranking, shared), progress)
@@ -175,8 +175,10 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     base, shown = _resting(experiment, base), _resting(experiment, best)
     heard, left = _heard(experiment, scale.other_noise, (base, shown))
     rivals = _beside(experiment, best, ranking, alike, scale)
+    rubbing = ranking.rubbing.get(best.causes)
+    faint = rubbing and _resting(experiment, rubbing)
     found = _result(experiment, shown, shared)
-    extended = intervals.stated(found, shown, rivals, scale)
+    extended = intervals.stated(found, shown, rivals, scale, faint)
     plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
@@ -271,13 +273,12 @@ def _finite(parameters: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
-    """The same set with rest at the start as a constraint, which decides what the samples leave open."""
+    """The same set with rest at the start as a constraint, which decides what the samples leave open and no more."""
     missed = see(fitted.residuals())  # a wrong model errs at rest too
     known = tuple(
         replace(balance, spread=balance.spread + missed) for balance in rest_constraint.rest_constraints(fitted)
     )
-    fitted = rest_constraint.constrained(fitted, experiment.readings, known)
-    return replace(fitted, problem=replace(fitted.problem, balances=known))
+    return rest_constraint.constrained(fitted, experiment.readings, known)
 
 
 def _result(experiment: Experiment, fitted: Hypothesis, shared: Shared) -> FitResult:

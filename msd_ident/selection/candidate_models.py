@@ -71,8 +71,8 @@ def _contender(
 ) -> CandidateModel:
     scale, readings = data
     count = len(fitted.problem.free)
-    known = rest_constraint.rest_constraints(fitted)
-    fitted = rest_constraint.constrained(fitted, readings, known)
+    fitted = rest_constraint.constrained(fitted, readings, rest_constraint.rest_constraints(fitted))
+    known = fitted.problem.balances
     information = fitted.information + rest_constraint.information(fitted.problem, fitted.point, known)
     return CandidateModel(
         causes=tuple(sorted(fitted.causes)),

@@ -53,6 +53,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
         held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
+        rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > FORM_PART},
     )
 

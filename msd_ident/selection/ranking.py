@@ -77,6 +77,8 @@ class Ranking:
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         held: causes of a set that hold the cart at rest and do nothing in motion: a force that acts only while the
             drive is on, or off, may do the same, so they are not certain.
+        rubbing: sets beside which Coulomb friction was fitted but is no explanation (``ordering.rank``), each with the
+            set that has it: friction too weak to be seen is possible on every rig.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
             data do not confirm it: no cause is certain.
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
@@ -94,6 +96,7 @@ class Ranking:
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
+    rubbing: Mapping[Causes, Hypothesis] = field(default_factory=dict)
     unchecked: bool = False
     foretold: bool = False
     rich: bool = False

@@ -22,6 +22,7 @@ from msd_ident.estimate.parameter_units import in_force_unit
 from msd_ident.estimate.problem import Problem, RestConstraint
 from msd_ident.model.declarations import PLACE
 from msd_ident.residuals.noise_model import Readings
+from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import weigh
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import LEAST_FALL
@@ -57,12 +58,19 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
     sticking all starts are equally good, and there are many more of them. So the middle of that range is taken unless
     that is decisively less likely, with the constraints included.
 
+    If the samples are decisively less likely in the moved set, the cart was not at rest at that balance: the set stays
+    as it is, without the constraints.
+
     Args:
         fitted: the set.
         readings: the records with their weights.
         known: the constraints, as ``rest_constraints`` gives them.
+
+    Returns:
+        The set, whose problem has the constraints that hold (``Problem.balances``).
     """
-    problem = fitted.problem
+    problem = replace(fitted.problem, balances=tuple(known))
+    fitted = replace(fitted, problem=problem)
     if _pull(problem, fitted.point, known) < LEAST_FALL:
         return fitted
     weighting = weigh(problem, readings)
@@ -72,6 +80,9 @@ def constrained(fitted: Hypothesis, readings: Sequence[Readings], known: Sequenc
         found.append((state.chi + _pull(problem, state.point, known), state))
     (there, stayed), (middle, moved) = found
     state = moved if middle < there + 2.0 * DECISIVE else stayed
+    error = NoiseScale(sum(part.evidence for part in readings)).spread(fitted.chi)
+    if state.chi > fitted.chi + 2.0 * DECISIVE * error:
+        return replace(fitted, problem=replace(problem, balances=()))
     return replace(fitted, model=problem.model.with_values(problem.values(state.point)), state=state)
 
 

@@ -9,16 +9,20 @@ import numpy as np
 import pytest
 from setrigs import BASE, pushed, stood
 
+from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.summary import summarise_fit
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.rest import slope_at_rest
 from msd_ident.selection.evidence import SHAPES, NoiseScale
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.workflow import pipeline
+from msd_sim.api import simulate
 
 
 @pytest.fixture
@@ -93,3 +97,31 @@ def test_a_spring_without_a_constant_force_has_no_second_stiffness(plain: Hypoth
     bent = stood(pushed(), BASE + CubicSpring(3e5))
     for fitted in (plain, bent):
         assert intervals.at_rest(result(fitted), fitted, (), NoiseScale(fitted.chi)) == {}
+
+
+def test_friction_too_weak_to_be_seen_is_in_the_interval_of_the_damping(plain: Hypothesis) -> None:
+    """As likely as the evidence has it, and with the variance that friction beside damping leaves to both."""
+    rubbing = stood(pushed(), BASE + CoulombFriction(1e-4))
+    before, known = result(plain), growth(plain, plain.chi)
+    after = intervals.stated(before, plain, (), NoiseScale(plain.chi), rubbing)
+    for name in before.free:
+        assert after.quantities[name].value == before.quantities[name].value
+        assert after.quantities[name].std >= known[name] * before.quantities[name].std * (1.0 - 1e-12), name
+    assert after.quantities["damping"].std > 1.2 * known["damping"] * before.quantities["damping"].std
+
+
+def test_an_adequate_model_of_a_rig_that_rubs_a_little_states_no_damping_that_it_has_not() -> None:
+    """A friction of 0.003 N under 8 N, in noise of 0.1 mm: the base model takes it for damping."""
+    rig = {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.0}
+    told = {
+        "encoder": {"counts_per_metre": 100000.0, "noise": 1e-4},
+        "experiment": {"name": "steps", "force": 8.0, "hold": 0.6},
+        "effects": {"coulomb_friction": {"coulomb_force": 0.003}},
+    }
+    made = simulate({**rig, **told})
+    found = pipeline.diagnose([Record(made.time, made.position, made.force_time, made.force)])
+    assert found.verdict == "adequate"
+    for name in ("mass", "damping", "stiffness"):
+        quantity = found.extended.quantities[name]
+        assert abs(quantity.value - rig[name]) < 3.0 * quantity.std, name
+        assert quantity.std < 0.01 * rig[name], name

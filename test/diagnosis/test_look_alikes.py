@@ -64,3 +64,16 @@ def test_what_is_taken_for_another_cause_is_not_certain_to_be_that(
     if levels is STEPS:  # quick motion tells it
         assert certain(found), found.causes
         assert found.extended.model["mass"] == pytest.approx(0.9, rel=0.02)
+
+
+def test_a_gain_that_falls_beside_an_uneven_drive_is_no_scale_that_drifts(asking_about: Callable[..., None]) -> None:
+    """Both drifts are taken for a spring that ages: where one of them stands beside another cause, so may the other."""
+    asking_about("stiffness_drift", "gain_drift", "scale_drift", "force_gain_nonlinearity", "force_gain_asymmetry")
+    levels = (0.0, 6.0, 4.2, 0.0, 0.0, -6.0, -3.6, 1.8, -1.8, 6.0)
+    time = np.arange(150 * len(levels)) / 250.0
+    force = np.repeat(levels, 150)
+    rig = Rig(Truth(0.9, 2.45, 700.0, {}), 0.0, 0.0, 0.0, "zero")
+    rig.drive(time, force * (1.0 - 0.05 * time) * (1.0 + 0.02 * np.sign(force)))
+    noise = 1e-5 * np.random.default_rng(2).standard_normal(time.size)
+    found = pipeline.diagnose([Record(time, rig.sample(time).position + noise, time, force)])
+    assert "gain_drift" in certain(found) <= {"gain_drift", "force_gain_asymmetry"}, found.causes

@@ -62,6 +62,9 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
         ("ambiguous", [cause(0.6)], left(0.4), ["Whether Coulomb friction acts at all is not certain."]),
         ("ambiguous", [cause(0.6), cause(0.7, (), "bouc_wen")], left(0.4), ["Whether Coulomb friction and Bouc-Wen act "
           "at all is not certain."]),
+        ("explained", [cause(0.98, (), "relaxing_spring")], left(0.4), ["The relaxing spring may also be a drive that "
+          "gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder): no record tells them "
+          "apart."]),
         ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
         ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "consistent with noise"]),
     ],

@@ -12,6 +12,7 @@ from msd_ident.errors import UsageError
 from msd_ident.estimate import fit
 from msd_ident.model import simulate
 from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.base import VELOCITY_LAG
 from msd_ident.model.effects.lagging_drive_damping import LaggingDriveDamping
 from msd_ident.model.effects.relaxing_spring import RelaxingSpring
@@ -30,6 +31,25 @@ def test_a_short_time_is_damping_and_a_long_one_a_spring() -> None:
         behind = simulate(plant() + damper, measured, 0.0, 0.1).position
         limit = simulate(plant().with_values(other), measured, 0.0, 0.1).position
         assert np.max(np.abs(behind - limit)) <= 2e-4 * np.max(np.abs(limit)), damper
+
+
+def test_a_motor_on_a_voltage_moves_as_it_does_behind_a_lag() -> None:
+    """L i' + R i = u - Ke v by small steps, the amplifier always on."""
+    lag, brake, step = 0.03, 6.0, 1e-5
+    driven = record(1000.0)
+    model = plant() + RelaxingSpring(brake, lag) + ActuatorLag(lag)
+    mass, damping, stiffness = (model[name] for name in ("mass", "damping", "stiffness"))
+    x = v = pull = 0.0  # pull [N]: Kt i
+    moved = []
+    for now in driven.time:
+        moved.append(x)
+        commanded = float(driven.force_at(now))
+        for _ in range(round(driven.period / step)):
+            pull += step / lag * (commanded - brake * v - pull)
+            v += step * (pull - damping * v - stiffness * x) / mass
+            x += step * v
+    found = simulate(model, driven, 0.0, 0.0).position
+    assert np.max(np.abs(found - moved)) <= 1e-3 * np.max(np.abs(moved))
 
 
 def test_a_model_has_one_second_state() -> None:

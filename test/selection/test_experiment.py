@@ -73,6 +73,14 @@ def test_what_may_be_mistaken_for_a_cause_is_tried_where_any_law_of_that_explain
         assert set(whole.forms(name)) >= {other for other in whole.library if by_name(other).cause() in taken_for}
 
 
+def test_what_is_mistaken_for_the_same_cause_is_tried_in_each_others_place() -> None:
+    whole = pushed()
+    for name in whole.library:
+        twins = {one for one in whole.library if set(by_name(one).mistaken_for) & set(by_name(name).mistaken_for)}
+        assert twins - {name} <= set(whole.forms(name)), name
+    assert "scale_drift" in whole.forms("gain_drift")
+
+
 @given(st.integers(0, 2**31))
 def test_what_a_mask_leaves_out_and_what_it_keeps_is_all(seed: int) -> None:
     whole = pushed(CoulombFriction(0.3))

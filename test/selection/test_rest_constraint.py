@@ -3,13 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from setrigs import BASE
 
 from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Model, simulate
+from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection import rest_constraint
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
+
+
+def begun_at(model: Model, place: float) -> Hypothesis:
+    """The true model of a rig that rests at a place [m] from the relaxed spring, and is pushed after 0.4 s."""
+    time = np.arange(1000) / 250.0
+    force = np.where(time < 0.4, 0.0, np.where(time % 1.0 < 0.5, 6.0, -6.0))
+    moved = simulate(model, Record(time, 0.0 * time, time, force), place, 0.0).position
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(time.size)
+    experiment = Experiment(prepare([Record(time, moved + noise, time, force)]), BASE, frozenset())
+    problem, weighting, point = formulated(experiment, model, (Initial(place, 0.0, 0.0),))
+    state = weighting.exact(point, weighting.steps(None))
+    return Hypothesis(frozenset(model.effect_names), model, problem, state, experiment.readings)
+
+
+def test_rest_moves_no_set_away_from_its_samples() -> None:
+    """A spring that is bent where it balances a constant force rests elsewhere than at -F0/k: the samples say where."""
+    place = float(brentq(lambda x: x + 4e5 * x**3 + 0.5, -0.1, 0.0))
+    loaded = begun_at(replace(BASE, stiffness=1.0) + CubicSpring(4e5) + ForceOffset(0.5), place)
+    known = rest_constraint.rest_constraints(loaded)
+    assert len(known) == 1 and abs(loaded.problem.imbalance(loaded.point, known[0])[0]) > 1e3 * known[0].spread
+    found = rest_constraint.constrained(loaded, loaded.readings, known)
+    assert found.model == loaded.model and found.chi == loaded.chi and found.problem.balances == ()
+
+
+def test_rest_that_agrees_with_the_samples_is_kept() -> None:
+    relaxed = begun_at(BASE + ForceOffset(0.5), -0.5 / BASE.stiffness)
+    known = rest_constraint.rest_constraints(relaxed)
+    found = rest_constraint.constrained(relaxed, relaxed.readings, known)
+    assert found.problem.balances == known and len(known) == 1
+    assert found.chi < relaxed.chi + 1.0
 
 
 @pytest.mark.usefixtures("without_copies")

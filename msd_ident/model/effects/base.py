@@ -90,7 +90,8 @@ class Effect:
     form_of: ClassVar[str] = ""
     #: A form is tried where its simple law explains something, and from there; one that stands alone is tried anyway.
     stands_alone: ClassVar[bool] = False
-    #: Causes that it may be mistaken for: like a form, it is tried where a law of one of these explains something.
+    #: Causes that it may be mistaken for: like a form, it is tried where a law of one of these explains something, and
+    #: in the place of another one that may be mistaken for it.
     mistaken_for: ClassVar[tuple[str, ...]] = ()
     #: It bends the spring's characteristic: names of the position [m] and of the further stiffness [N/m] beyond it,
     #: and which side is beyond: ``BOTH`` (of the mirrored position too), ``ABOVE`` or ``OUTSIDE`` (seen from zero), or
@@ -299,9 +300,10 @@ class Effect:
 
     @classmethod
     def alike(cls, other: type[Effect]) -> bool:
-        """Whether the other is a law of the same cause, or one of the two may be mistaken for the other's cause."""
+        """Whether both are laws of one cause, one may be mistaken for the other's cause, or both for the same cause."""
         mistaken = cls.cause() in other.mistaken_for or other.cause() in cls.mistaken_for
-        return cls.cause() == other.cause() or mistaken
+        same = not set(cls.mistaken_for).isdisjoint(other.mistaken_for)
+        return cls.cause() == other.cause() or mistaken or same
 
     @classmethod
     def placed(cls) -> bool:

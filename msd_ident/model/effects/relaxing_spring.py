@@ -49,7 +49,8 @@ class RelaxingSpring(Effect):
     family = "second state"
     structure = VELOCITY_LAG
     creeps = True
-    measured_by = "hold the cart off its place by hand, and read with a balance how the force falls"
+    or_else = "a drive that gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder)"
+    measured_by = "disconnect the drive, hold the cart off its place, and read with a balance how the force falls"
 
     @staticmethod
     def force(lagged_v: float, relaxing_damping: float) -> float:
