@@ -191,7 +191,7 @@ class Ranking:
         if causes in self.leaves or self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
-            clear = self.clear.get(causes, {}).get(law, math.inf)
+            clear = min(self.clear.get(causes, {}).get(law, math.inf), self._shaped(causes, law))
             clear *= max(min(clear, _usual(effect)), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
         return probability_at(odds)
@@ -203,10 +203,19 @@ class Ranking:
         Where the set leaves more than noise, a further curve may be an error of the first one's form (``further``). If
         that error is more than ``FORM_PART``, the first law is not this rig's either: two curves come near any third.
         """
+        return frozenset(one for one, part in self._curves_beside(causes, law).items() if part > FORM_PART)
+
+    def _shaped(self, causes: Causes, law: str) -> float:
+        """How many times more a law explains than each further curve beside it, which may be an error of its form."""
+        errors = self._curves_beside(causes, law).values()
+        return min((1.0 / part for part in errors if part > 0.0), default=math.inf)
+
+    def _curves_beside(self, causes: Causes, law: str) -> dict[str, float]:
+        """Further curves beside a law of their kind in a set that leaves more than noise, with what they explain."""
         if causes in self.exact:
-            return frozenset()
-        large = (one for one, part in self.further.get(causes, {}).items() if part > FORM_PART and one != law)
-        return frozenset(one for one in large if by_name(law).bends_as(by_name(one)))
+            return {}
+        others = ((one, part) for one, part in self.further.get(causes, {}).items() if one != law)
+        return {one: part for one, part in others if by_name(law).bends_as(by_name(one))}
 
     def _of_its_own(self, causes: Causes, law: str) -> float:
         """Greatest odds that a cause which may be another form of the other laws acts by itself.

@@ -86,6 +86,23 @@ def test_a_rich_experiment_does_not_make_a_flexible_law_surer(experiment: Experi
         assert replace(found, rich=rich).of_cause(second.name) == pytest.approx(4.5 / 5.5)
 
 
+@pytest.mark.parametrize(("alone", "times"), [(8.0, 8.56), (7.0, 10.06), (16.0, 3.0)])
+def test_a_spring_is_as_sure_as_it_explains_more_than_the_error_of_its_form(
+    experiment: Experiment, alone: float, times: float
+) -> None:
+    """Both leave three noise floors, the first leaves ``alone``: what the second takes of it may be its error."""
+    first, second = BilinearSpring(1e-3, 50.0), CubicSpring(1e5)
+    found = ranked(
+        {
+            "nothing": fitted(experiment, BASE, 840.0 * 64.0**2),
+            "alone": fitted(experiment, BASE + first, 840.0 * alone**2),
+            "both": fitted(experiment, BASE + first + second, 840.0 * 3.0**2),
+        }
+    )
+    assert found.best.causes == {first.name, second.name}
+    assert found.of_cause(first.name) == pytest.approx(times / (1.0 + times), abs=2e-3)
+
+
 @pytest.mark.parametrize(("left", "sure"), [(30.0, 3.0 / 4.0), (10.0, 1.0), (1.04, 1.0)])
 def test_a_law_that_leaves_much_of_what_it_explains_is_not_certain(
     experiment: Experiment, left: float, sure: float
