@@ -1,8 +1,13 @@
 """Noise of the readings, and how much independent evidence they contain.
 
 The rounding error of an encoder is the same in all samples of a run of equal readings, so these contain no more
-information than one of them. So a run of equal readings counts as one piece of evidence, which its samples share. Where
-noise dithers the encoder, runs are short; without an encoder step, every sample is a run of its own.
+information than one of them. So a run of equal readings counts as one piece of evidence, which its samples share.
+
+Noise ahead of the encoder dithers it. At rest the error of a reading y = round(x + e) has then a part that stays, which
+falls steeply with the noise: in units of the encoder step, with σ of e, its variance is exp(−4π²σ²)/(2π²) beside
+σ² + 1/12 in all (Widrow and Kollár, Quantization Noise, 2008, chapter 4). Where it is negligible, every sample is a
+piece of evidence, although neighbours are often equal: runs would be long where the error is small. So it is without an
+encoder step.
 """
 
 from __future__ import annotations
@@ -18,7 +23,7 @@ import numpy.typing as npt
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import noise_floor
-from msd_ident.estimate.levels import ALIKE, TENTH
+from msd_ident.estimate.levels import ALIKE, NEGLIGIBLE, TENTH
 from msd_ident.quantity import MAD
 from msd_ident.residuals.octaves import Octaves, octaves
 from msd_ident.tuning import fixed, tuned
@@ -159,8 +164,30 @@ def of_record(record: Record, noise: float, step: float = 0.0) -> Readings:
     change = np.flatnonzero(np.diff(record.position) != 0.0)
     edges = np.concatenate(([0], change + 1, [record.samples]))
     lengths = np.diff(edges)
+    if _dithered(int(lengths.max()), record.samples, noise, step):
+        lengths = np.ones(record.samples, dtype=np.intp)
     runs = np.repeat(np.arange(lengths.size), lengths)
     return Readings(record, noise, 1.0 / np.repeat(lengths, lengths).astype(np.float64), runs, step)
+
+
+def _dithered(longest: int, samples: int, noise: float, step: float) -> bool:
+    """Whether noise makes the rounding errors of an encoder independent of each other.
+
+    Its size must be enough for that, and the record must show it: no run of equal readings is longer than such noise
+    lets one be.
+
+    Args:
+        longest: samples of the longest run of equal readings.
+        samples: of the record.
+        noise: standard deviation of a reading [m].
+        step: of the encoder [m].
+    """
+    ahead = (noise / step) ** 2 - 1.0 / 12.0 if step > 0.0 else 0.0
+    if ahead <= 0.0:
+        return False
+    stays = math.exp(-4.0 * math.pi**2 * ahead) / (2.0 * math.pi**2)
+    equal = math.erf(0.5 / math.sqrt(2.0 * ahead))  # in the middle between two steps
+    return stays < NEGLIGIBLE * (ahead + 1.0 / 12.0) and samples * equal ** (longest - 1) > NEGLIGIBLE
 
 
 def prepare(records: Sequence[Record]) -> tuple[Readings, ...]:
