@@ -37,7 +37,7 @@ LONGEST = (
 
 #: What makes a fresh checkout compile; done in two seconds where that is done.
 COMPILING = (
-    "from msd_ident.model.simulator import warm_up; warm_up()",
+    "from msd_ident.workflow.warming import warm_up; warm_up()",
     "from msd_sim.rig import Rig; from msd_sim.truth import Truth; Rig(Truth(1.0, 1.0, 100.0, {})).sample([0.0])",
 )
 
@@ -62,7 +62,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile solver and rig once, where several test processes would begin by compiling each its own."""
+    """Compile solver, fits and rig once, where several test processes would begin by compiling each its own."""
     if getattr(session.config.option, "numprocesses", None) and not hasattr(session.config, "workerinput"):
         works = [subprocess.Popen([sys.executable, "-c", code], cwd=REPOSITORY) for code in COMPILING]
         for work in works:
