@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 from msd_ident import parallel
 from msd_ident.ros.common.domain import private_domain
@@ -25,6 +26,9 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 settings.register_profile("steady", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=500)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
+# Nor others with every number that changes in the source, or with what a process has imported before: hypothesis would
+# parse all modules to draw from their constants, for seconds in each process.
+providers._get_local_constants = lambda: providers._local_constants
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
