@@ -46,6 +46,13 @@ def test_versions_name_python_and_what_computes() -> None:
     }
 
 
+def test_versions_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It took 13 ms for each export, page and row."""
+    before = versions()
+    monkeypatch.setattr("importlib.metadata.version", lambda name: pytest.fail(f"{name} is read again"))
+    assert versions() == before
+
+
 def test_all_seeds_are_told() -> None:
     found = Provenance("msd diagnose a.csv", "2026-01-31T12:00:00Z", (), versions())
     assert found.to_json_dict()["seeds"] == seeds.ALL
