@@ -32,7 +32,7 @@ providers._get_local_constants = lambda: providers._local_constants
 
 #: Tests of many seconds, longest first; the soak mostly waits, so that others run beside it.
 LONGEST = (
-    "test_colcon", "ros/test_faults", "[step_1", "test_nobody_costs_much", "test_new_effect",
+    "test_colcon", "ros/test_faults", "[step_1", "test_nobody_wakes", "test_new_effect",
     "test_starting_points", "test_never_worse", "test_investigation", "test_what_a_hand_moved", "blind/",
     "test_a_demo_finds_the_rig", "docs/test_tutorial", "docs/test_pages", "ros/test_huge_bag", "test_deterministic",
     "batching/", "live/", "report/", "ros/", "selection/", "residuals/", "diagnosis/", "design/", "export/test_ext",
