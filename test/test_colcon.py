@@ -2,8 +2,8 @@
 
 The ROS wheels and colcon lie in a Python environment of their own without msd_ident and msd_interfaces, so that only
 what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes: of hard links to
-what ``make setup`` installed, and of colcon. So is what the compiler makes of the messages, most of a build; what it
-made of the same sources in ``make setup`` is taken.
+what ``make setup`` installed. So is what the compiler makes of the messages, most of a build; what it made of the same
+sources in ``make setup`` is taken.
 """
 
 from __future__ import annotations

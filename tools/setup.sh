@@ -87,7 +87,7 @@ install_packages() {
     fi
     drop_cut_off_packages
     "$VENV/bin/python" -m pip install -qq --disable-pip-version-check --no-input "${constraint[@]}" \
-        -r requirements/ros-jazzy.txt -e '.[batch,docs,live,test]' >&2 ||
+        -r requirements/ros-jazzy.txt -r requirements/colcon.txt -e '.[batch,docs,live,test]' >&2 ||
         fail "pip could not install the packages (its words are above); run again, or with LOCK= for the newest ones"
 }
 
