@@ -144,7 +144,7 @@ class Rig:
         Raises:
             RigError: instants that run backwards, or a motion that runs away.
         """
-        at = np.ascontiguousarray(times, dtype=np.float64)
+        at = np.array(times, dtype=np.float64)  # its own: for one that cannot be written to, numba would compile anew
         if at.size and (at[0] < self.time or np.any(np.diff(at) < 0.0) or not np.isfinite(at).all()):
             raise RigError(f"instants must be finite and rise from the rig's present {self.time:g} s on")
         segments = self._segments()

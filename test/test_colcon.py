@@ -2,7 +2,8 @@
 
 The ROS wheels and colcon lie in a Python environment of their own without msd_ident and msd_interfaces, so that only
 what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes: of hard links to
-what ``make setup`` installed, and of colcon. So is what the compiler makes of the messages, most of a build.
+what ``make setup`` installed. So is what the compiler makes of the messages, most of a build; what it made of the same
+sources in ``make setup`` is taken.
 """
 
 from __future__ import annotations
@@ -116,16 +117,43 @@ def workspace(colcon: Path) -> Path:
         if source.is_file() and not name.startswith(("docs/", "test/", "bench/")):
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, target)
-    # Nobody runs these messages fast: what would be optimised is not, after all other options.
-    (folder / "compiler").write_text('#!/bin/sh\nexec "$@" -O0\n')
+    (folder / "compiler").write_text(COMPILER.format(compiled=_compiled()))
     (folder / "compiler").chmod(0o755)
     return folder
 
 
+#: Takes an object of the setup's build, with what it depends on, where both generated the same source. Nobody runs the
+#: other messages fast: what would be optimised is not, after all other options.
+COMPILER = """\
+#!/bin/sh
+for word; do
+    [ "$last" = -o ] && object=$word
+    last=$word
+done
+made={compiled}
+if cmp -s "$last" "$made/${{last##*/build/msd_ident/msd_interfaces/}}" && [ -s "$made/$object.d" ]; then
+    exec cp "$made/$object" "$made/$object.d" "${{object%/*}}"
+fi
+exec "$@" -O0
+"""
+
+
+def _compiled() -> Path:
+    """Where ``make setup`` built the messages; a place with nothing if they have changed since."""
+    folder = REPOSITORY / "build" / "venv" / "msd_interfaces"
+    library = folder / "libmsd_interfaces__rosidl_generator_c.so"
+    made = library.stat().st_mtime if library.exists() else 0.0
+    return folder if made > max(path.stat().st_mtime for path in _sources()) else Path(os.devnull)
+
+
+def _sources() -> list[Path]:
+    """Files that the messages are made of."""
+    return [path for name in ("msd_interfaces", "cmake") for path in sorted((REPOSITORY / name).rglob("*.*"))]
+
+
 def _messages(colcon: Path) -> str:
     """What compiled messages depend on."""
-    inputs = [REPOSITORY / "tools" / "colcon_interfaces.py"]
-    inputs += (path for name in ("msd_interfaces", "cmake") for path in sorted((REPOSITORY / name).rglob("*.*")))
+    inputs = [REPOSITORY / "tools" / "colcon_interfaces.py", *_sources()]
     content = b"".join(str(path).encode() + path.read_bytes() for path in inputs)
     return f"{colcon.name} {hashlib.sha256(content).hexdigest()}"
 

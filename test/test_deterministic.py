@@ -55,13 +55,13 @@ def diagnosis() -> Diagnosis:
 
 
 def test_clock_and_cores(proposal: Proposal, diagnosis: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A clock on which any budget of time is used up at once, and eight threads in place of one."""
+    """A clock on which any budget of time is used up at once, and four threads in place of one."""
     for name in CLOCKS:
         clock = getattr(time, name)
         monkeypatch.setattr(time, name, lambda clock=clock: 1000.0 * clock())
     found = proposed()
     assert found.to_json_dict() == proposal.to_json_dict() and found.considered == proposal.considered
-    with parallel.limited_to(8):
+    with parallel.limited_to(4):
         assert told(diagnose([poor_record()])) == told(diagnosis)
 
 

@@ -13,6 +13,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+from sources import parsed
 
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.base import KINDS
@@ -91,7 +92,7 @@ def name_of(path: Path) -> str:
 def modules() -> dict[str, ast.Module]:
     """All modules of both packages, parsed."""
     paths = [path for package in ("msd_ident", "msd_sim") for path in sorted((REPOSITORY / package).rglob("*.py"))]
-    return {name_of(path): ast.parse(path.read_text(encoding="utf-8"), str(path)) for path in paths}
+    return {name_of(path): parsed(path) for path in paths}
 
 
 def imported(tree: ast.AST, *, at_start: bool = False) -> Iterator[str]:

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import pytest
 from packaging.specifiers import SpecifierSet
+from sources import parsed
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 LOCK = REPOSITORY / "requirements" / "lock.txt"
@@ -134,10 +135,11 @@ def test_ros_finds_executables_where_colcon_puts_them() -> None:
     assert "install_scripts = $base/lib/msd_ident" in _text("setup.cfg")
 
 
+@pytest.mark.xdist_group("house")
 def test_manifest_names_all_that_is_imported() -> None:
     used = set()
     for path in [*(REPOSITORY / "msd_ident").rglob("*.py"), *(REPOSITORY / "msd_sim").rglob("*.py")]:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(path)):
             if isinstance(node, ast.ImportFrom) and node.module:
                 used.add(node.module.split(".")[0])
             elif isinstance(node, ast.Import):

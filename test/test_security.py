@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sources import parsed
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 PLACES = ("msd_ident", "msd_sim", "bench", "tools", "docs", "launch", "examples", "setup.py")
@@ -56,12 +57,9 @@ def dangers(tree: ast.AST) -> Iterator[str]:
                     yield f"{name}({keyword.arg}={keyword.value.value})"
 
 
+@pytest.mark.xdist_group("house")
 def test_nothing_that_is_read_is_run() -> None:
-    found = {
-        f"{path.relative_to(REPOSITORY)}: {danger}"
-        for path in sources()
-        for danger in dangers(ast.parse(path.read_text(encoding="utf-8")))
-    }
+    found = {f"{path.relative_to(REPOSITORY)}: {danger}" for path in sources() for danger in dangers(parsed(path))}
     assert found == set(RIGHT)
     assert len(sources()) > 150, "the places are right"
 
@@ -84,12 +82,13 @@ def test_the_search_finds_each_of_them(text: str) -> None:
     assert list(dangers(ast.parse(text)))
 
 
+@pytest.mark.xdist_group("house")
 def test_yaml_is_read_by_loaders_that_make_plain_values() -> None:
     """A loader of one's own is derived from a safe one."""
     loaders = [
         f"{path.relative_to(REPOSITORY)}: {ast.unparse(base)}"
         for path in sources()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.ClassDef)
         for base in node.bases
         if "Loader" in ast.unparse(base) and "Safe" not in ast.unparse(base) and ast.unparse(base) != "SourceFileLoader"

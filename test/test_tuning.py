@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from sources import parsed
 
 from bench import sensitivity
 from msd_ident import tuning
@@ -20,10 +21,6 @@ MOST = 60
 #: Numbers that may stand in an expression of others: halves, counts, a variance (1/12) and a quartile (0.75).
 PLAIN = {0.0, 0.5, 0.75, 1.0, 2.0, 3.0, 12.0}
 FILES = [path for room in tuning.ROOMS for path in sorted((REPOSITORY / "msd_ident" / room).glob("*.py"))]
-
-
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"), str(path))
 
 
 def numbers(node: ast.AST) -> Iterator[float]:
@@ -44,6 +41,7 @@ def test_tuned_constants_are_few_and_say_unit_reason_and_origin() -> None:
         assert one.is_tuned or one.about["kind"] in get_args(tuning.Kind), one.place
 
 
+@pytest.mark.xdist_group("house")
 def test_no_number_stands_beside_the_declared_ones() -> None:
     bare = []
     for path in FILES:
@@ -62,6 +60,7 @@ def test_no_number_stands_beside_the_declared_ones() -> None:
     assert not bare, "declare with tuned or fixed of msd_ident/tuning.py:\n" + "\n".join(bare)
 
 
+@pytest.mark.xdist_group("house")
 def test_compiled_functions_hold_no_tuned_constant() -> None:
     """Numba compiles the value in, and its cache does not know when another module changes it."""
     tuned = {one.name for one in tuning.declared() if one.is_tuned}

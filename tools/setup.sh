@@ -59,6 +59,9 @@ check_machine() {
     [ -z "$missing" ] || fail "missing on this machine: $missing; install with: apt install $missing"
 }
 
+# Sources of what is compiled for this user.
+compiled() { find msd_ident/model msd_sim -name '*.py'; grep -rl --include='*.py' '^@njit' msd_ident; }
+
 inputs() { cat "$@" | sha256sum | cut -d' ' -f1; }
 done_with() { [ "$(cat "$STAMPS/$1" 2>/dev/null)" = "$2" ]; }
 mark() { mkdir -p "$STAMPS" && echo "$2" >"$STAMPS/$1"; }
@@ -84,7 +87,7 @@ install_packages() {
     fi
     drop_cut_off_packages
     "$VENV/bin/python" -m pip install -qq --disable-pip-version-check --no-input "${constraint[@]}" \
-        -r requirements/ros-jazzy.txt -e '.[batch,docs,live,test]' >&2 ||
+        -r requirements/ros-jazzy.txt -r requirements/colcon.txt -e '.[batch,docs,live,test]' >&2 ||
         fail "pip could not install the packages (its words are above); run again, or with LOCK= for the newest ones"
 }
 
@@ -117,7 +120,7 @@ set_up() {
     local packages interfaces solver python
     packages=$( (echo "$ROOT $LOCK"; cat setup.py setup.cfg package.xml requirements/*.txt) | inputs -)
     interfaces=$( (echo "$ROOT $LOCK"; cat requirements/*.txt; find msd_interfaces cmake -type f | LC_ALL=C sort | xargs cat) | inputs -)
-    solver=$( (echo "$packages"; find msd_ident/model msd_sim -name '*.py' | LC_ALL=C sort | xargs cat) | inputs -)
+    solver=$( (echo "$packages"; compiled | LC_ALL=C sort -u | xargs cat) | inputs -)
     if done_with packages "$packages" && done_with interfaces "$interfaces" && done_with solver "$solver" &&
         [ -x "$VENV/bin/msd" ]; then
         link_share  # files may be new

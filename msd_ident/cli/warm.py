@@ -9,9 +9,12 @@ GROUP = "msd.warm"
 
 
 def warm() -> int:
-    """Compile solver and simulated rig for this user, so that the first start takes no minute."""
-    for entry in entry_points(group=GROUP):
+    """Compile solver, fits and simulated rig for this user, so that the first start takes no minute."""
+    from msd_ident.workflow import warming
+
+    works = [(entry.name, entry.load()) for entry in entry_points(group=GROUP)]
+    for name, work in (*works, ("fits", warming.warm_up)):
         begin = time.monotonic()
-        entry.load()()
-        print(f"{entry.name}: ready after {time.monotonic() - begin:.1f} s")
+        work()
+        print(f"{name}: ready after {time.monotonic() - begin:.1f} s")
     return 0

@@ -203,8 +203,20 @@ def test_no_set_is_more_probable_than_one_of_its_causes(
     assert ("The leading explanation, quadratic drag, is not named" in found.summary) != predicts
 
 
-def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_most_of_the_record() -> None:
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("coulomb_friction", "force_gain_nonlinearity", "quadratic_drag", "backlash"),
+        pytest.param((), marks=pytest.mark.long),
+    ],
+    ids=["rivals", "whole library"],
+)
+def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_most_of_the_record(
+    asked: tuple[str, ...], asking_about: Callable[..., None]
+) -> None:
     """Cut into equal times, the first part held all of the motion: nothing predicted it."""
+    if asked:
+        asking_about(*asked)
     drawn = lottery.draw(165179, "force_gain_nonlinearity", True, "step", 1000.0, ranges="wide")
     made = simulate(drawn.spec)
     found = diagnose_records(Task((Record(made.time, made.position, made.force_time, made.force),)))

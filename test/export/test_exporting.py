@@ -31,7 +31,7 @@ ROBOT = """<mujoco><worldbody><body><joint name="cart" type="slide" axis="1 0 0"
 def rig(*names: str) -> tuple[Model, Record]:
     """A model and what was measured of it."""
     model = effect_examples.model(*names)
-    return model, measured(model, effect_examples.record(1000.0, duration=3.0))
+    return model, measured(model, effect_examples.record(1000.0, duration=1.5))
 
 
 def made(name: str, folder: Path, *names: str, **options: object) -> Export:

@@ -97,7 +97,7 @@ def test_every_effect_agrees(name: str, rate: float, hold: str) -> None:
 @pytest.mark.parametrize(("rate", "hold"), SAMPLINGS)
 @pytest.mark.parametrize("names", random_pairs(20), ids="+".join)
 def test_twenty_random_pairs_agree(names: tuple[str, ...], rate: float, hold: str) -> None:
-    assert disagreement(record(rate, hold), names, 0.004, -0.03) <= AGREE
+    assert disagreement(record(rate, hold, 1.5), names, 0.004, -0.03) <= AGREE
 
 
 def test_all_that_goes_together_agrees() -> None:

@@ -79,7 +79,8 @@ def lab(ros_domain: int) -> Iterator[Lab]:
 
 @pytest.fixture
 def holding(ros_domain: int) -> Iterator[Lab]:
-    made = Lab(ros_domain, hold_last_command=True)
+    # A cart that has come to rest is read too: with noise its readings still change, as those of any encoder.
+    made = Lab(ros_domain, hold_last_command=True, **{"encoder.noise": 1e-5})
     yield made
     made.close()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -45,8 +46,15 @@ def test_mean_forces_are_left_once_they_hide_what_is_left(monkeypatch: pytest.Mo
     assert max(map(len, fitted)) <= 2
 
 
-def test_a_long_rest_hides_no_cause() -> None:
+@pytest.mark.parametrize(
+    "asked",
+    [("coulomb_friction", "quadratic_drag", "cubic_spring", "hysteresis"), pytest.param((), marks=pytest.mark.long)],
+    ids=["rivals", "whole library"],
+)
+def test_a_long_rest_hides_no_cause(asked: tuple[str, ...], asking_about: Callable[..., None]) -> None:
     """Nothing moves in nine tenths of the record: sizes of the motion must not be means over all of it."""
+    if asked:
+        asking_about(*asked)
     made = api.simulate(
         {"mass": 1.0, "damping": 2.0, "stiffness": 600.0, "friction_coefficient": 0.02, "rate": 100.0, "seed": 4,
          "effects": {"quadratic_drag": {"drag_coefficient": 2.0}}, "encoder": {"counts_per_metre": 1e6, "noise": 1e-5},
