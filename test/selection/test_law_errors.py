@@ -168,8 +168,8 @@ def test_a_faint_cause_that_explains_as_much_as_the_others_is_one(experiment: Ex
 @pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize(("left", "sure"), [(5000.0, False), (850.0, True)])
 def test_the_second_of_two_springs_is_certain_only_where_nothing_is_left(left: float, sure: bool, known: bool) -> None:
-    """Of 17 such springs that were stated with more than 0.9, 7 did not act; where only noise is left, 0 of 11. The first
-    is then as sure as it explains more than the second, which may be an error of its form: 6.6 times.
+    """Of 17 such springs that were stated with more than 0.9, 7 did not act; where only noise is left, 0 of 11.
+    The first is then as sure as it explains more than the second, which may be an error of its form: 6.6 times.
     """
     data = steps()
     stop, bent = EndStop(2e-3, 500.0), CubicSpring(1e6)
