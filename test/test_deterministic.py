@@ -29,8 +29,8 @@ def told(found: Diagnosis) -> str:
 
 
 def poor_record() -> Record:
-    """One step of a rig with a lag, which may as well have a delay or another friction: three causes are tied."""
-    made = simulate(dict(lottery.draw(20, "actuator_lag", False, "step", 250.0).spec))
+    """One step of a rig with a lag, which may as well have a delay, a stop or drag: three causes are tied."""
+    made = simulate(dict(lottery.draw(21, "actuator_lag", False, "step", 250.0).spec))
     return Record(made.time, made.position, made.force_time, made.force, hold=made.hold)
 
 
