@@ -109,7 +109,9 @@ class Study:
         return found, self.disturbed.copy(found, rng)
 
     def said(self, records: Sequence[Record]) -> Causes:
-        """The causes that a diagnosis of a copy names."""
+        """The causes that a diagnosis of a copy names; none where the cart of the copy sticks all the time."""
+        if not any(np.ptp(record.position) for record in records):
+            return NOTHING
         measured = self.experiment.readings
         parts = [
             noise_model.of_record(made, part.noise, part.step) for made, part in zip(records, measured, strict=True)

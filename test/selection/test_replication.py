@@ -103,3 +103,12 @@ def test_copies_are_asked_about_the_causes_from_which_a_search_comes_to_the_name
     asked = replication._asked(setrigs.steps(), rows)
     assert asked >= {named, *also} and all(by_name(one).alike(by_name(named)) for one in asked)
     assert also or asked == {named}, "what is tried by itself needs no other"
+
+
+def test_a_copy_that_sticks_all_the_time_is_called_nothing() -> None:
+    """Friction of any strength may hold the cart: without a motion no law has a scale."""
+    data = setrigs.steps()
+    base = setrigs.stood(data, setrigs.BASE)
+    study = replication._study(data, base, setrigs.ranked({"nothing": base}), [])
+    still = [replace(part.record, position=0.0 * part.record.position) for part in data.readings]
+    assert study.said(still) == frozenset()
