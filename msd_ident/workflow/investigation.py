@@ -24,7 +24,7 @@ _MOVED, _STRONGER = 0.02, 5.0
 #: Probability of showing what hides from which on a look is enough for what a linear spring shows as another zero.
 _SURE, _SHIFT = 0.9, frozenset({OFFSET})
 _REST, _LONGEST_STEP = 0.3, 3.0
-_STANDS, _NOTHING = "one explanation stands", "no experiment that would tell more is known"
+_STANDS, _NOTHING = "one explanation stands", "no experiment was found that would tell more"
 _FIRST, _GENTLE = "a first look", "a gentle step that sizes the first experiment"
 
 
