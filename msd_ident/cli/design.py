@@ -72,6 +72,7 @@ def _designed(diagnosis: Diagnosis, limits: Limits, targets: str, check: bool) -
     from msd_ident import design as designs
     from msd_ident.design.parameter_design import sharpen
 
+    designs.check_predictable(diagnosis)
     if targets:
         return sharpen(diagnosis, [name.strip() for name in targets.split(",") if name.strip()], limits)
     return designs.check(diagnosis, limits) if check else designs.design(diagnosis, limits)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from msd_ident.design.limits import Limits, read_limits
 from msd_ident.design.profile import Profile, Segment
 from msd_ident.design.profile_file import read_profile, write_profile
-from msd_ident.design.proposal import Proposal, check, default_limits, design, proposing
+from msd_ident.design.proposal import Proposal, check, check_predictable, default_limits, design, proposing
 
 __all__ = [
     "Limits",
@@ -17,6 +17,7 @@ __all__ = [
     "Proposal",
     "Segment",
     "check",
+    "check_predictable",
     "default_limits",
     "design",
     "proposing",

@@ -24,6 +24,7 @@ from msd_ident.design.rivals import names, rivals, shares
 from msd_ident.diagnosis import Diagnosis
 from msd_ident.errors import UsageError
 from msd_ident.estimate.levels import ALIKE
+from msd_ident.estimate.result import scale_known
 
 
 @dataclass(frozen=True)
@@ -126,13 +127,27 @@ def proposing(diagnosis: Diagnosis) -> Diagnosis:
     if diagnosis.verdict != "ambiguous":
         return diagnosis
     try:
+        check_predictable(diagnosis)
         limits = default_limits(diagnosis)
         found = design(diagnosis, limits)
     except UsageError:
-        return diagnosis  # nothing pushes or moves, or there is no room
+        return diagnosis  # nothing pushes or moves, how far is unknown, or there is no room
     if found is None:
         return diagnosis
     return replace(diagnosis, next_experiment=with_limits(found.to_json_dict(), limits))
+
+
+def check_predictable(diagnosis: Diagnosis) -> None:
+    """Refuse records that do not show how far a force moves the rig: no motion can be predicted from them.
+
+    Raises:
+        UsageError: mass, damping and stiffness of the diagnosed model are all open.
+    """
+    if not scale_known(diagnosis.extended.quantities):
+        raise UsageError(
+            "these records do not show how far a force moves the rig, so no experiment can be designed; expected a "
+            "record whose motion the force makes: push harder or longer, or cut it with --start and --end"
+        )
 
 
 def default_limits(diagnosis: Diagnosis) -> Limits:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 from designrigs import BENT, LIMITS, Rig, checked, stepped
 
 from msd_ident.data.record import Record
-from msd_ident.design import Limits, Profile, Proposal, Segment, check, default_limits, design, proposing
+from msd_ident.design import Limits, Profile, Proposal, Segment, check, check_predictable, default_limits, design, proposing
+from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
 from msd_ident.design.evaluation import Option
 from msd_ident.design.prediction import Grid
@@ -90,6 +92,20 @@ def test_a_verdict_that_is_not_ambiguous_needs_no_proposal() -> None:
     assert proposing(diagnosis) is diagnosis
     alone = replace(diagnosis, verdict="ambiguous")
     assert proposing(alone) is alone, "nothing is tied"
+
+
+def test_nothing_is_proposed_where_no_record_shows_what_a_force_does(
+    proposal: Proposal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hand moved the cart: mass, damping and stiffness are open, so how far a profile would move it is unknown."""
+    tied = replace(stepped("", "", 0.0), verdict="ambiguous")
+    monkeypatch.setattr(proposals, "design", lambda diagnosis, limits: proposal)
+    assert proposing(tied).next_experiment is not None
+    opened = {name: replace(one, std=math.nan) for name, one in tied.extended.quantities.items()}
+    blind = replace(tied, extended=replace(tied.extended, quantities=opened))
+    assert proposing(blind) is blind
+    with pytest.raises(UsageError, match="do not show how far a force moves the rig, .* push harder or longer"):
+        check_predictable(blind)
 
 
 def parted(chi: list[list[float]], decided: list[float]) -> Option:
