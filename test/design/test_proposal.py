@@ -10,7 +10,17 @@ import pytest
 from designrigs import BENT, LIMITS, Rig, checked, stepped
 
 from msd_ident.data.record import Record
-from msd_ident.design import Limits, Profile, Proposal, Segment, check, check_predictable, default_limits, design, proposing
+from msd_ident.design import (
+    Limits,
+    Profile,
+    Proposal,
+    Segment,
+    check,
+    check_predictable,
+    default_limits,
+    design,
+    proposing,
+)
 from msd_ident.design import proposal as proposals
 from msd_ident.design.discrimination import Discrimination
 from msd_ident.design.evaluation import Option
