@@ -31,6 +31,7 @@ class DataSheet:
             the record does not say. Inertia has its part in it: it is no clock offset, but bounds one.
         position_unit, force_unit: of the record.
         force_hold: how the force goes on between its samples: ``zero``, ``linear`` or ``band_limited``.
+        origin_s: instant of the record from which laws of time count it.
     """
 
     name: str
@@ -48,6 +49,7 @@ class DataSheet:
     position_unit: str
     force_unit: str
     force_hold: str
+    origin_s: float = 0.0
 
     def to_json_dict(self) -> dict[str, Any]:
         """Plain numbers and words."""
@@ -77,4 +79,5 @@ def data_sheet(record: Record) -> DataSheet:
         position_unit=record.position_unit,
         force_unit=record.force_unit,
         force_hold="band_limited" if record.upsampled > 1 else record.hold,
+        origin_s=record.origin,
     )

@@ -128,6 +128,7 @@ class Record:
         position_unit: ``m`` or ``rad``, or ``count`` when the scale is unknown.
         name: short name for tables (a file name, a topic).
         start_ns: absolute stamp of ``time == 0`` [ns], 0 when there is none.
+        origin: instant from which laws of time (a drift, a disturbance) count it [s]: where the part in use begins.
         notes: what the reader had to do to get here, one sentence each; shown with every result.
         origins: where the signals came from, and what was lost on the way.
 
@@ -148,6 +149,7 @@ class Record:
     position_unit: str = "m"
     name: str = "record"
     start_ns: int = 0
+    origin: float = 0.0
     notes: tuple[str, ...] = field(default=())
     origins: tuple[Origin, ...] = ()
 
@@ -262,6 +264,24 @@ class Record:
         if force_time[0] > time[-1]:  # there is none before the first stamp
             force_time, force = time[:1], np.zeros(1)
         return replace(self, time=time, position=self.position[keep], force_time=force_time, force=force)
+
+    def cut(self, start: float, end: float) -> Record:
+        """A window whose laws of time begin with it: what was before it has no part in what it shows.
+
+        Args:
+            start, end: as of ``window``.
+
+        Raises:
+            DataError: as ``window``.
+        """
+        part = self.window(start, end)
+        return replace(part, origin=float(part.time[0]))
+
+    def from_origin(self) -> Record:
+        """The same record on the clock of laws of time, which is 0 at ``origin``."""
+        if self.origin == 0.0:
+            return self
+        return replace(self, time=self.time - self.origin, force_time=self.force_time - self.origin, origin=0.0)
 
 
 def from_samples(

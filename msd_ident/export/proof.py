@@ -116,7 +116,7 @@ def _run(made: Export, record: Record) -> FloatArray:
     initial, _ = simulated(written, (record,), not written.zeros)
     plan = made.plan
     shift = initial[0].zero - plan.zero
-    start = InitialState(record, Initial(initial[0].position, initial[0].velocity, initial[0].zero))
+    start = InitialState(record.from_origin(), Initial(initial[0].position, initial[0].velocity, initial[0].zero))
     return np.asarray(made.target.replay(made.out, plan, start) + shift)
 
 
@@ -134,5 +134,5 @@ def _bases(made: Export, records: Sequence[Record]) -> list[FloatArray]:
             out = Path(folder, f"base{made.out.suffix}")
             for path, content in made.target.files(plan, out).items():
                 path.write_bytes(content)
-            runs.append(made.target.replay(out, plan, InitialState(record, initial)))
+            runs.append(made.target.replay(out, plan, InitialState(record.from_origin(), initial)))
     return runs

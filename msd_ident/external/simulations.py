@@ -78,7 +78,7 @@ class MujocoSimulation:
         data = mujoco.MjData(model)
         joint = model.joint(self.joint)
         place, dof = joint.qposadr[0], joint.dofadr[0]
-        data.time = float(record.time[0])
+        data.time = float(record.time[0]) - record.origin
         data.qpos[place], data.qvel[dof] = initial.position + initial.zero, initial.velocity
         pusher = _pusher(mujoco, model, joint.id)
         force = mujoco_replay.averages(record, steps)

@@ -41,7 +41,7 @@ def read(
         if options.hold == "band_limited" and not options.no_force:
             record = band_limited(record)
         if options.start is not None or options.end is not None:
-            record = record.window(*options.window)
+            record = record.cut(*options.window)
     except DataError as error:
         # Who reads several paths must see which one it is about.
         named = str(error) if Path(path).name in str(error) else f"{path}: {error}"

@@ -93,7 +93,8 @@ def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
 
 
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
-    given = (record.time, record.force_time, record.force, record.hold == "linear")
+    seen = record.from_origin()
+    given = (seen.time, seen.force_time, seen.force, seen.hold == "linear")
 
     def made() -> tuple[Any, ...]:
         return given + tuple(entries.plan(*given))

@@ -173,8 +173,9 @@ def lines(record: Record, plant: Model, residual: FloatArray) -> list[Term]:
         as many, rounded down, that stand out most of the force around them.
     """
     period = record.duration / (record.samples - 1)
-    time = record.time[0] + period * np.arange(record.samples)
-    left = np.interp(time, record.time, residual)
+    stamps = record.time - record.origin
+    time = stamps[0] + period * np.arange(record.samples)
+    left = np.interp(time, stamps, residual)
     left = left - left.mean()
     omega = 2.0 * np.pi * np.fft.rfftfreq(_PADDED * left.size, period)
     power = np.abs(np.fft.rfft(left * np.hanning(left.size), _PADDED * left.size))

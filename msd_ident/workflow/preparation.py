@@ -184,7 +184,7 @@ def _usable(understood: _Understood, turned: bool) -> Record:
     """The record that models are fitted to: from the release on, and the force turned where K is negative."""
     record, features = understood.record, understood.features
     if features.kind == "free_decay" and features.responses:
-        record = record.window(features.responses[0].onset, float(record.time[-1]))
+        record = record.cut(features.responses[0].onset, float(record.time[-1]))
         record = quality.since_before(record) if quality.begins_pushed(record) else record
     return replace(record, force=-record.force) if turned else record
 
@@ -202,6 +202,7 @@ def _rest_before(understood: _Understood, used: Record, form: StandardForm | Non
         return None
     end = understood.features.responses[0].steady_state.value
     away = abs(float(np.median(rest.position)) - end)
+    rest = replace(rest, origin=used.origin)
     return rest if away <= _HELD * float(np.max(np.abs(used.position - end))) else None
 
 

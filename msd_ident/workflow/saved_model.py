@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,7 @@ class SavedModel:
         rivals: other sets of causes that stand, with their probabilities.
         text: the result as JSON.
         scale_assumed: whether no force set anything in motion, so that its forces are those of an assumed mass.
+        origins: name of each of its records → instant from which its laws of time count it [s].
     """
 
     schema: str
@@ -63,6 +64,7 @@ class SavedModel:
     rivals: tuple[tuple[tuple[str, ...], float], ...] = ()
     text: str = ""
     scale_assumed: bool = False
+    origins: Mapping[str, float] = field(default_factory=dict)
 
 
 def load(path: str | os.PathLike[str]) -> SavedModel:
@@ -133,6 +135,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             rivals=tuple((tuple(one["causes"]), float(one["probability"])) for one in result.get("rivals", ())),
             text=json.dumps(result, ensure_ascii=False) + "\n",
             scale_assumed=_assumed(parameters, result),
+            origins={str(one["name"]): float(one["origin_s"]) for one in sheets if "origin_s" in one},
         )
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, UsageError) as error:
         raise DataError(

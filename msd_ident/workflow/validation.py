@@ -217,6 +217,8 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
 def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
     """Records as the saved model is simulated on them: cleaned, with its hold and its sign of the force.
 
+    On another part of one of its own records, laws of time go on where they were.
+
     Args:
         saved: the model.
         records: records as they were read.
@@ -228,7 +230,9 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
     _check_units(saved, records)
     hold = saved.force_hold
     asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
-    return _turned_as_saved(prepare(asked), saved)
+    prepared = _turned_as_saved(prepare(asked), saved)
+    own = tuple(replace(one, origin=saved.origins.get(one.name, one.origin)) for one in prepared.records)
+    return replace(prepared, records=own)
 
 
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:

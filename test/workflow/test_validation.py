@@ -273,3 +273,15 @@ def test_silverbox_on_another_part_of_itself(shared_data: Path) -> None:
     }  # fmt: skip
     found = validation.validate(saved_model.from_json_dict(told), [whole.window(7.0, 14.0)])
     assert found.see < 0.6e-3
+
+
+@pytest.mark.xdist_group("validation")
+def test_a_drift_goes_on_in_a_later_part_of_the_same_record(told: dict[str, Any]) -> None:
+    """A model from one part of a file, tested on the next part; of another file nobody knows when the drift began."""
+    drifting = RIG + by_name("stiffness_drift").from_values({"stiffness_drift_rate": 0.02})
+    own = record(drifting)
+    saved = replace(saved_model.from_json_dict(told), model=drifting, origins={"record 1": 0.0})
+    later = own.cut(1.5, 4.0)
+    assert validation.validate(saved, [later]).see == pytest.approx(NOISE, rel=0.1)
+    assert validation.validate(saved, [replace(later, name="another")]).see > 20.0 * NOISE
+    assert saved_model.from_json_dict(told).origins == {"record 1": 0.0}

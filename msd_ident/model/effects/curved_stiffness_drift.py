@@ -33,7 +33,7 @@ class CurvedStiffnessDrift(Effect):
     )
     acts_on = "force"
     needs_spring = True
-    law = "k·(1 + r·t + r2·t² + r3·t³), t from the record's time 0"
+    law = "k·(1 + r·t + r2·t² + r3·t³), t from where the used part of the record begins"
     source = "third order in time of a stiffness that changes slowly"
     neutral = (("stiffness_drift_rate", 0.0), ("stiffness_drift_curvature", 0.0), ("stiffness_drift_turn", 0.0))
     form_of = "stiffness_drift"

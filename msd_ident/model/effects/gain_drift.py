@@ -31,7 +31,7 @@ class GainDrift(Effect):
         ),
     )  # fmt: skip
     acts_on = "input"
-    law = "F·(1 + g·t), t from the record's time 0"
+    law = "F·(1 + g·t), t from where the used part of the record begins"
     source = "first order in time of a drive that heats up or of a supply that falls"
     neutral = (("gain_drift_rate", 0.0),)
     mistaken_for = ("stiffness_drift",)

@@ -40,7 +40,7 @@ class PeriodicDisturbance(Effect):
     exact = ("disturbance_frequency", "disturbance_phase")
     acts_on = "force"
     law = "A·sin(omega·t + phi)"
-    source = "harmonic forcing, time counted from the record's time 0"
+    source = "harmonic forcing, time counted from where the used part of the record begins"
     neutral = (("disturbance_amplitude", 0.0),)
     mirror = False
     steady = False

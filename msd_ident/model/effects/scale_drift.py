@@ -31,7 +31,7 @@ class ScaleDrift(Effect):
         ),
     )  # fmt: skip
     acts_on = "sensor"
-    law = "reading = x·(1 + s·t), t from the record's time 0"
+    law = "reading = x·(1 + s·t), t from where the used part of the record begins"
     source = "first order in time of a warming position sensor or of its supply"
     neutral = (("scale_drift_rate", 0.0),)
     mistaken_for = ("stiffness_drift", "sensor_drift")

@@ -29,7 +29,7 @@ class SensorDrift(Effect):
         ),
     )  # fmt: skip
     acts_on = "sensor"
-    law = "reading = x + rate·t, t from the record's time 0"
+    law = "reading = x + rate·t, t from where the used part of the record begins"
     source = "warming or slipping position sensor, first order in time"
     neutral = (("sensor_drift_rate", 0.0),)
     piecewise_linear = True

@@ -28,7 +28,7 @@ class SettlingSensor(Effect):
         Parameter("sensor_settling_time", "T", "s", 1e-9, math.inf, "time in which the reading settles"),
     )
     acts_on = "sensor"
-    law = "reading = x + A·(1 - exp(-t/T)), t from the record's time 0"
+    law = "reading = x + A·(1 - exp(-t/T)), t from where the used part of the record begins"
     source = "position sensor that warms up, first order"
     neutral = (("sensor_settling", 0.0),)
     form_of = "sensor_drift"

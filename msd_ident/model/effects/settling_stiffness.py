@@ -28,7 +28,7 @@ class SettlingStiffness(Effect):
     )
     acts_on = "force"
     needs_spring = True
-    law = "k·(1 + r·(1 - exp(-t/T))), t from the record's time 0"
+    law = "k·(1 + r·(1 - exp(-t/T))), t from where the used part of the record begins"
     source = "first-order warming or relaxation of a spring"
     neutral = (("settling_ratio", 0.0),)
     form_of = "stiffness_drift"

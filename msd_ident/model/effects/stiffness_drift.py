@@ -29,7 +29,7 @@ class StiffnessDrift(Effect):
     )  # fmt: skip
     acts_on = "force"
     needs_spring = True
-    law = "k·(1 + r·t), t from the record's time 0"
+    law = "k·(1 + r·t), t from where the used part of the record begins"
     source = "first order in time of a heating or creeping spring"
     neutral = (("stiffness_drift_rate", 0.0),)
     steady = False

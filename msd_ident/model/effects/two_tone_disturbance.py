@@ -37,7 +37,7 @@ class TwoToneDisturbance(Effect):
     exact = (*PeriodicDisturbance.exact, "second_tone_frequency", "second_tone_phase")
     acts_on = "force"
     law = "A·sin(omega·t + phi) + A2·sin(omega2·t + phi2)"
-    source = "harmonic forcing, time counted from the record's time 0"
+    source = "harmonic forcing, time counted from where the used part of the record begins"
     neutral = (("disturbance_amplitude", 0.0), ("second_tone_amplitude", 0.0))
     form_of = "periodic_disturbance"
     prior_odds = 1.0 / 100.0

@@ -91,13 +91,17 @@ def unexplained_force(record: Record, plant: Model) -> tuple[FloatArray, FloatAr
     window = min(window, (count - 1) // 2 * 2 + 1)
     x, v, a = (local_polynomial(position, window, 3, order, period) for order in range(3))
     inertia = plant["mass"] * a + plant["damping"] * v + plant["stiffness"] * x
-    return time, np.asarray(x, dtype=np.float64), np.asarray(record.force_at(time) - inertia, dtype=np.float64)
+    return (
+        time - record.origin,
+        np.asarray(x, dtype=np.float64),
+        np.asarray(record.force_at(time) - inertia, dtype=np.float64),
+    )
 
 
 def lines(record: Record, plant: Model, count: int) -> list[tuple[float, float, float]]:
     """(amplitude [N], frequency [rad/s], phase [rad]) of the strongest lines of ``unexplained_force`` against +x.
 
-    Phase at the record's time 0, of a sine. The commanded force's own lines stay in where the plant is wrong, so the
+    Phase at the record's origin, of a sine. The commanded force's own lines stay in where the plant is wrong, so the
     strongest line need not be the right one: several are given.
     """
     time, _, left = unexplained_force(record, plant)

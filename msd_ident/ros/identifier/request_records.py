@@ -117,7 +117,7 @@ class Sources:
         )
         crowded = (f"{crowd}.",) if crowd else ()
         record = replace(record, origins=origins, notes=(*record.notes, *crowded, *lost))
-        return record.window(*window) if any(map(math.isfinite, window)) else record
+        return record.cut(*window) if any(map(math.isfinite, window)) else record
 
 
 def options(s: Settings, part: Part = Part()) -> SourceOptions:  # noqa: B008 - frozen
