@@ -109,7 +109,7 @@ def _facts(effect: type[Effect]) -> str:
         ""
         if effect.mirror
         else "It depends on the direction: with force and position inverted, the motion is not just inverted.",
-        "" if effect.steady else "Its law contains the time, counted from the record's time 0.",
+        "" if effect.steady else "Its law contains the time, counted from where the used part of the record begins.",
         "The solver simulates it by [exact propagation](../solver.md#exact-propagation) between located events."
         if effect.piecewise_linear
         else "The solver simulates it by the [general path](../solver.md#general-path).",

@@ -219,7 +219,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         still_missing=still,
         characteristics=characteristics,
         spread=moved,
-        rivals=rival_sets.listed(ranking, best, experiment),
+        rivals=rival_sets.listed(ranking, best, partial(_floors_left, experiment, scale.other_noise)),
         calibration=choice.matrix,
         warnings=tuple(dict.fromkeys(said)),
         ring_down=_read(task, causes, fits[1]),
@@ -301,6 +301,13 @@ def _heard(
     white = ([noise.whitened(residual) for residual in one.residuals()] for one in sets)
     louder = tuple(replace(part, noise=noise.growth * part.noise) for part in experiment.readings)
     return replace(experiment, readings=louder), tuple(judge(residuals, experiment.readings) for residuals in white)
+
+
+def _floors_left(experiment: Experiment, noise: NoiseSpectrum | None, one: Hypothesis) -> float:
+    """What a set leaves, in floors of the noise in which the named models are judged (``_heard``)."""
+    if noise is None:
+        return math.sqrt(one.chi / experiment.evidence)
+    return _heard(experiment, noise, (one,))[1][0].ratio
 
 
 def _floor(experiment: Experiment) -> float:

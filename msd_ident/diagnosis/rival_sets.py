@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 
 from msd_ident.diagnosis.result import Rival
-from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import LEADERS, Ranking
 from msd_ident.tuning import fixed
@@ -13,20 +12,15 @@ from msd_ident.tuning import fixed
 _RIVAL = fixed(1e-4, "interface", "probability below which a rival is not listed")
 
 
-def listed(ranking: Ranking, best: Hypothesis, experiment: Experiment) -> tuple[Rival, ...]:
+def listed(ranking: Ranking, best: Hypothesis, left: Callable[[Hypothesis], float]) -> tuple[Rival, ...]:
     """Other sets by falling probability, none more probable than its least probable cause.
 
     Args:
         ranking: all sets.
         best: the one that is named.
-        experiment: gives the pieces of evidence, for what each leaves in noise floors.
+        left: what a set leaves, in the noise floors of the models beside it.
     """
-    pieces = experiment.evidence
-    found = [
-        Rival(tuple(sorted(fitted.causes)), ranking.stated(fitted.causes), math.sqrt(fitted.chi / pieces))
-        for fitted in ranking.sets
-        if fitted is not best
-    ]
-    found.sort(key=lambda rival: -rival.probability)
-    kept = [rival for rival in found if rival.probability > _RIVAL]
-    return tuple(kept or found[:3])[:LEADERS]
+    found = [(ranking.stated(fitted.causes), fitted) for fitted in ranking.sets if fitted is not best]
+    found.sort(key=lambda pair: -pair[0])
+    kept = [pair for pair in found if pair[0] > _RIVAL]
+    return tuple(Rival(tuple(sorted(one.causes)), p, left(one)) for p, one in (kept or found[:3])[:LEADERS])

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pytest
-from setrigs import BASE, fitted, steps
+from setrigs import BASE, fitted, pushed, steps
 
+from msd_ident.diagnosis.pipeline import _floors_left, _heard
 from msd_ident.diagnosis.rival_sets import listed
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
+from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.ranking import LEADERS, Ranking
 
 
@@ -22,7 +25,7 @@ def test_unchecked_sets_have_the_limits_of_their_causes_and_the_order_that_follo
     probability = (0.8, 0.1, 0.06, 0.04)
     evidence = tuple(map(math.log, probability))
     ranking = Ranking((drag, both, rub, nothing), evidence, probability, unchecked=True)
-    found = listed(ranking, nothing, data)
+    found = listed(ranking, nothing, partial(_floors_left, data, None))
     assert [one.causes for one in found] == [
         ("quadratic_drag",), ("cogging", "coulomb_friction"), ("coulomb_friction",),
     ]  # fmt: skip
@@ -42,5 +45,20 @@ def test_where_all_rivals_are_negligible_the_best_three_are_listed() -> None:
     )
     sets = tuple(fitted(data, sum(law, start=BASE), 6000.0) for law in laws)
     probability = (1.0, 1e-9, 3e-9, 2e-9, 1e-12)
-    found = listed(Ranking(sets, tuple(map(math.log, probability)), probability), sets[0], data)
+    found = listed(
+        Ranking(sets, tuple(map(math.log, probability)), probability), sets[0], partial(_floors_left, data, None)
+    )
     assert [one.probability for one in found] == [3e-9, 2e-9, 1e-9]
+
+
+def test_rivals_are_measured_in_the_noise_that_the_models_are_measured_in() -> None:
+    """Where a residual shows four times the noise of the readings at rest, that is the floor of the other sets too."""
+    data = pushed()
+    loud, friction = (fitted(data, law, 16.0 * data.evidence) for law in (BASE, BASE + CoulombFriction(0.1)))
+    noise = scale_from([loud], data.readings).other_noise
+    assert noise is not None and _floors_left(data, None, loud) == pytest.approx(4.0)
+    ranking = Ranking((friction, loud), (0.0, -1.0), (0.7, 0.3))
+    (rival,) = listed(ranking, friction, partial(_floors_left, data, noise))
+    assert rival.floors == _heard(data, noise, (loud,))[1][0].ratio
+    # Its simulation is as true as the rig: one floor of the noise at rest.
+    assert rival.floors == pytest.approx(0.25, rel=0.1)
