@@ -199,7 +199,8 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
-    after = " ".join(filter(None, (dependence.sentence(still), verdict.unpredicted(best.causes, ranking.best.causes))))
+    unnamed = verdict.unpredicted(best.causes, ranking.best.causes, naming.leaving_less(ranking))
+    after = " ".join(filter(None, (dependence.sentence(still), unnamed)))
     return Diagnosis(
         records=task.records,
         findings=task.findings,

@@ -66,17 +66,23 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
     return " ".join(said)
 
 
-def unpredicted(named: Causes, leading: Causes) -> str:
-    """Why the leading explanation is not named, a sentence; empty if it is, or if it has no causes.
+def unpredicted(named: Causes, leading: Causes, leaving_less: Causes) -> str:
+    """Why an explanation is not named that leads or leaves much less, a sentence; empty if it is, or if none does.
 
     Args:
         named: causes that are named.
         leading: those of the set that leads the ranking.
+        leaving_less: those of the likeliest set that leaves less than half of the error; none if no set does.
     """
-    if named or not leading:
+    if named or not (leading or leaving_less):
         return ""
-    them = " and ".join(spoken(name) for name in sorted(leading))
-    return f"The leading explanation, {them}, is not named: it predicts left-out data no better than m, b, k."
+    them = " and ".join(spoken(name) for name in sorted(leading or leaving_less))
+    if leading:
+        return f"The leading explanation, {them}, is not named: it predicts left-out data no better than m, b, k."
+    return (
+        f"The likeliest set that leaves less than half of the error, {them}, is not named: the data does not call for "
+        "all its numbers."
+    )
 
 
 def force(left: Remainder, unit: str) -> str:

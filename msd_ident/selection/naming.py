@@ -120,6 +120,14 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     return leading(replace(only, foretold=True).led_by(likeliest))
 
 
+def leaving_less(ranking: Ranking) -> Causes:
+    """Causes of the likeliest set that leaves less than half of the error of the leading one; none if no set does."""
+    less = [
+        pair for pair in zip(ranking.evidence, ranking.sets, strict=True) if pair[1].chi < MOST_OF**2 * ranking.best.chi
+    ]
+    return max(less, key=lambda pair: pair[0])[1].causes if less else frozenset()
+
+
 def margin(ranking: Ranking, named: Causes) -> float:
     """Least probability of a named cause, minus the greatest probability of a cause that is not named.
 

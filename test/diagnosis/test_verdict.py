@@ -77,7 +77,9 @@ def test_the_words(name: Any, causes: list[Cause], remainder: Remainders, words:
 
 
 def test_a_leading_explanation_that_is_not_named_is_said_with_the_reason() -> None:
-    said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}))
+    said = verdict.unpredicted(frozenset(), frozenset({"coulomb_friction", "bouc_wen"}), frozenset())
     assert said.startswith("The leading explanation, Bouc-Wen and Coulomb friction, is not named: it predicts left-out")
     named = frozenset({"cogging"})
-    assert verdict.unpredicted(named, named) == verdict.unpredicted(frozenset(), frozenset()) == ""
+    assert verdict.unpredicted(named, named, named) == verdict.unpredicted(*[frozenset()] * 3) == ""
+    said = verdict.unpredicted(frozenset(), frozenset(), frozenset({"two_tone_disturbance"}))
+    assert "leaves less than half of the error, two tone disturbance, is not named: the data does not call" in said

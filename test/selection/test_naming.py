@@ -187,3 +187,11 @@ def test_where_more_than_noise_is_left_it_may_be_the_mass_that_changes(exact: bo
     assert found.of_cause("stiffness_drift") == pytest.approx(sure)
     said = any("a mass that changes with time could do" in one for one in naming.other_forms(found))
     assert said is not exact
+
+
+def test_the_likeliest_set_that_leaves_much_less_is_known_though_it_does_not_lead() -> None:
+    """A sharp law may lose to no law by its numbers, but that little is left of it is said."""
+    left = ((), 8.0), (("cogging",), 1.9), (("quadratic_drag",), 1.0)
+    sets = tuple(cast(Hypothesis, Set(frozenset(causes), chi)) for causes, chi in left)
+    assert naming.leaving_less(Ranking(sets, (-30.0, -40.0, -45.0), (1.0, 0.0, 0.0))) == {"cogging"}
+    assert naming.leaving_less(Ranking(sets[1:], (-40.0, -45.0), (1.0, 0.0))) == frozenset()
