@@ -199,8 +199,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     said += verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
-    unnamed = verdict.unpredicted(best.causes, ranking.best.causes, naming.leaving_less(ranking))
-    after = " ".join(filter(None, (dependence.sentence(still), unnamed)))
+    after = " ".join(filter(None, (dependence.sentence(still), _unnamed(ranking, best))))
     return Diagnosis(
         records=task.records,
         findings=task.findings,
@@ -228,6 +227,11 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
         derived=intervals.at_rest(found, shown, rivals, scale),
     )
+
+
+def _unnamed(ranking: Ranking, best: Hypothesis) -> str:
+    """Why another explanation than the named one is not named, in a sentence or none."""
+    return verdict.unpredicted(best.causes, ranking.best.causes, naming.leaving_less(ranking))
 
 
 def _beside(
