@@ -212,17 +212,17 @@ class Table:
 def _holds_numbers(line: str, header: str, rest: str) -> bool:
     """Whether a line belongs to the numbers.
 
-    It begins with one, or has one and as many cells as the header above. A number alone is a column where the rest has
-    one cell a line too; several above such a column are settings.
+    It begins with one, or has one and as many cells as the header above, which are names. A number alone is a column
+    where the rest has one cell a line too; several above such a column are settings, and so are names with a value.
     """
-    cells, below = _cells(line), _contents(rest)
+    cells, below, names = _cells(line), _contents(rest), _cells(header)
     found = [_is_number(cell) for cell in cells if cell]
     single = [_cells(one) for one in below]
     if len(cells) == 1:
         return any(found) and all(len(one) == 1 for one in single)
     if len(single) > 1 and all(len(one) == 1 and _is_number(one[0]) for one in single):
         return False
-    return any(found) and (found[0] or len(cells) == len(_cells(header)))
+    return any(found) and (found[0] or (len(cells) == len(names) and not any(map(_is_number, names))))
 
 
 def _contents(text: str) -> list[str]:

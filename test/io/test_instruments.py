@@ -61,6 +61,16 @@ def test_an_ecp_export_is_read(tmp_path: Path) -> None:
     assert np.ptp(np.diff(record.time)) < 1e-12, "rounded stamps are rebuilt"
 
 
+def test_settings_with_a_value_above_the_names_are_no_numbers(tmp_path: Path) -> None:
+    """A drive's recorder writes its settings as a name and a number each, then the names of the columns."""
+    settings = ["Axis1", f"Number of sampling data,{T.size}", "Sampling time interval(ms),0.667"]
+    rows = [f"{t:.4f},{x:.6f},0.5" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "drive.csv", [*settings, "Time,Position,Torque", "s,m,N", *rows])
+    record = read(table, SourceOptions(force="Torque"))
+    assert record.samples == T.size and record.position_unit == "m"
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+
+
 def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
     path = side_by_side(tmp_path / "runs.csv")
     source = SourceOptions("none", "Angle, Ch 1+2", run="2")
