@@ -156,7 +156,11 @@ class Ranking:
         return next((p for p, one in zip(self.probability, self.sets, strict=True) if one.causes == causes), 0.0)
 
     def of_cause(self, name: str) -> float:
-        """Probability that a cause acts, in whatever law: of all sets that hold it together."""
+        """Probability that a cause acts, in whatever law: of all sets that hold it together.
+
+        Where the leading set leaves so much that the rig follows another law (``leaves``), sets that leave hardly less
+        make its causes no surer.
+        """
         kind = by_name(name).cause()
         found = sum(
             p * self._greatest(fitted.causes, law)
@@ -164,6 +168,9 @@ class Ranking:
             for law in fitted.causes
             if by_name(law).cause() == kind
         )
+        if self.best.causes in self.leaves:
+            own = [law for law in self.best.causes if by_name(law).cause() == kind]
+            found = min(found, *(self._greatest(self.best.causes, law) for law in own), 1.0)
         if not (self.unchecked or self.foretold):
             return found
         return min(found, probability_at(self.limit(kind)))

@@ -30,7 +30,7 @@ from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import naming
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, alternatives
+from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, Ranking, alternatives
 
 
 @pytest.fixture
@@ -296,3 +296,16 @@ def test_a_small_further_spring_is_not_certain_even_where_only_noise_is_left(exp
         assert found.best.causes == {one.name, further.name}
         assert found.further[found.best.causes]
         assert found.of_cause(further.name) == pytest.approx(sure, abs=0.01)
+
+
+def test_where_the_rig_follows_another_law_sets_that_leave_hardly_less_make_no_cause_certain(
+    experiment: Experiment,
+) -> None:
+    """The output says that no named cause is certain: the sum over sets must not say more."""
+    rub = fitted(experiment, BASE + CoulombFriction(0.1), 840.0 * 20.0**2)
+    more = fitted(experiment, BASE + CoulombFriction(0.1) + SensorEccentricity(1e-4, 0.01), 840.0 * 19.0**2)
+    plain = Ranking((rub, more), (0.0, -1.5), (0.8, 0.2))
+    told = replace(plain, leaves={rub.causes: 0.3})
+    assert plain.of_cause("coulomb_friction") == pytest.approx(1.0)
+    assert told.of_cause("coulomb_friction") <= CERTAIN + 1e-12
+    assert any("so no named cause is certain" in said for said in naming.other_forms(told))
