@@ -169,13 +169,15 @@ def _blocks(
     experiment: Experiment, model: Model, errors: tuple[Sequence[FloatArray], Sequence[FloatArray]],
     cuts: Sequence[FloatArray],
 ) -> _Blocks:  # fmt: skip
-    """Both models' errors on left-out data, summed over blocks of segments in which the plant forgets."""
+    """Both models' errors on left-out data, summed over blocks of segments in which the plant forgets; no block is
+    shorter than a sample, however light the cart seems.
+    """
     memory = _memory(model)
     found = []
     for record, one, other, cut in zip(experiment.records, *errors, cuts, strict=True):
         for number in np.unique(cut):
             inside = np.flatnonzero(cut == number)
-            count = max(int(inside.size * record.period / memory), 1)
+            count = max(int(inside.size * record.period / max(memory, record.period)), 1)
             for block in np.array_split(inside, count):
                 base, extended = one[block], other[block]
                 found.append((base @ base, extended @ extended, extended @ (base - extended)))

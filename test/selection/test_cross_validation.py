@@ -16,7 +16,7 @@ from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.residuals.noise_model import prepare
-from msd_ident.selection.cross_validation import FOLDS, predict, refitted, segments, training
+from msd_ident.selection.cross_validation import FOLDS, _blocks, predict, refitted, segments, training
 from msd_ident.selection.experiment import Experiment, weigh
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
@@ -136,3 +136,12 @@ def test_a_model_is_not_better_than_itself() -> None:
     found = predict(data, base, base)
     assert (found.reduction_percent, *found.interval_percent) == (0.0, 0.0, 0.0) and not found.better
     assert all(math.copysign(1.0, end) == 1.0 for end in found.interval_percent)
+
+
+def test_a_cart_that_seems_to_have_no_mass_forgets_no_faster_than_it_is_read() -> None:
+    """Its memory is next to nothing, and blocks of errors as short would be more than fit into the memory."""
+    data = experiment()
+    samples = data.records[0].samples
+    errors, cuts = (np.ones(samples),), [segments(data.records[0])]
+    found = _blocks(data, Plant(1e-12, 1.0, 0.0), (errors, errors), cuts)
+    assert found.base.size <= samples and found.base.sum() == samples
