@@ -6,6 +6,7 @@ each hold, and the likelihoods are compared.
 
 The residual of a model that lacks something is large and slow, and hides what the hold does at high frequencies. So the
 likelihood is that of an autoregressive process (Box & Jenkins 1970): its one-step errors count every frequency alike.
+What is most often missing is dry friction, which makes the residual jump: each hold is tried with it and without.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.data.resampling import band_limited, is_even
 from msd_ident.estimate import fit
+from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
+from msd_ident.model.base_model import DryFriction
 
 #: What may be chosen, the simplest first.
 CANDIDATES = ("zero", "linear", "band_limited")
@@ -87,16 +90,18 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
 
     Args:
         records: of one rig and one instrument, at least one.
-        model: to be fitted with each hold; its values are starting values. It need not be complete.
+        model: to be fitted with each hold, also beside Coulomb friction; its values are starting values. It need not be
+            complete.
     """
     parts = tuple(_busiest(record) for record in records)
+    largest = max(float(np.max(np.abs(part.force))) for part in parts)
+    models = (model, model + DryFriction(TENTH**2 * largest))
     likely, errors = {}, {}
     for hold in CANDIDATES:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
-        found = fit(model, [with_hold(part, hold) for part in parts])
-        likely[hold] = sum(log_likelihood(residual) for residual in found.residuals)
-        errors[hold] = found.see
+        fits = [fit(one, [with_hold(part, hold) for part in parts]) for one in models]
+        likely[hold], errors[hold] = max((sum(map(log_likelihood, one.residuals)), one.see) for one in fits)
     best = max(likely.values())
     chosen = "zero"
     for hold, value in likely.items():

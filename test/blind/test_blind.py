@@ -29,6 +29,8 @@ BESIDE = [Case(1100 + i, name, True) for i, name in enumerate(lottery.NAMES) if 
 #: Of each kind of law one stays beside friction: a spring, a damper, a stop, a memory, the drive, a second mass.
 KINDS = ("asymmetric_spring", "quadratic_drag", "end_stop", "hysteresis", "force_gain_nonlinearity", "second_mode")
 CLEAN = [Case(1200 + i, None, False) for i in range(8)]
+#: Coulomb friction left 1.2 noise floors and was certain: a start of Stribeck friction with a peak of 1.3 promised 3.
+FAINT_PEAK = Case(452043, "stribeck_friction", False, "steps", 1000.0, other="end_stop", ranges="wide")
 #: Of many by lot; a search that nothing ends takes seconds, up to a minute. ``make blind`` has them all.
 ODD = [
     Case(70181, "eccentric_friction", False),
@@ -64,6 +66,10 @@ def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
     assert found.verdict in ("explained", "ambiguous")
     assert found.extended_floors < 1.2
     assert found.heldout_floors < 1.5
+
+
+def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction() -> None:
+    assert outcome(FAINT_PEAK).exact
 
 
 @pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)

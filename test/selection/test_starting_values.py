@@ -119,10 +119,10 @@ def test_an_axis_without_a_spring_needs_no_start() -> None:
     assert second[0]["damping"] / second[0]["mass"] != best["damping"] / best["mass"]
 
 
-def test_a_breakaway_is_begun_small_and_large_over_each_velocity() -> None:
+def test_a_breakaway_is_begun_faint_small_and_large_over_each_velocity() -> None:
     """A breakaway of four times the sliding force is not reached from one of 1.3 times (own lottery, seed 301001)."""
     begun = by_name("stribeck_friction").from_dry_friction(0.2, left(PLANT).record, PLANT)
     ratios = {(law.values[2], round(law.values[1] / law.values[0], 3)) for law in begun}
     velocities = {velocity for velocity, _ in ratios}
     assert len(velocities) == 4
-    assert all({(velocity, 1.3), (velocity, 4.0)} <= ratios for velocity in sorted(velocities)[:3])
+    assert all({(velocity, 1.03), (velocity, 1.3), (velocity, 4.0)} <= ratios for velocity in sorted(velocities)[:3])

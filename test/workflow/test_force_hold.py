@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import chirp
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.data.resampling import band_limited
@@ -14,10 +15,11 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.model import Model, Plant, simulate
+from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
 from msd_ident.workflow import pipeline
 from msd_ident.workflow.force_hold import choose_hold, is_open, with_hold
-from msd_ident.workflow.preparation import prepare
+from msd_ident.workflow.preparation import prepare, typical_plant
 
 #: Fine steps per sample, and sampling period [s]: eight samples an oscillation.
 FINE, PERIOD = 16, 0.02
@@ -65,6 +67,18 @@ def test_a_slow_ramp_that_is_held_is_not_taken_for_a_smooth_force() -> None:
     record = replace(still, position=simulate(plant, still).position + noise)
     assert choose_hold([record], plant).hold == "zero"
     assert fit(plant, record).see < 1.05 * 2e-6
+
+
+def test_dry_friction_does_not_hide_the_hold() -> None:
+    """With a plain plant alone, what friction leaves speaks for the wrong hold by 61 nats."""
+    time = np.arange(5000) / 500.0
+    force = 12.0 * chirp(time, 1.7, 10.0, 14.6, method="logarithmic", phi=-90)
+    rig = Plant(1.65, 6.38, 2228.0) + DryFriction(1.73) + by_name("actuator_lag").from_values({"lag_time": 5.6e-4})
+    still = from_samples(time, force, np.zeros(time.size))
+    noise = 4.5e-5 * np.random.default_rng(3).normal(size=time.size)
+    record = replace(still, position=simulate(rig, still).position + noise, hold_known=False)
+    choice = choose_hold([record], typical_plant(record))
+    assert choice.hold == "zero" and not choice.tied, choice
 
 
 def test_a_wrong_hold_spoils_the_fit_and_the_right_one_reaches_the_noise() -> None:

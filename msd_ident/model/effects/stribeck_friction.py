@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 #: Part of the sliding force by which a breakaway force must be larger for a law of its own: the parameters of a smaller
 #: peak are seen by nothing, so they would cost nothing.
 _NO_PEAK = 0.01
-#: Breakaway force over the sliding one where a search begins next to Coulomb's friction.
-_PEAK = 1.3
+#: Breakaway forces over the sliding one where a search begins next to Coulomb's friction. The first hardly changes the
+#: motion: with the others the cart may rest in other places, and the start promises nothing.
+_PEAKS = (1.03, 1.3)
 
 
 def no_peak(coulomb_force: float, static_force: float) -> bool:
@@ -91,11 +92,11 @@ class StribeckFriction(Effect):
 
     @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[StribeckFriction, ...]:
-        """With a small peak and with a large one over each of the velocities of ``guess``, and falling to half over all
-        speeds. Coulomb friction beside which no peak was known lies between sliding and breakaway force.
+        """With hardly a peak, a small one and a large one over each of the velocities of ``guess``, and falling to half
+        over all speeds. Coulomb friction beside which no peak was known lies between sliding and breakaway force.
         """
         scales = sorted({guess.stribeck_velocity for guess in cls.guess(record, plant)})
-        small = tuple(cls(force, _PEAK * force, scale) for scale in scales)
+        small = tuple(cls(force, peak * force, scale) for peak in _PEAKS for scale in scales)
         large = tuple(cls(0.5 * force, 2.0 * force, scale) for scale in scales)
         return *small, *large, cls(0.5 * force, force, typical.speed(record))
 
