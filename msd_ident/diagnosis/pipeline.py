@@ -90,6 +90,11 @@ class Task:
         return any(bool(np.any(record.force_at(record.time))) for record in self.records)
 
     @property
+    def steered(self) -> bool:
+        """Whether a controller computes the force from the readings."""
+        return any(finding.code == "closed_loop" for finding in self.findings)
+
+    @property
     def gain_known(self) -> bool:
         """Whether forces and positions are in units of mechanics."""
         return (self.records[0].force_unit, self.records[0].position_unit) in (("N", "m"), ("N·m", "rad"))
@@ -118,7 +123,7 @@ def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis
         ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    return _conclude(task, experiment, _Search(base, ranking, shared), progress)
+    return _conclude(task, experiment, _Search(base, replace(ranking, steered=task.steered), shared), progress)
 
 
 def prepare(task: Task) -> Experiment:

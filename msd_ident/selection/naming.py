@@ -227,6 +227,13 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         for name in sorted(ranking.held.get(named, ()))
     ]
     said += _aging(ranking)
+    if ranking.steered:
+        said += [
+            f"a controller brings the cart to the same places, so nothing tells {spoken(name)} from what holds the "
+            "cart there: it is not certain. Push with a force that does not depend on the position."
+            for name in sorted(named)
+            if by_name(name).is_spring()
+        ]
     if not ranking.rich:
         said += [
             f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "

@@ -84,6 +84,8 @@ class Ranking:
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
             is certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
+        steered: whether a controller computes the force from the readings. It brings the cart to the same places, so
+            nothing tells a law that pushes back at a place from what holds the cart there: none is certain.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -100,6 +102,7 @@ class Ranking:
     unchecked: bool = False
     foretold: bool = False
     rich: bool = False
+    steered: bool = False
 
     @property
     def best(self) -> Hypothesis:
@@ -187,12 +190,13 @@ class Ranking:
         prior odds count only as far as it explains more than is left. In a poor experiment the amplitude falls with
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor, in a poor experiment, is a law
-        that creeps: a sensor that settles moves alike. Nor is what may be another shape of the other laws.
+        that creeps: a sensor that settles moves alike. Nor is what may be another shape of the other laws, or of the
+        controller's (``steered``).
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
-        shape = effect.is_shape_beside(by_name(one) for one in causes - {law})
+        shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())
         if aged or shape or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
             odds = min(odds, CERTAIN_ODDS)
         if causes in self.leaves or self.curved_by(causes, law):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from msd_ident.data.quality.finding import warning
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis, Task, diagnose_records
 from msd_ident.errors import UsageError
@@ -222,3 +223,11 @@ def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_m
     found = diagnose_records(Task((Record(made.time, made.position, made.force_time, made.force),)))
     assert [cause.name for cause in found.causes] == ["coulomb_friction"]
     assert found.heldout.better and found.calibration is not None
+
+
+def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
+    record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
+    loop = warning("closed_loop", "the force follows the readings")
+    (sure,), (unsure,) = (diagnose_records(Task((record,), findings=found)).causes for found in ((), (loop,)))
+    assert sure.name == unsure.name == "end_stop"
+    assert sure.probability > 0.99 and unsure.probability == pytest.approx(0.9)

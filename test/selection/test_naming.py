@@ -180,6 +180,20 @@ def test_over_one_decay_a_law_that_creeps_may_be_a_sensor_that_settles(rich: boo
     assert "stiffness" not in said and "mass" not in said
 
 
+@pytest.mark.parametrize(("name", "steered", "sure"), [
+    ("end_stop", True, CERTAIN), ("cubic_spring", True, CERTAIN), ("end_stop", False, 1.0),
+    ("coulomb_friction", True, 1.0), ("force_gain_nonlinearity", True, 1.0),
+])  # fmt: skip
+def test_under_a_controller_no_law_that_pushes_back_at_a_place_is_certain(
+    name: str, steered: bool, sure: float
+) -> None:
+    """A torsion disc under a position controller, held by friction near its setpoint, had "an end stop" with 0.95."""
+    found = replace(ranking({(name,): 1.0}), steered=steered, exact=frozenset({frozenset({name})}))
+    assert found.of_cause(name) == pytest.approx(sure)
+    said = any("A controller brings the cart to the same places" in one for one in naming.other_forms(found))
+    assert said is (sure < 1.0)
+
+
 @pytest.mark.parametrize(("exact", "sure"), [(False, CERTAIN), (True, 1.0)])
 def test_where_more_than_noise_is_left_it_may_be_the_mass_that_changes(exact: bool, sure: float) -> None:
     found = replace(ranking({("stiffness_drift",): 1.0}), rich=True)
