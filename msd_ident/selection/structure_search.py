@@ -252,9 +252,19 @@ class Search:
         if before is not None and before.chi <= fitted.chi:
             return
         self.sets[fitted.causes] = fitted
+        if before is not None and fitted.chi < MOST_OF * before.chi:
+            self.tried -= set(self._larger_that_leave_more(fitted))
         for causes, model in equal_to(fitted).items():
             if causes in self.sets and fitted.chi < MOST_OF * self.sets[causes].chi:
                 self._keep(refine(self.experiment, causes, model, fitted.initial))
+
+    def _larger_that_leave_more(self, fitted: Hypothesis) -> Iterable[Causes]:
+        """Larger sets that were begun, or dropped, before this one was found to leave so little.
+
+        With one cause more, the least that a set can leave is less: they ended in a wrong minimum.
+        """
+        larger = (causes for causes in self.tried if causes > fitted.causes)
+        return (one for one in larger if one not in self.sets or self.sets[one].chi > fitted.chi)
 
     def scale(self) -> NoiseScale:
         """Noise scale that follows from the best set."""

@@ -31,6 +31,11 @@ KINDS = ("asymmetric_spring", "quadratic_drag", "end_stop", "hysteresis", "force
 CLEAN = [Case(1200 + i, None, False) for i in range(8)]
 #: Coulomb friction left 1.2 noise floors and was certain: a start of Stribeck friction with a peak of 1.3 promised 3.
 FAINT_PEAK = Case(452043, "stribeck_friction", False, "steps", 1000.0, other="end_stop", ranges="wide")
+#: Friction that changes along the travel left 136 noise floors at first, later 14; the pairs begun from the first fit
+#: were not begun again, and cogging was not found.
+LATE_MINIMUM = Case(
+    462145, "position_dependent_friction", False, "steps", 1000.0, other="cogging", ranges="wide", noise="white"
+)
 #: Of many by lot; a search that nothing ends takes seconds, up to a minute. ``make blind`` has them all.
 ODD = [
     Case(70181, "eccentric_friction", False),
@@ -70,6 +75,10 @@ def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
 
 def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction() -> None:
     assert outcome(FAINT_PEAK).exact
+
+
+def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less() -> None:
+    assert outcome(LATE_MINIMUM).exact
 
 
 @pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)
