@@ -227,13 +227,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         for name in sorted(ranking.held.get(named, ()))
     ]
     said += _aging(ranking)
-    if ranking.steered:
-        said += [
-            f"a controller brings the cart to the same places, so nothing tells {spoken(name)} from what holds the "
-            "cart there: it is not certain. Push with a force that does not depend on the position."
-            for name in sorted(named)
-            if by_name(name).is_spring()
-        ]
+    said += _steered(ranking)
     if not ranking.rich:
         said += [
             f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
@@ -244,6 +238,16 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     if ranking.foretold:
         said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _steered(ranking: Ranking) -> list[str]:
+    """Why named laws that push back at a place are not certain under a controller; empty without one."""
+    return [
+        f"a controller brings the cart to the same places, so nothing tells {spoken(name)} from what holds the cart "
+        "there: it is not certain. Push with a force that does not depend on the position."
+        for name in sorted(ranking.best.causes)
+        if ranking.steered and by_name(name).is_spring()
+    ]
 
 
 def _aging(ranking: Ranking) -> list[str]:
