@@ -14,6 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from bench.reliability.readers import READERS
 from msd_ident.io import repair
 from msd_ident.ros.recorder.recording import Numbered, QueueLimits, Recording
@@ -90,7 +92,7 @@ def kill_writers(root: Path, seeds: Sequence[int], longest: float, limits: Queue
         for instant, seed in plan:
             time.sleep(max(instant - time.monotonic(), 0.0))
             folder, process = by_seed[seed]
-            shutil.copytree(folder, root / f"copy_{seed}", ignore=shutil.ignore_patterns(".*"))
+            _copy(folder, root / f"copy_{seed}")
             os.kill(process.pid or 0, signal.SIGKILL)
             ended[seed] = time.monotonic_ns()
             process.join()
@@ -104,6 +106,14 @@ def kill_writers(root: Path, seeds: Sequence[int], longest: float, limits: Queue
         found.append(check(folder, ended[seed], "after kill -9"))
         check_repair(folder, found[-1])
     return found
+
+
+def _copy(folder: Path, copy: Path) -> None:
+    """The metadata first, then the files that they name: copied after a file, they may promise what it got since."""
+    copy.mkdir()
+    known = Path(shutil.copy(folder / "metadata.yaml", copy)).read_text()
+    for name in yaml.safe_load(known)["rosbag2_bagfile_information"]["relative_file_paths"]:
+        shutil.copy(folder / name, copy)
 
 
 def check_repair(folder: Path, before: Found) -> None:
