@@ -93,10 +93,9 @@ def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
 
 
 def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
-    seen = record.from_origin()
-    given = (seen.time, seen.force_time, seen.force, seen.hold == "linear")
-
     def made() -> tuple[Any, ...]:
+        seen = record.from_origin()
+        given = (seen.time, seen.force_time, seen.force, seen.hold == "linear")
         return given + tuple(entries.plan(*given))
 
     return record.kept("plan", made)

@@ -108,7 +108,7 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
     chi = ranking.best.chi
     if chi < MOST_OF * base.chi or chi < FAINT**2 * experiment.evidence:
         return None
-    less = [one for one in ranking.sets if one.chi < MOST_OF**2 * chi]
+    less = _with_less(ranking)
     noise = [one for one in less if one.causes in ranking.exact]
     only = ranking
     for one in ranking.sets:
@@ -122,10 +122,12 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
 
 def leaving_less(ranking: Ranking) -> Causes:
     """Causes of the likeliest set that leaves less than half of the error of the leading one; none if no set does."""
-    less = [
-        pair for pair in zip(ranking.evidence, ranking.sets, strict=True) if pair[1].chi < MOST_OF**2 * ranking.best.chi
-    ]
-    return max(less, key=lambda pair: pair[0])[1].causes if less else frozenset()
+    return next((one.causes for one in _with_less(ranking)), frozenset())
+
+
+def _with_less(ranking: Ranking) -> list[Hypothesis]:
+    """Sets that leave less than half of the error of the leading one, the likeliest first."""
+    return [one for one in ranking.sets if one.chi < MOST_OF**2 * ranking.best.chi]
 
 
 def margin(ranking: Ranking, named: Causes) -> float:

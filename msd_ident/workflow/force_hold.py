@@ -100,7 +100,8 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
     for hold in CANDIDATES:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
-        fits = [fit(one, [with_hold(part, hold) for part in parts]) for one in models]
+        held = [with_hold(part, hold) for part in parts]
+        fits = [fit(one, held) for one in models]
         likely[hold], errors[hold] = max((sum(map(log_likelihood, one.residuals)), one.see) for one in fits)
     best = max(likely.values())
     chosen = "zero"
