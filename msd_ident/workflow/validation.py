@@ -231,8 +231,19 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
     hold = saved.force_hold
     asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
     prepared = _turned_as_saved(prepare(asked), saved)
-    own = tuple(replace(one, origin=saved.origins.get(one.name, one.origin)) for one in prepared.records)
-    return replace(prepared, records=own)
+    return replace(prepared, records=tuple(_on_its_clock(saved, record) for record in prepared.records))
+
+
+def _on_its_clock(saved: SavedModel, record: Record) -> Record:
+    """The record with laws of time as in the saved model's record of that name; a name is no proof, so it is said."""
+    origin = saved.origins.get(record.name, record.origin)
+    if origin == record.origin or all(effect.steady for effect in saved.model.effects):
+        return record
+    said = (
+        f"{record.name} has the name of a record of the saved model: its drifts and disturbances count the time from "
+        f"{origin:.4g} s there, not from {record.origin:.4g} s; rename it if it is another recording."
+    )
+    return replace(record, origin=origin, notes=(*record.notes, said))
 
 
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
