@@ -231,19 +231,23 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
     hold = saved.force_hold
     asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
     prepared = _turned_as_saved(prepare(asked), saved)
-    return replace(prepared, records=tuple(_on_its_clock(saved, record) for record in prepared.records))
+    return _on_its_clock(prepared, saved)
 
 
-def _on_its_clock(saved: SavedModel, record: Record) -> Record:
-    """The record with laws of time as in the saved model's record of that name; a name is no proof, so it is said."""
-    origin = saved.origins.get(record.name, record.origin)
-    if origin == record.origin or all(effect.steady for effect in saved.model.effects):
-        return record
-    said = (
+def _on_its_clock(prepared: Prepared, saved: SavedModel) -> Prepared:
+    """Laws of time as in the saved model's records of the same names; a name is no proof, so it is said."""
+    if all(effect.steady for effect in saved.model.effects):
+        return prepared
+    origins = [saved.origins.get(record.name, record.origin) for record in prepared.records]
+    pairs = list(zip(prepared.records, origins, strict=True))
+    said = tuple(
         f"{record.name} has the name of a record of the saved model: its drifts and disturbances count the time from "
         f"{origin:.4g} s there, not from {record.origin:.4g} s; rename it if it is another recording."
+        for record, origin in pairs
+        if origin != record.origin
     )
-    return replace(record, origin=origin, notes=(*record.notes, said))
+    records = tuple(replace(record, origin=origin) for record, origin in pairs)
+    return replace(prepared, records=records, warnings=prepared.warnings + said)
 
 
 def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
