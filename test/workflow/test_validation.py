@@ -284,7 +284,9 @@ def test_a_drift_goes_on_in_a_later_part_of_the_same_record(told: dict[str, Any]
     later = own.cut(1.5, 4.0)
     assert validation.validate(saved, [later]).see == pytest.approx(NOISE, rel=0.1)
     said = validation.as_saved(saved, [later]).warnings
-    assert said and said[-1].endswith("count the time from 0 s there, not from 1.5 s; rename it if it is another recording.")
+    assert said and said[-1].endswith(
+        "count the time from 0 s there, not from 1.5 s; rename it if it is another recording."
+    )
     assert said[-1] not in validation.as_saved(replace(saved, model=RIG), [later]).warnings
     assert validation.validate(saved, [replace(later, name="another")]).see > 20.0 * NOISE
     assert saved_model.from_json_dict(told).origins == {"record 1": 0.0}
