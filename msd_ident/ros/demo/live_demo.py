@@ -33,15 +33,18 @@ def rig_file() -> Path:
 
 
 @contextmanager
-def demo_graph(folder: Path, rate: float = 1000.0) -> Iterator[Processes]:
+def demo_graph(folder: Path, rate: float = 1000.0, latency: float = 0.05) -> Iterator[Processes]:
     """The three processes, and this process's environment in their domain, for the block.
 
     Args:
         folder: for logs and bags; exists.
         rate: of the rig's encoder [Hz].
+        latency: of the rig behind the clock [s]; a force that takes longer to reach it acts after its stamp, which no
+            model explains.
     """
     # The rig ends with the demo, so nobody need stand behind a force for it to stay.
-    given = [*arguments({"rate": rate, "hold_last_command": True}), "--params-file", str(rig_file())]
+    rig = {"rate": rate, "latency": latency, "hold_last_command": True}
+    given = ["--params-file", str(rig_file()), *arguments(rig)]  # of two values of a parameter the last one holds
     with private_domain() as domain, in_domain(domain) as environment, Processes(folder, environment) as processes:
         processes.start("rig", "msd_sim.node", given)
         processes.start("recorder", "msd_ident.ros.recorder", arguments({"bag_folder": str(folder)}))
