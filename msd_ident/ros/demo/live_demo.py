@@ -43,7 +43,7 @@ def demo_graph(folder: Path, rate: float = 1000.0, latency: float = 0.05) -> Ite
             model explains.
     """
     # The rig ends with the demo, so nobody need stand behind a force for it to stay.
-    rig = {"rate": rate, "latency": latency, "hold_last_command": True}
+    rig: dict[str, object] = {"rate": rate, "latency": latency, "hold_last_command": True}
     given = ["--params-file", str(rig_file()), *arguments(rig)]  # of two values of a parameter the last one holds
     with private_domain() as domain, in_domain(domain) as environment, Processes(folder, environment) as processes:
         processes.start("rig", "msd_sim.node", given)
