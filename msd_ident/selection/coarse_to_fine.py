@@ -8,26 +8,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from msd_ident.estimate.effort import A_SWING, KEPT, SAMPLES
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.cause_assessment import noted
-from msd_ident.selection.evidence import LEAST_SPREAD
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.hypothesis_fit import REACH, refine
+from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
 from msd_ident.selection.ranking import LEADERS, NEAR, Ranking
 from msd_ident.selection.structure_search import Progress, Remembered, Search
-from msd_ident.tuning import tuned
-
-_FAR = tuned(
-    300.0,
-    unit="noise floors",
-    why="a set that leaves more will not be explained to the noise: the search may use mean forces",
-    chosen="by hand",
-)
 
 
 def search(
@@ -119,7 +110,7 @@ def _simpler(ahead: Ranking) -> list[Hypothesis]:
 
 
 def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Experiment, Callable[[Hypothesis], bool]]:
-    """Mean forces between samples, if the model with friction is so far off that no set will reach the noise.
+    """Mean forces between samples, if that spares most steps and changes little of what the model with friction leaves.
 
     Args:
         thin: thinned samples.
@@ -131,9 +122,14 @@ def _coarser(thin: Experiment, friction: Hypothesis, left: float) -> tuple[Exper
         the rest.
     """
     coarse = thin.with_mean_force()
-    if left > _FAR**2 and _change(thin, coarse, friction) < LEAST_SPREAD**2 * left * thin.evidence:
+    spares = _forces(coarse) < MOST_OF * _forces(thin)
+    if spares and left > FAR and _change(thin, coarse, friction) < TENTH**2 * left * thin.evidence:
         return coarse, lambda fitted: _change(thin, coarse, fitted) > MOST_OF**2 * fitted.chi
     return thin, lambda fitted: False
+
+
+def _forces(experiment: Experiment) -> int:
+    return sum(record.force.size for record in experiment.records)
 
 
 def _change(thin: Experiment, coarse: Experiment, fitted: Hypothesis) -> float:
