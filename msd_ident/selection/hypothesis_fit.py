@@ -111,7 +111,7 @@ def finish(experiment: Experiment, begun: Sequence[Hypothesis], least: float) ->
     refined = [_settled(experiment, fitted, least) for fitted in _distinct(begun)]
     best = min(refined, key=lambda fitted: fitted.chi)
     for _ in range(LOOK):
-        if not ALIKE**2 * experiment.evidence < best.chi < _hopeless(experiment, least):
+        if not ALIKE**2 * experiment.evidence < best.chi < _worth_kicking(experiment, least):
             break
         kicked = [_settled(experiment, fitted, best.chi) for fitted in _kicked(experiment, best)]
         before, best = best, min([best, *kicked], key=lambda fitted: fitted.chi)
@@ -202,6 +202,13 @@ def _hopeless(experiment: Experiment, least: float) -> float:
     if least > FAR * experiment.evidence:
         return least * ALIKE**2
     return experiment.worse(least, COMPARABLE)
+
+
+def _worth_kicking(experiment: Experiment, least: float) -> float:
+    """The chi² below which a set is begun from other starts: far from the noise, where most sets are as good as the
+    leading one, only a set that leads is.
+    """
+    return least if least > FAR * experiment.evidence else _hopeless(experiment, least)
 
 
 def _settled_gain(experiment: Experiment, fitted: Hypothesis) -> float:

@@ -35,6 +35,7 @@ from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.starting_points import proposals
+from msd_ident.selection.worthwhile import promising
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
@@ -251,8 +252,9 @@ class Search:
         before = self.sets.get(fitted.causes)
         if before is not None and before.chi <= fitted.chi:
             return
+        least = min((one.chi for one in self.sets.values()), default=math.inf) if before is None else before.chi
         self.sets[fitted.causes] = fitted
-        if before is not None and fitted.chi < MOST_OF * before.chi:
+        if fitted.chi < MOST_OF * least:
             self.tried -= set(self._larger_that_leave_more(fitted))
         for causes, model in equal_to(fitted).items():
             if causes in self.sets and fitted.chi < MOST_OF * self.sets[causes].chi:
@@ -307,6 +309,7 @@ class Search:
                 resolved = [starts for starts in group if rubs_and_is_linear(starts[0].fitted.causes)]
             group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
+        group = promising(group, self.scale())
         begun = self._each(lambda starts: begin(self.experiment, starts, reach), group, share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.

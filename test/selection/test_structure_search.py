@@ -290,6 +290,21 @@ def test_a_set_whose_further_effect_ends_without_strength_is_a_fit_of_the_set_wi
     assert search.sets[wrong.causes].chi < 0.1 * wrong.chi
 
 
+def test_sets_that_were_not_worth_it_are_looked_at_again_beside_one_that_leaves_half() -> None:
+    """Their starts promised little from the sets that were known then."""
+    data = steps()
+    rubs, drag = BASE + CoulombFriction(0.1), BASE + QuadraticDrag(1.0)
+    search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e5), fitted(data, rubs, 8e5))}
+    beside = {frozenset({"quadratic_drag", name}) for name in ("coulomb_friction", "end_stop")}
+    other = frozenset({"coulomb_friction", "end_stop"})
+    for chi, again in ((4.1e5, False), (3.9e5, True)):
+        search.sets.pop(frozenset({"quadratic_drag"}), None)
+        search.tried = {*beside, other}
+        search._keep(fitted(data, drag, chi))
+        assert search.tried == ({other} if again else {*beside, other})
+
+
 def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cogging and drag beside Coulomb friction come near a friction that falls with speed beside cogging."""
     data = steps()
