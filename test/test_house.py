@@ -16,7 +16,7 @@ import pytest
 from sources import parsed
 
 from msd_ident.model.effects import LIBRARY
-from msd_ident.model.effects.base import KINDS
+from msd_ident.model.effects.law import KINDS
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 

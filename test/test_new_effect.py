@@ -23,7 +23,8 @@ import math
 from dataclasses import dataclass
 
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import DRAGS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import DRAGS
 from msd_ident.model.declarations import Parameter
 
 

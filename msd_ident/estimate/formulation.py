@@ -21,7 +21,8 @@ from msd_ident.estimate.regression_init import Regression, Start, candidates, st
 from msd_ident.estimate.weak_form import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.declarations import PLACE
-from msd_ident.model.effects.base import PLAY, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import PLAY
 
 Zero = Literal["free", "known"]
 

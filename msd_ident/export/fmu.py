@@ -19,7 +19,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
 from msd_ident.export.target import InitialState
 from msd_ident.export.templates import filled
-from msd_ident.model.effects.base import LAG
+from msd_ident.model.effects.law import LAG
 
 
 class FmuTarget(PythonTarget):

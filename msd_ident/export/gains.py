@@ -13,7 +13,7 @@ from msd_ident.export.support import Support
 from msd_ident.export.target import Target
 from msd_ident.model.base_model import FRICTION_FORCE, OFFSET_FORCE
 from msd_ident.model.effects import Effect, structural
-from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS
 
 _STOP = Support("cannot", "keep the reference away from the stop")
 _SUPPORT = {

@@ -13,7 +13,7 @@ from msd_ident.export.templates import filled
 from msd_ident.model import Model
 from msd_ident.model.base_model import FRICTION_FORCE, OFFSET, OFFSET_FORCE
 from msd_ident.model.effects import Effect, saturation
-from msd_ident.model.effects.base import DELAY, LAG, SECOND_MASS
+from msd_ident.model.effects.law import DELAY, LAG, SECOND_MASS
 
 #: Range of a joint without stops, in the position unit: far beyond any motion.
 FREE = 1e6

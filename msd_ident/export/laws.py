@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from msd_ident.errors import DataError
 from msd_ident.model import Model
 from msd_ident.model.effects import ARGUMENTS, Effect
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS, VELOCITY_LAG
+from msd_ident.model.effects.law import ABOVE, AT_ZERO, BOTH, LAG, OUTSIDE, SECOND_MASS, VELOCITY_LAG
 
 
 def number(value: float) -> str:

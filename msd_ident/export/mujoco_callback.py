@@ -10,7 +10,7 @@ from msd_ident.export.mujoco_friction import text as friction_text
 from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import DELAY, LAG, PLAY
+from msd_ident.model.effects.law import DELAY, LAG, PLAY
 
 _TAKE = """    # The constraint of the XML is for use without this file.
     constraints.append((model, dof, float(model.dof_frictionloss[dof])))

@@ -22,7 +22,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
 from msd_ident.model.base_model import FRICTION_FORCE
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import AT_ZERO, DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
+from msd_ident.model.effects.law import AT_ZERO, DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
 
 #: Rate at which friction turns round, in 1/step: the fourth-order Runge-Kutta method is stable up to 2.78.
 SLIP = 2.5

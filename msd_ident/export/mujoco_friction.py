@@ -14,7 +14,7 @@ from msd_ident.export.mujoco_elements import ACTUATOR
 from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import LAG
+from msd_ident.model.effects.law import LAG
 
 _CHANGE = '{tau} * data.act_dot[model.actuator("{name}").actadr[0]] * model.actuator("{name}").gear[0] / inertia'
 

@@ -17,7 +17,7 @@ from msd_ident.errors import DataError, SetupError
 from msd_ident.export.mujoco_elements import ACTUATOR, SECOND, SENSOR
 from msd_ident.export.plan import Plan
 from msd_ident.export.target import InitialState
-from msd_ident.model.effects.base import DELAY, LAG
+from msd_ident.model.effects.law import DELAY, LAG
 
 
 def library() -> Any:

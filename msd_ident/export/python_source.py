@@ -6,7 +6,7 @@ from msd_ident.export import laws
 from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
 from msd_ident.model import Model
-from msd_ident.model.effects.base import DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
+from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
 
 #: Parts of the structure (``Effect.structure``) that the file has.
 STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS, VELOCITY_LAG)

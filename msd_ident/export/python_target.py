@@ -14,7 +14,7 @@ from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
 from msd_ident.export.templates import filled
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import ABOVE, BOTH, OUTSIDE
+from msd_ident.model.effects.law import ABOVE, BOTH, OUTSIDE
 
 
 class PythonTarget(Target):

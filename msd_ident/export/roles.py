@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from msd_ident.model.base_model import DRY_FRICTION, OFFSET
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.base import AT_ZERO, BOTH, OUTSIDE
+from msd_ident.model.effects.law import AT_ZERO, BOTH, OUTSIDE
 
 #: Coulomb's friction, a constant force, a limited or bent force.
 FRICTION, CONSTANT, GAIN = "friction", "constant", "gain"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from msd_ident.errors import UsageError
 from msd_ident.export.support import BEFORE, Support
-from msd_ident.model.effects.base import DELAY
+from msd_ident.model.effects.law import DELAY
 
 if TYPE_CHECKING:
     from msd_ident.data.record import FloatArray, Record

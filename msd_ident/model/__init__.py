@@ -2,7 +2,7 @@
 
 In: ``Plant(mass, damping, stiffness) + CoulombFriction(coulomb_force) + ...``, a ``Model``, and a record's force.
 Out: from ``Simulator(model, record)`` the positions that an encoder would read.
-Begin with ``plant``, then ``effects.base`` and ``simulator``; the compiled solver is ``kernel``.
+Begin with ``plant``, then ``effects.law``, ``effects.base`` and ``simulator``; the compiled solver is ``kernel``.
 """
 
 from __future__ import annotations

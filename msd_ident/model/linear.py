@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
-from msd_ident.model.effects.base import LAG, SECOND_MASS, VELOCITY_LAG
+from msd_ident.model.effects.law import LAG, SECOND_MASS, VELOCITY_LAG
 from msd_ident.model.plant import Model, Plant
 
 if TYPE_CHECKING:

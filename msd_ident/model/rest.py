@@ -7,7 +7,8 @@ import math
 
 from scipy.optimize import brentq
 
-from msd_ident.model.effects.base import ARGUMENTS, PLAY, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import ARGUMENTS, PLAY
 from msd_ident.model.plant import Model
 
 #: Name of the derived quantity.

@@ -15,7 +15,7 @@ from msd_ident.diagnosis import Diagnosis
 from msd_ident.export import Export
 from msd_ident.external import Comparison
 from msd_ident.model.effects import structural
-from msd_ident.model.effects.base import DELAY
+from msd_ident.model.effects.law import DELAY
 from msd_ident.report.plots import Detail, ModelCurve, diagnosis_curves, identification_curves
 from msd_ident.report.sections.calibration import calibration
 from msd_ident.report.sections.causes import causes

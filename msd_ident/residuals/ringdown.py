@@ -17,7 +17,7 @@ from msd_ident.data.record import FloatArray
 from msd_ident.features import Features
 from msd_ident.features.oscillation import Swing
 from msd_ident.model.effects import LIBRARY, spoken
-from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS
+from msd_ident.model.effects.law import DRAGS, HARDENS, RUBS, SOFTENS
 from msd_ident.residuals.adequacy import LEVEL
 from msd_ident.tuning import fixed, tuned
 

@@ -19,7 +19,7 @@ from msd_ident.estimate.weak_form import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, friction_force
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.base import SECOND_MASS
+from msd_ident.model.effects.law import SECOND_MASS
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.growing import grown
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis

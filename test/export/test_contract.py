@@ -20,7 +20,7 @@ from msd_ident.export.support import WORDS, rows
 from msd_ident.export.target import InitialState
 from msd_ident.model import Simulator
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.model.effects.base import COMMAND_LOOP
+from msd_ident.model.effects.law import COMMAND_LOOP
 
 BY_NAME = {target.name: target for target in TARGETS}
 ZERO = 0.003

@@ -14,7 +14,7 @@ from effect_examples import EXAMPLES, example, model, neutral, plant, record, si
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
 from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, structural
-from msd_ident.model.effects.base import DELAY, KINDS, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.law import DELAY, KINDS, LAG, PLAY, SECOND_MASS
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.plant import PLANT_PARAMETERS
 

@@ -13,8 +13,8 @@ from msd_ident.estimate import fit
 from msd_ident.model import simulate
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.actuator_lag import ActuatorLag
-from msd_ident.model.effects.base import VELOCITY_LAG
 from msd_ident.model.effects.lagging_drive_damping import LaggingDriveDamping
+from msd_ident.model.effects.law import VELOCITY_LAG
 from msd_ident.model.effects.relaxing_spring import RelaxingSpring
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_sim.rig import Rig

@@ -7,11 +7,12 @@ import pkgutil
 
 from msd_ident.errors import UsageError
 from msd_ident.model.declarations import Parameter
-from msd_ident.model.effects.base import ARGUMENTS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import ARGUMENTS
 
 __all__ = ["ARGUMENTS", "LIBRARY", "Effect", "Parameter", "by_name", "saturation", "spoken", "structural"]
 
-_HELPERS = ("base", "typical")
+_HELPERS = ("base", "law", "typical")
 
 
 def _discover() -> tuple[type[Effect], ...]:

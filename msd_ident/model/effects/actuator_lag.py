@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import LAG, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import LAG
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import HARDENS, OUTSIDE, SOFTENS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import HARDENS, OUTSIDE, SOFTENS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

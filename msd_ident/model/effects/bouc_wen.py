@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import DRAGS, HARDENS, RUBS, SOFTENS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import DRAGS, HARDENS, RUBS, SOFTENS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import HARDENS, SOFTENS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import COMMAND_LOOP, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import COMMAND_LOOP
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -10,7 +10,8 @@ import numpy as np
 
 from msd_ident.model.declarations import PLACE, Harmonic, Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import SOFTENS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import SOFTENS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

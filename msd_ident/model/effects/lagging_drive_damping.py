@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import VELOCITY_LAG, Effect
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.drive_damping import DriveDamping
+from msd_ident.model.effects.law import VELOCITY_LAG
 from msd_ident.model.effects.relaxing_spring import STARTS, RelaxingSpring
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import AT_ZERO, RUBS, Effect
+from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.coulomb_friction import COULOMB_FORCE
+from msd_ident.model.effects.law import AT_ZERO, RUBS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

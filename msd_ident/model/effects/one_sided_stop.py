@@ -10,7 +10,8 @@ import numpy as np
 
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import HARDENS, OUTSIDE, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import HARDENS, OUTSIDE
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

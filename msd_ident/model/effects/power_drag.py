@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
-from msd_ident.model.effects.base import DRAGS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import DRAGS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

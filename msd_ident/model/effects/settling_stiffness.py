@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
-from msd_ident.model.effects.base import HARDENS, SOFTENS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import HARDENS, SOFTENS
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
-from msd_ident.model.effects.base import RUBS, Effect
+from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import RUBS
 from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from msd_ident.model.effects import LIBRARY, structural
-from msd_ident.model.effects.base import ABOVE, AT_ZERO, BOTH, OUTSIDE, VELOCITY_LAG
+from msd_ident.model.effects.law import ABOVE, AT_ZERO, BOTH, OUTSIDE, VELOCITY_LAG
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.plant import PLANT_PARAMETERS

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from msd_ident.model.effects.base import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean, plain
 from msd_ident.model.kernel.exact import exact
