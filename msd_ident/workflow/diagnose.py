@@ -13,7 +13,7 @@ from msd_ident.estimate import explained
 from msd_ident.residuals import impulses
 from msd_ident.selection.structure_search import Progress
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import Prepared, prepare
+from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
 from msd_ident.workflow.spring_decision import has_spring, hidden_spring
 
 #: What the best model of a diagnosis may hold, in words.
@@ -50,6 +50,9 @@ def diagnose(
     sprung, decided = has_spring(prepared, options)
     task = _task(prepared, options, sprung, decided)
     diagnosis = diagnose_records(task, progress, earlier)
+    if otherwise := held_otherwise(prepared, diagnosis.extended.model):
+        prepared, task = otherwise, _task(otherwise, options, sprung, decided)
+        diagnosis = diagnose_records(task, progress, earlier)
     if decided and not sprung and (hidden := hidden_spring(diagnosis.extended, diagnosis.records)):
         task = replace(task, sprung=True, warnings=(*prepared.warnings, hidden))
         diagnosis = diagnose_records(task, progress, earlier)

@@ -23,6 +23,7 @@ from msd_ident.estimate import fit
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
+from msd_ident.model.effects.law import DELAY
 
 #: What may be chosen, the simplest first.
 CANDIDATES = ("zero", "linear", "band_limited")
@@ -93,9 +94,18 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
         model: to be fitted with each hold, also beside Coulomb friction; its values are starting values. It need not be
             complete.
     """
+    largest = max(float(np.max(np.abs(record.force))) for record in records)
+    return compared(records, (model, model + DryFriction(TENTH**2 * largest)))
+
+
+def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
+    """Compare the holds, each with the one of these models that makes it likeliest.
+
+    Args:
+        records: as in ``choose_hold``.
+        models: to be fitted; their values are starting values.
+    """
     parts = tuple(_busiest(record) for record in records)
-    largest = max(float(np.max(np.abs(part.force))) for part in parts)
-    models = (model, model + DryFriction(TENTH**2 * largest))
     likely, errors = {}, {}
     for hold in CANDIDATES:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
@@ -109,6 +119,18 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
         if value > likely[chosen] + _DECISIVE:
             chosen = hold
     return HoldChoice(chosen, {hold: value - best for hold, value in likely.items()}, errors)
+
+
+def stands_for_a_hold(model: Model, records: Sequence[Record]) -> bool:
+    """Whether the model delays the force by half a sample, either way: what a wrong hold looks like.
+
+    Args:
+        model: a fitted one.
+        records: that it was fitted to.
+    """
+    half = 0.5 * float(np.median([np.median(np.diff(record.time)) for record in records]))
+    delays = [abs(effect.values[0]) for effect in model.effects if effect.structure == DELAY]
+    return any(abs(delay - half) < TENTH * half for delay in delays)
 
 
 def with_hold(record: Record, hold: str) -> Record:

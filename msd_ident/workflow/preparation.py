@@ -16,6 +16,7 @@ from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
+from msd_ident.model.effects.law import DELAY
 from msd_ident.residuals.ringdown import RingDown, ring_down
 from msd_ident.workflow import force_hold
 
@@ -42,6 +43,7 @@ class Prepared:
         form: of all records together; ``None`` where no response gives one.
         warnings: what a reader must know about the data before using the numbers.
         turned: whether the force was turned.
+        unheld: the records before it was decided how their force goes on between its samples; none where that is known.
     """
 
     given: tuple[Record, ...]
@@ -52,6 +54,7 @@ class Prepared:
     warnings: tuple[str, ...]
     rest_before: tuple[Record | None, ...]
     turned: bool = False
+    unheld: tuple[Record, ...] = ()
 
     @property
     def doubtful_units(self) -> tuple[str, ...]:
@@ -84,13 +87,15 @@ def prepare(records: Sequence[Record]) -> Prepared:
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
     turned = _is_turned(form)
-    records, holds = _held(tuple(_usable(one, turned) for one in understood))
+    usable = tuple(_usable(one, turned) for one in understood)
+    records, holds = _held(usable)
     warnings = (
         idle + _warnings(given, findings, features, turned) + tuple(one.remark for one in understood if one.remark)
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
     rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))
-    return Prepared(given, records, findings + holds, features, form, warnings, rests, turned)
+    unheld = usable if holds else ()
+    return Prepared(given, records, findings + holds, features, form, warnings, rests, turned, unheld)
 
 
 def typical_plant(record: Record) -> Model:
@@ -116,9 +121,49 @@ def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Findin
     if not asked:
         return records, ()
     choice = force_hold.choose_hold(asked, typical_plant(asked[0]))
-    severity: Severity = "info" if choice.hold == "zero" else "warning"
+    return _with(choice, records), (_told(choice),)
+
+
+def held_otherwise(prepared: Prepared, model: Model) -> Prepared | None:
+    """The records with another hold of the force, if a diagnosed model delays it by half a sample in place of that.
+
+    The hold was decided with a plant and dry friction. A law that these lack may hide it, and then a delay makes up for
+    a wrong answer. The model without its delay decides again.
+
+    Args:
+        prepared: the records as they were diagnosed.
+        model: what explains them.
+
+    Returns:
+        None where the hold is known, where the model has no such delay, and where it decides as before.
+    """
+    if not prepared.unheld or not force_hold.stands_for_a_hold(model, prepared.records):
+        return None
+    asked = tuple(record for record in prepared.unheld if force_hold.is_open(record))
+    prompt = replace(model, effects=tuple(effect for effect in model.effects if effect.structure != DELAY))
+    finding = _told(choice := force_hold.compared(asked, (prompt,)))
+    before = next(one for one in prepared.findings if one.code == finding.code)
+    records = _with(choice, prepared.unheld)
+    if [one.hold for one in records] == [one.hold for one in prepared.records]:
+        return None
+    warnings = tuple(one for one in prepared.warnings if one != before.sentence)
+    return replace(
+        prepared,
+        records=records,
+        findings=tuple(finding if one is before else one for one in prepared.findings),
+        warnings=(*warnings, *((finding.sentence,) if finding.severity == "warning" else ())),
+    )
+
+
+def _with(choice: force_hold.HoldChoice, records: tuple[Record, ...]) -> tuple[Record, ...]:
+    """The records with the chosen hold, where theirs was open."""
     held = (force_hold.with_hold(record, choice.hold) if force_hold.is_open(record) else record for record in records)
-    return tuple(held), (Finding(severity, "force_hold", choice.sentence),)
+    return tuple(held)
+
+
+def _told(choice: force_hold.HoldChoice) -> Finding:
+    severity: Severity = "info" if choice.hold == "zero" else "warning"
+    return Finding(severity, "force_hold", choice.sentence)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,8 +19,9 @@ from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
 from msd_ident.workflow import pipeline
-from msd_ident.workflow.force_hold import choose_hold, is_open, with_hold
+from msd_ident.workflow.force_hold import choose_hold, is_open, stands_for_a_hold, with_hold
 from msd_ident.workflow.preparation import prepare, typical_plant
+from msd_sim import api
 
 #: Fine steps per sample, and sampling period [s]: eight samples an oscillation.
 FINE, PERIOD = 16, 0.02
@@ -171,3 +173,36 @@ def test_measured_records(file: str, source: SourceOptions, hold: str, shared_da
         pytest.skip(f"no {path}")
     record = read(path, source)
     assert choose_hold([record], Plant(1e-5 if hold == "band_limited" else 1.0, 1e-4, 1.0)).hold == hold
+
+
+def swept_with_a_peak() -> Record:
+    """A sweep that is held, as a file has it, on a rig whose friction falls from five times to once Coulomb's."""
+    made = api.simulate(
+        {"mass": 1.906, "damping": 2.72, "stiffness": 1609.6, "friction_coefficient": 0.0, "rate": 500.0, "seed": 3,
+         "effects": {"stribeck_friction": {"coulomb_force": 0.488, "static_force": 2.41, "stribeck_velocity": 0.127}},
+         "experiment": {"name": "sweep", "force": 6.0, "duration": 16.6, "rate": 500.0, "natural_frequency": 29.06},
+         "encoder": {"counts_per_metre": 4e5, "noise": 2e-6}}
+    )  # fmt: skip
+    place = np.searchsorted(made.force_time, made.time + 1e-9, side="right") - 1
+    record = from_samples(made.time, made.force[np.maximum(place, 0)], made.position)
+    return replace(record, hold_known=False)
+
+
+def test_a_hold_that_a_missing_law_hides_is_decided_again_with_that_law(asking_about: Callable[..., None]) -> None:
+    """Otherwise a delay of half a sample is certain: it makes up for the wrong hold."""
+    asking_about("coulomb_friction", "stribeck_friction", "time_offset", "actuator_lag")
+    record = swept_with_a_peak()
+    assert [one.hold for one in prepare([record]).records] == ["linear"], "with plant and dry friction alone"
+    found = pipeline.diagnose([record])
+    assert [cause.name for cause in found.causes] == ["stribeck_friction"] and found.verdict == "explained"
+    (said,) = [one for one in found.findings if one.code == "force_hold"]
+    assert "assumed to be held" in said.sentence and said.severity == "info"
+    assert not [one for one in found.warnings if "Between its samples" in one]
+
+
+def test_a_delay_of_half_a_sample_stands_for_a_hold_and_another_does_not() -> None:
+    record = measured("zero")
+    for delay, stands in ((0.5, True), (-0.5, True), (0.52, True), (0.4, False), (1.0, False)):
+        model = RIG + by_name("time_offset").from_values({"time_offset": delay * PERIOD})
+        assert stands_for_a_hold(model, [record]) is stands
+    assert not stands_for_a_hold(RIG, [record])
