@@ -16,6 +16,7 @@ from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.relaxing_spring import RelaxingSpring
@@ -26,6 +27,7 @@ from msd_ident.workflow import pipeline
 SPRUNG, PLAIN = Plant(1.0, 2.0, 400.0), Plant(1.0, 2.0, 0.0)
 RUBS, LEANS, BENDS = CoulombFriction(0.2), ForceOffset(0.5), CubicSpring(1e5)
 ASYMMETRIC, SHIFTED = "force_offset beside coulomb_friction is equivalent to asymmetric", "With a linear spring"
+ASIDE = "force_offset beside end_stop is equivalent to stops, or bends of the spring, whose middle is off the place of"
 RESHAPED = "force_offset beside cubic_spring is equivalent to a spring of another shape"
 
 
@@ -35,6 +37,7 @@ RESHAPED = "force_offset beside cubic_spring is equivalent to a spring of anothe
         (SPRUNG + RUBS, []),
         (SPRUNG + LEANS, [SHIFTED]),
         (SPRUNG + LEANS + BENDS, [RESHAPED]),
+        (SPRUNG + LEANS + EndStop(8e-3, 3e3), [ASIDE]),
         (SPRUNG + LEANS + BENDS + Cogging(0.1, 0.01), []),
         (PLAIN + LEANS, []),
         (PLAIN + LEANS + RUBS, [ASYMMETRIC]),
@@ -49,7 +52,7 @@ def test_an_offset_is_a_zero_or_asymmetric_friction(model: Model, begins: list[s
     assert len(said) == len(begins)
     assert all(sentence.startswith(begin) for sentence, begin in zip(said, begins, strict=True))
     others = [type(effect) for effect in model.effects if effect.name != LEANS.name]
-    assert LEANS.is_shape_beside(others) == (RESHAPED in begins)
+    assert LEANS.is_shape_beside(others) == bool({RESHAPED, ASIDE}.intersection(begins))
 
 
 def test_stops_off_the_middle_are_an_offset_beside_stops() -> None:
@@ -57,9 +60,10 @@ def test_stops_off_the_middle_are_an_offset_beside_stops() -> None:
     aside = SPRUNG + BufferedStop(2e-3, 8e-3, 3e3, 5.0)
     (said,) = sentences(aside, forced=True, gain_known=True)
     assert said.startswith("End stops whose middle is off the relaxed spring are the same as stops about it beside")
+    (said,) = sentences(aside + LEANS, forced=True, gain_known=True)
+    assert said.startswith("force_offset beside buffered_stop is equivalent to stops, or bends of the spring, whose")
     for alone in (
         SPRUNG + BufferedStop(0.0, 8e-3, 3e3, 5.0),
-        aside + LEANS,
         PLAIN + BufferedStop(2e-3, 8e-3, 3e3, 5.0),
     ):
         assert sentences(alone, forced=True, gain_known=True) == ()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import AT_ZERO
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -22,8 +23,12 @@ def _constant() -> float:
 
 
 def _bends(law: type[Effect]) -> bool:
-    """Whether it is a spring of another shape, of which nothing repeats along the travel."""
-    return law.stores_only() and law.harmonic is None and not law.angular
+    """Whether it is a spring of another shape, of which nothing repeats along the travel, or has a knee in it."""
+    return (law.stores_only() or _has_knee(law)) and law.harmonic is None and not law.angular
+
+
+def _has_knee(law: type[Effect]) -> bool:
+    return law.knee not in (None, AT_ZERO)
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,9 @@ class ForceOffset(Effect):
 
     @classmethod
     def is_shape_beside(cls, others: Iterable[type[Effect]]) -> bool:
-        """Beside bent springs alone: together they are a spring of another shape about the place of rest."""
+        """Beside bent springs and stops alone: together they are a spring of another shape about the place of rest, or
+        stops whose middle is not there.
+        """
         placed = [other for other in others if other.placed() or other.shows_zero]
         return bool(placed) and all(_bends(other) for other in placed)
 
@@ -77,10 +84,12 @@ class ForceOffset(Effect):
         if not model.stiffness > 0.0 or not all(map(_bends, placed)):
             return ""
         if placed:
+            as_well = "a spring of another shape about the place of rest"
+            if _has_knee(placed[0]):
+                as_well = "stops, or bends of the spring, whose middle is off the place of rest"
             return (
-                f"force_offset beside {placed[0].name} is equivalent to a spring of another shape about the place of "
-                "rest, without a constant force, so it is not certain. Read the encoder with the spring relaxed to "
-                "tell them apart."
+                f"force_offset beside {placed[0].name} is equivalent to {as_well}, without a constant force, so it is "
+                "not certain. Read the encoder with the spring relaxed to tell them apart."
             )
         return (
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
