@@ -309,8 +309,7 @@ class Search:
                 resolved = [starts for starts in group if rubs_and_is_linear(starts[0].fitted.causes)]
             group = [starts for starts in group if any(start.worth(reach) for start in starts)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
-        group = promising(group, self.scale())
-        begun = self._each(lambda starts: begin(self.experiment, starts, reach), group, share)
+        begun = self._each(lambda starts: begin(self.experiment, starts, reach), promising(group, self.scale()), share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.
         for tries in (begun[:1], begun[1:]):

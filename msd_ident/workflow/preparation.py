@@ -144,7 +144,10 @@ def held_otherwise(prepared: Prepared, model: Model) -> Prepared | None:
     finding = _told(choice := force_hold.compared(asked, (prompt,)))
     before = next(one for one in prepared.findings if one.code == finding.code)
     records = _with(choice, prepared.unheld)
-    if [one.hold for one in records] == [one.hold for one in prepared.records]:
+    if all(
+        np.array_equal(one.force, now.force) and one.hold == now.hold
+        for one, now in zip(records, prepared.records, strict=True)
+    ):
         return None
     warnings = tuple(one for one in prepared.warnings if one != before.sentence)
     return replace(

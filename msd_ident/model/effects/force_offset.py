@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
-from msd_ident.model.effects.law import AT_ZERO
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -24,11 +23,7 @@ def _constant() -> float:
 
 def _bends(law: type[Effect]) -> bool:
     """Whether it is a spring of another shape, of which nothing repeats along the travel, or has a knee in it."""
-    return (law.stores_only() or _has_knee(law)) and law.harmonic is None and not law.angular
-
-
-def _has_knee(law: type[Effect]) -> bool:
-    return law.knee not in (None, AT_ZERO)
+    return (law.stores_only() or law.has_knee()) and law.harmonic is None and not law.angular
 
 
 @dataclass(frozen=True)
@@ -85,7 +80,7 @@ class ForceOffset(Effect):
             return ""
         if placed:
             as_well = "a spring of another shape about the place of rest"
-            if _has_knee(placed[0]):
+            if placed[0].has_knee():
                 as_well = "stops, or bends of the spring, whose middle is off the place of rest"
             return (
                 f"force_offset beside {placed[0].name} is equivalent to {as_well}, without a constant force, so it is "

@@ -140,10 +140,15 @@ class Law:
         return cls.cause() == other.cause() or mistaken or same
 
     @classmethod
+    def has_knee(cls) -> bool:
+        """Whether its spring bends somewhere else than at zero: a stop, or another slope beyond a place."""
+        return cls.knee not in (None, AT_ZERO)
+
+    @classmethod
     def placed(cls) -> bool:
         """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
         laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
-        return cls.knee not in (None, AT_ZERO) or (not cls.memory and any("x" in arguments(law) for law in laws))
+        return cls.has_knee() or (not cls.memory and any("x" in arguments(law) for law in laws))
 
     @classmethod
     def is_scale(cls) -> bool:
@@ -160,7 +165,7 @@ class Law:
     @classmethod
     def is_spring(cls) -> bool:
         """Whether its force is a curve over the position: a spring of another shape."""
-        bends = cls.structure == PLAY or cls.knee not in (None, AT_ZERO)
+        bends = cls.structure == PLAY or cls.has_knee()
         force = cls.laws().get("force")
         return bends or (force is not None and not cls.memory and "x" in arguments(force))
 
