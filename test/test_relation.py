@@ -53,6 +53,19 @@ def test_no_rig_is_refused(noise: lottery.Noise, experiment: str) -> None:
     assert any(told)
 
 
+def test_a_cart_that_runs_into_stiff_stops_again_and_again_is_not_refused() -> None:
+    """At resonance most of its force is that of the stops, which no mass, damping and stiffness make."""
+    tones = [{"frequency": part * 5.9, "amplitude": 0.6} for part in (0.31, 0.57, 0.83, 1.17, 1.6, 2.3)]
+    time = np.arange(0.0, 10.0, 0.005)
+    force = sum(one["amplitude"] * np.sin(2.0 * np.pi * one["frequency"] * time + i) for i, one in enumerate(tones))
+    made = api.simulate(
+        {"mass": 1.86, "damping": 2.9, "stiffness": 2580.0, "friction_coefficient": 0.0, "seed": 1, "rate": 200.0,
+         "effects": {"end_stop": {"stop_position": 1.14e-3, "stop_stiffness": 35_000.0}}, "duration": 10.0,
+         "encoder": {"counts_per_metre": 0.0, "noise": 3e-7}, "force_time": list(time), "force": list(force)}
+    )  # fmt: skip
+    assert accounted(Record(made.time, made.position, made.force_time, made.force)) > 0.8
+
+
 def test_what_does_not_vary_tells_nothing() -> None:
     """One step that acts from the first sample on, a release, and a record of few samples."""
     for experiment in ("step", "release"):

@@ -2,9 +2,10 @@
 
 A joint that a hand moves, or an effort that is no force, is still fitted by some model, with absurd values. Before any
 model is fitted, m x'' + b x' + k x + Fc sign(x') + F0 = F is multiplied by smooth windows and integrated by parts, so
-that no reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed. The result is the part of
-the force's variation that the motion accounts for, at the window length at which it accounts for most. It is corrected
-for the noise of the encoder that the regression carries into the force.
+that no reading is differentiated (the modulating functions of Shinbrot, 1957), and regressed. Springs that press only
+near either end of the travel are columns too: a cart that runs into its stops has most of its force there. The result
+is the part of the force's variation that the motion accounts for, at the window length at which it accounts for most.
+It is corrected for the noise of the encoder that the regression carries into the force.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from msd_ident.data.record import FloatArray, Record
 #: Part of the force's variation below which nothing is left to fit. Rigs with any effect of the library reach 0.5 (a
 #: second mode that takes the force upon itself) to 1, measured ones 0.85 to 1, the noise of a motor that is off 0.1.
 _UNRELATED = 0.2
+#: Parts of the travel, from either end, in which a stop may press.
+_AT_ENDS = (0.15, 0.3)
 #: Windows in the record's duration: from the narrowest to the widest.
 _WINDOWS = (600, 200, 60)
 #: Points that are enough for the narrowest of them, and fewest of a record and of a window.
@@ -91,6 +94,7 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> 
     bend = -6.0 * (1.0 - u**2) ** 2 + 24.0 * u**2 * (1.0 - u**2)
     x, v, a, f = (_windowed(*pair) for pair in ((position, bump), (position, -slope), (position, bend), (force, bump)))
     swing = float(np.ptp(position))
+    pressed = (_windowed(bent, bump) for bent in _bent_at_ends(position))
     if np.ptp(force) == 0.0:
         return math.nan
     moving = np.abs(v) > _MOVES * swing * float(np.sum(np.abs(slope))) / 2.0
@@ -99,7 +103,7 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> 
     deviation = (f[moving] - np.mean(f[moving])) ** 2
     if float(np.sum(deviation)) ** 2 < _FEWEST * float(np.sum(deviation**2)):
         return math.nan
-    columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x)))[moving]
+    columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x), *pressed))[moving]
     scale = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
     fitted = np.linalg.lstsq(columns / scale, f[moving], rcond=None)[0] / scale
     left = f[moving] - columns @ fitted
@@ -108,6 +112,14 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> 
     pieces = np.count_nonzero(moving) / 4.0  # neighbours overlap by three quarters
     lost = pieces / max(pieces - columns.shape[1], 1.0)
     return float(1.0 - max(lost * np.mean(left**2) - carried, 0.0) / np.var(f[moving]))
+
+
+def _bent_at_ends(position: FloatArray) -> Iterator[FloatArray]:
+    """How far (n,) the cart is within each part of ``_AT_ENDS``, at one end of its travel and then at the other."""
+    low, high = float(np.min(position)), float(np.max(position))
+    for part in _AT_ENDS:
+        yield np.minimum(position - (low + part * (high - low)), 0.0)
+        yield np.maximum(position - (high - part * (high - low)), 0.0)
 
 
 def _windowed(values: FloatArray, window: FloatArray) -> FloatArray:
