@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.real.rigs import RIGS, Rig, folder
-from msd_ident.data.quality.relation import accounted
+from msd_ident.data.quality.relation import accounted, without_spring
 from msd_ident.data.record import Record, from_samples
 from msd_ident.errors import DataError
 from msd_ident.io import read
@@ -64,6 +64,23 @@ def test_a_cart_that_runs_into_stiff_stops_again_and_again_is_not_refused() -> N
          "encoder": {"counts_per_metre": 0.0, "noise": 3e-7}, "force_time": list(time), "force": list(force)}
     )  # fmt: skip
     assert accounted(Record(made.time, made.position, made.force_time, made.force)) > 0.8
+
+
+def test_a_spring_shows_in_the_force_and_none_does_not() -> None:
+    """However coarse the windows: a joint that stands off its zero is not pushed by what a window's weights sum up to."""
+    time = np.arange(0.0, 6.0, 0.004)
+    force = 1.5 * np.sign(np.sin(2.3 * time + 0.1))
+    for stiffness in (0.0, 40.0):
+        made = api.simulate(
+            {"mass": 0.18, "damping": 0.7, "stiffness": stiffness, "friction_coefficient": 0.0, "seed": 2,
+             "rate": 250.0, "duration": 6.0, "encoder": {"counts_per_metre": 0.0, "noise": 1e-3},
+             "effects": {"force_offset": {"offset_force": 0.2}}, "force_time": list(time), "force": list(force)}
+        )  # fmt: skip
+        record = Record(made.time, 2.0 + made.position, made.force_time, made.force)
+        sprung, free = without_spring(record, 1e-3)
+        assert sprung > 0.9
+        assert sprung - free > 0.3 if stiffness else sprung - free < 0.01
+    assert np.isnan(without_spring(moved_by_hand(1, seconds=1.0))).all()
 
 
 def test_what_does_not_vary_tells_nothing() -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
 from msd_ident.data.resampling import band_limited, is_even
-from msd_ident.estimate import fit
+from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
@@ -101,17 +101,21 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
 def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
     """Compare the holds, each with the one of these models that makes it likeliest.
 
+    A model is searched for with the first hold. The others move its motion by half a sample, so their fits begin there.
+
     Args:
         records: as in ``choose_hold``.
         models: to be fitted; their values are starting values.
     """
     parts = tuple(_busiest(record) for record in records)
     likely, errors = {}, {}
+    fits: list[FitResult] = []
     for hold in CANDIDATES:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
         held = [with_hold(part, hold) for part in parts]
-        fits = [fit(one, held) for one in models]
+        near = [fit(one.model, held, search="near", initial=one.initial) for one in fits]
+        fits = near or [fit(one, held) for one in models]
         likely[hold], errors[hold] = max((sum(map(log_likelihood, one.residuals)), one.see) for one in fits)
     best = max(likely.values())
     chosen = "zero"

@@ -18,7 +18,7 @@ from msd_ident.model.effects.gravity import Gravity
 from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
-from msd_ident.workflow.preparation import typical_plant
+from msd_ident.workflow.preparation import prepare, typical_plant
 from msd_sim import api
 
 STEP = 2e-5
@@ -93,6 +93,16 @@ def test_the_spring_of_a_controlled_cart_is_kept() -> None:
             found
         )
         assert "If there is none, use --model no_spring." in sentences(found)
+
+
+def test_a_spring_that_the_force_shows_plainly_needs_no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = open_loop(5.0 * np.sin(2.0 * T + 4.0 * T**2) * np.sin(0.7 * T))
+    monkeypatch.setattr(spring_decision, "fit", None)
+    sprung, (said,) = spring_decision.has_spring(prepare([record]), pipeline.Options())
+    assert sprung
+    assert said.startswith("No response shows whether a spring acts; a spring is assumed: with one the motion accounts ")
+    assert " % of the force's variation, without one for " in said and said.endswith("use --model no_spring.")
+    assert spring_decision.plain((open_loop(record.force, stiffness=0.0),)) == ""
 
 
 def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None:

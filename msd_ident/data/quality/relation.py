@@ -58,13 +58,32 @@ def accounted(record: Record, floor: float = 0.0) -> float:
         record: position and force.
         floor: standard deviation of the encoder's noise [m].
     """
+    return max(_usable(record, floor), default=math.nan)
+
+
+def without_spring(record: Record, floor: float = 0.0) -> tuple[float, float]:
+    """Part of the force's variation that the motion explains with a spring, and without one; NaN if unknown.
+
+    Both are those of the widest window: it differentiates the readings least, so their noise does not stand for what a
+    model lacks.
+
+    Args:
+        record: position and force.
+        floor: standard deviation of the encoder's noise [m].
+    """
+    sprung, free = _usable(record, floor), _usable(record, floor, spring=False)
+    return (sprung[-1], free[-1]) if sprung else (math.nan, math.nan)
+
+
+def _usable(record: Record, floor: float, *, spring: bool = True) -> list[float]:
+    """``_share`` at each usable window length, from the narrowest to the widest."""
     position, force, averaged = _even(record)
     if position.size < _SHORTEST:
-        return math.nan
+        return []
     sizes = [position.size // windows for windows in _WINDOWS]
-    shares = [_share(position, force, size, floor / math.sqrt(averaged)) for size in sizes if size >= _NARROWEST]
-    known = [share for share in shares if not math.isnan(share)]
-    return max(known, default=math.nan)
+    noise = floor / math.sqrt(averaged)
+    shares = [_share(position, force, size, noise, spring=spring) for size in sizes if size >= _NARROWEST]
+    return [share for share in shares if not math.isnan(share)]
 
 
 def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
@@ -85,13 +104,14 @@ def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
     return position - np.mean(position), force, count
 
 
-def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> float:
+def _share(position: FloatArray, force: FloatArray, size: int, noise: float, *, spring: bool) -> float:
     """Of windows of ``size`` points: 1 − residual over variation of the force, corrected for the numbers fitted and for
-    the noise of a position [m] that the fitted coefficients turn into force.
+    the noise of a position [m] that the fitted coefficients turn into force. Without a spring k is 0.
     """
     u = np.linspace(-1.0, 1.0, size + 2)[1:-1]
     bump, slope = (1.0 - u**2) ** 3, -6.0 * u * (1.0 - u**2) ** 2
     bend = -6.0 * (1.0 - u**2) ** 2 + 24.0 * u**2 * (1.0 - u**2)
+    bend -= bump * np.sum(bend) / np.sum(bump)  # of few points, a position that is constant would be an acceleration
     x, v, a, f = (_windowed(*pair) for pair in ((position, bump), (position, -slope), (position, bend), (force, bump)))
     swing = float(np.ptp(position))
     pressed = (_windowed(bent, bump) for bent in _bent_at_ends(position))
@@ -105,6 +125,8 @@ def _share(position: FloatArray, force: FloatArray, size: int, noise: float) -> 
         return math.nan
     columns = np.column_stack((a, v, x, np.sign(v), np.ones_like(x), *pressed))[moving]
     scale = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
+    if not spring:
+        columns[:, 2] = 0.0
     fitted = np.linalg.lstsq(columns / scale, f[moving], rcond=None)[0] / scale
     left = f[moving] - columns @ fitted
     kernel = fitted[0] * bend - fitted[1] * slope + fitted[2] * bump
