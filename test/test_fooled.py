@@ -137,6 +137,20 @@ def test_a_cart_that_rests_under_the_first_force_was_pushed_before() -> None:
     assert not any("acted before" in said for said in whole.warnings), "here it stepped in the first line"
 
 
+def test_a_cart_that_leaves_its_place_under_the_first_force_is_not_taken_to_rest_under_it() -> None:
+    """An axis without a spring runs on, less for its force than later; a first step is followed by much larger ones."""
+    axis = {"mass": 4e-4, "damping": 2.5e-4, "stiffness": 0.0, "friction_coefficient": 0.0}
+    cases = (
+        (axis, [0.0, 10.0], [-0.03, -0.04]),
+        ({"rig": "ecp"}, [0.0, 3.0, 3.5, 4.0, 4.5], [3.0, 4.0, -9.0, 9.0, -9.0]),
+    )
+    for rig, times, forces in cases:
+        made = simulate({**rig, "force_time": times, "force": forces, "duration": 2.0 * times[1], "rate": 200.0})
+        force = np.array(forces)[np.searchsorted(times, made.time + 1e-9, side="right") - 1]
+        record = from_samples(made.time, force, made.position)
+        assert quality.begins_pushed(record) and not quality.rests_under_force(record)
+
+
 @pytest.mark.parametrize("force", [5.0, -3.0])
 def test_a_release_under_a_constant_force_is_no_step(force: float) -> None:
     displaced = float(np.sign(force)) * 0.03

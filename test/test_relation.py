@@ -67,7 +67,7 @@ def test_a_cart_that_runs_into_stiff_stops_again_and_again_is_not_refused() -> N
 
 
 def test_a_spring_shows_in_the_force_and_none_does_not() -> None:
-    """However coarse the windows: a joint that stands off its zero is not pushed by what a window's weights sum up to."""
+    """However coarse the windows: no joint is pushed by its place because a window's weights do not sum up to 0."""
     time = np.arange(0.0, 6.0, 0.004)
     force = 1.5 * np.sign(np.sin(2.3 * time + 0.1))
     for stiffness in (0.0, 40.0):

@@ -10,11 +10,12 @@ from msd_ident.design import proposing
 from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, same_plant
 from msd_ident.errors import UsageError
 from msd_ident.estimate import explained
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.residuals import impulses
 from msd_ident.selection.structure_search import Progress
 from msd_ident.workflow.options import Options
 from msd_ident.workflow.preparation import Prepared, held_otherwise, prepare
-from msd_ident.workflow.spring_decision import has_spring, hidden_spring
+from msd_ident.workflow.spring_decision import Decision, has_spring, hidden_spring, needless_spring
 
 #: What the best model of a diagnosis may hold, in words.
 _WHOLE = "mass, damping, stiffness and all causes of the library"
@@ -47,15 +48,15 @@ def diagnose(
         )
     progress("looking at the data", 0.01, "")
     prepared = prepare(records)
-    sprung, decided = has_spring(prepared, options)
-    task = _task(prepared, options, sprung, decided)
-    diagnosis = diagnose_records(task, progress, earlier)
+    decision = has_spring(prepared, options)
+    diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if otherwise := held_otherwise(prepared, diagnosis.extended.model):
-        prepared, task = otherwise, _task(otherwise, options, sprung, decided)
-        diagnosis = diagnose_records(task, progress, earlier)
-    if decided and not sprung and (hidden := hidden_spring(diagnosis.extended, diagnosis.records)):
-        task = replace(task, sprung=True, warnings=(*prepared.warnings, hidden))
-        diagnosis = diagnose_records(task, progress, earlier)
+        prepared = otherwise
+        diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
+    if other := _decided_again(decision, diagnosis):
+        now = diagnose_records(_task(prepared, options, other), progress, earlier)
+        if other.sprung or now.extended.see < diagnosis.extended.see / MOST_OF:
+            diagnosis = now
     explained.check(diagnosis.extended.residuals, diagnosis.records, _WHOLE, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
     diagnosis = proposing(replace(diagnosis, turned=prepared.turned))
@@ -69,14 +70,22 @@ def diagnose(
     return diagnosis
 
 
-def _task(prepared: Prepared, options: Options, sprung: bool, decided: tuple[str, ...]) -> Task:
+def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
+    """The other decision on the spring, where the diagnosed model speaks against the one that two fits made."""
+    if not decision.doubtful:
+        return None
+    said = needless_spring(found.extended) if decision.sprung else hidden_spring(found.extended, found.records)
+    return Decision(not decision.sprung, (said,)) if said else None
+
+
+def _task(prepared: Prepared, options: Options, decision: Decision) -> Task:
     """What to diagnose, with or without a spring, and the sentences on why."""
     return Task(
         records=prepared.records,
-        sprung=sprung,
+        sprung=decision.sprung,
         plant=prepared.plant,
         findings=prepared.findings,
-        warnings=prepared.warnings + decided,
+        warnings=prepared.warnings + decision.said,
         ring_down=prepared.ring_down,
         tolerance=options.tolerance,
         rest_before=prepared.rest_before,

@@ -77,9 +77,9 @@ def identify(
     progress("looking at the data", 0.05)
     prepared = prepare(records)
     records, features, form = prepared.records, prepared.features, prepared.form
-    sprung, decided = has_spring(prepared, options)
+    decision = has_spring(prepared, options)
     progress("fitting all parameters", 0.3)
-    joint, shifted = _joint(prepared, sprung, options)
+    joint, shifted = _joint(prepared, decision.sprung, options)
     explained.check(joint.residuals, records, "mass, damping, stiffness and dry friction", prepared.doubtful_units)
     progress("the linear model", 0.6)
     two_peaks = pool(found.two_peak_form for found in features)
@@ -87,7 +87,7 @@ def identify(
     progress("raising the friction", 0.8)
     raised = _raised(records, original) if form is not None and len(records) == 1 else None
     floor = noise_floor(records)
-    warnings = prepared.warnings + decided + _doubts(joint, records, floor)
+    warnings = prepared.warnings + decision.said + _doubts(joint, records, floor)
     progress("done", 1.0)
     return Identification(
         records=records,

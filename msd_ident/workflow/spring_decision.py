@@ -5,6 +5,7 @@ interval.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,7 +41,22 @@ _NOTICEABLE = 0.8
 SPRING_GAIN, SPRING_SHARE = 10.0, 0.05
 
 
-def has_spring(prepared: Prepared, options: Options) -> tuple[bool, tuple[str, ...]]:
+@dataclass(frozen=True)
+class Decision:
+    """Whether the plant has a spring.
+
+    Attributes:
+        sprung: the answer.
+        said: a sentence on why, if the data was asked.
+        doubtful: whether two fits made it, of models that may lack what else acts.
+    """
+
+    sprung: bool
+    said: tuple[str, ...] = ()
+    doubtful: bool = False
+
+
+def has_spring(prepared: Prepared, options: Options) -> Decision:
     """Whether the plant has a spring.
 
     The user's options decide, else a known stiffness, else whether a response gives a standard form, else a regression
@@ -49,20 +65,17 @@ def has_spring(prepared: Prepared, options: Options) -> tuple[bool, tuple[str, .
     Args:
         prepared: records of one rig.
         options: of the user.
-
-    Returns:
-        The decision, and a sentence if a regression or two fits made it.
     """
     if options.model != "auto":
-        return options.model == "spring", ()
+        return Decision(options.model == "spring")
     if (told := known_parameters.values(options.known).get("stiffness")) is not None:
-        return told > 0.0, ()
+        return Decision(told > 0.0)
     if prepared.form is not None:
-        return True, ()
+        return Decision(True)
     if not any(finding.code == "closed_loop" for finding in prepared.findings) and (said := plain(prepared.records)):
-        return True, (said,)
+        return Decision(True, (said,))
     sprung, said = decide(prepared.records, prepared.plant, options.loss)
-    return sprung, (said,)
+    return Decision(sprung, (said,), doubtful=True)
 
 
 def plain(records: tuple[Record, ...]) -> str:
@@ -80,8 +93,8 @@ def plain(records: tuple[Record, ...]) -> str:
     sprung, free = min(shares)
     return (
         "No response shows whether a spring acts; a spring is assumed: with one the motion accounts for "
-        f"{percent_text(100.0 * min(sprung, 1.0))} % of the force's variation, without one for {100.0 * max(free, 0.0):.0f} %. "
-        "If there is none, use --model no_spring."
+        f"{percent_text(100.0 * min(sprung, 1.0))} % of the force's variation, without one for "
+        f"{100.0 * max(free, 0.0):.0f} %. If there is none, use --model no_spring."
     )
 
 
@@ -135,6 +148,24 @@ def hidden_spring(found: FitResult, records: tuple[Record, ...]) -> str:
     )
 
 
+def needless_spring(found: FitResult) -> str:
+    """A sentence if the model of a diagnosis with a spring leaves open whether there is one, else nothing.
+
+    Two fits took what the model lacked, such as friction with a curve, for a spring.
+
+    Args:
+        found: the model of a diagnosis with a spring.
+    """
+    stiffness = found.quantities["stiffness"]
+    if stiffness.known and stiffness.low > 0.0:
+        return ""
+    fitted = f"is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)" if stiffness.known else ""
+    return (
+        f"No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, its stiffness "
+        f"{fitted or 'stays open'}. If there is one, use --model spring."
+    )
+
+
 def _holds(held: FitResult, free: FitResult, records: tuple[Record, ...]) -> bool:
     """Whether the data knows a stiffness, which matters: to the error, or to the forces and the one-step errors.
 
@@ -157,13 +188,15 @@ def _share(held: FitResult, records: tuple[Record, ...]) -> float:
 def _sentence(sprung: bool, held: FitResult, free: FitResult, records: tuple[Record, ...]) -> str:
     """The decision with its odds, and the option that overrides it."""
     stiffness, share = held.quantities["stiffness"], 100.0 * _share(held, records)
-    found = f"fitted, its stiffness is {stiffness.value:.3g} {stiffness.unit}, which the data leaves open"
+    fitted = f"fitted with dry friction alone, its stiffness is {stiffness.value:.3g}"
+    found = f"{fitted} {stiffness.unit}, which the data leaves open"
     if stiffness.known:
         forced = math.isfinite(share)
         # The odds are those of a model that is right but for its spring: beside a large error they are no odds.
-        likelier = f", {_likelihood(stiffness)}" if sprung or stiffness.low <= 0.0 else ""
+        certain = held.see < BEYOND_DOUBT * held.noise_floor if sprung else stiffness.low <= 0.0
+        likelier = f", {_likelihood(stiffness)}" if certain else ""
         found = (
-            f"fitted, its stiffness is {stiffness.value:.3g} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
+            f"{fitted} ± {Z95 * stiffness.std:.2g} {stiffness.unit} (95 %)"
             f"{'' if forced else ' for one unit of mass'}{likelier}"
             f"{f'; it carries {_whole(share)} % of the force' if forced else ''}"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -89,18 +90,18 @@ def test_the_spring_of_a_controlled_cart_is_kept() -> None:
     found = pipeline.identify([controlled()])
     assert found.refined.parameters["stiffness"].value == pytest.approx(30.0, rel=0.05)
     if found.standard_form is None:
-        assert "No response shows whether a spring acts; a spring is assumed: fitted, its stiffness is" in sentences(
-            found
-        )
+        said = "No response shows whether a spring acts; a spring is assumed: fitted with dry friction alone, "
+        assert said in sentences(found)
         assert "If there is none, use --model no_spring." in sentences(found)
 
 
 def test_a_spring_that_the_force_shows_plainly_needs_no_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     record = open_loop(5.0 * np.sin(2.0 * T + 4.0 * T**2) * np.sin(0.7 * T))
     monkeypatch.setattr(spring_decision, "fit", None)
-    sprung, (said,) = spring_decision.has_spring(prepare([record]), pipeline.Options())
-    assert sprung
-    assert said.startswith("No response shows whether a spring acts; a spring is assumed: with one the motion accounts ")
+    decision = spring_decision.has_spring(prepare([record]), pipeline.Options())
+    (said,) = decision.said
+    assert decision.sprung and not decision.doubtful
+    assert said.startswith("No response shows whether a spring acts; a spring is assumed: with one the motion ")
     assert " % of the force's variation, without one for " in said and said.endswith("use --model no_spring.")
     assert spring_decision.plain((open_loop(record.force, stiffness=0.0),)) == ""
 
@@ -112,7 +113,9 @@ def test_an_axis_without_a_spring_is_said_with_its_odds_and_the_option() -> None
     found = pipeline.identify([record])
     assert found.refined.model["stiffness"] == 0.0
     said = next(one for one in found.warnings if "spring" in one)
-    assert said.startswith("No response shows a spring, and none is assumed: fitted, its stiffness is ")
+    assert said.startswith(
+        "No response shows a spring, and none is assumed: fitted with dry friction alone, its stiffness is "
+    )
     assert (
         "(95 %), as likely as none; it carries" in said
         and "% of the force, and without it the error is as large." in said
@@ -199,3 +202,26 @@ def test_a_spring_that_does_what_gravity_would_is_seen_behind_it_and_gravity_is_
         for one in (spring, weight)
     ]
     assert "does what gravity would do: a spring is assumed" in said[0] and said[1] == ""
+
+
+def test_a_spring_that_only_curved_friction_calls_for_is_taken_back(asking_about: Callable[..., None]) -> None:
+    """Beside dry friction alone, friction that falls with speed looks like a weak spring."""
+    asking_about("coulomb_friction", "stribeck_friction", "hysteresis")
+    times, forces = np.array([0.0, 0.5, 2.0, 3.5]), np.array([0.0, 60.0, -60.0, 0.0])
+    made = api.simulate(
+        {"mass": 25.0, "damping": 45.0, "stiffness": 0.0, "friction_coefficient": 0.0, "seed": 3, "rate": 200.0,
+         "effects": {"stribeck_friction": {"coulomb_force": 12.0, "static_force": 24.0, "stribeck_velocity": 0.05}},
+         "duration": 4.0, "encoder": {"counts_per_metre": 0.0, "noise": 1e-5},
+         "force_time": list(times), "force": list(forces)}
+    )  # fmt: skip
+    record = Record(time=made.time, position=made.position, force_time=times, force=forces)
+    first = spring_decision.has_spring(prepare([record]), pipeline.Options())
+    assert first.sprung and first.doubtful and "beyond doubt" not in first.said[0]
+    found = pipeline.diagnose([record])
+    assert [cause.name for cause in found.causes] == ["stribeck_friction"] and found.verdict == "explained"
+    assert found.extended.model["stiffness"] == 0.0
+    (said,) = (one for one in found.warnings if "spring" in one)
+    assert said.startswith(
+        "No response shows a spring, and none is assumed: beside the causes that a diagnosis finds, "
+    )
+    assert said.endswith(" (95 %). If there is one, use --model spring.")

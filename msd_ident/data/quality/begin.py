@@ -17,8 +17,9 @@ from msd_ident.data.record import MINIMUM_SAMPLES, Record
 _PUSH = 0.3
 #: Change of the force, in parts of its range, that ends its first level.
 _CHANGE = 0.05
-#: Motion per force under the first level, relative to that after the next change, below which the cart rests.
-_RESTS = 0.25
+#: Motion per force under the first level, relative to that after the next change, below which the cart rests. And the
+#: part of its whole travel by which it may leave its first place under that level: a response leaves it at once.
+_RESTS, _CREEPS = 0.25, 0.02
 #: Readings of a cart at rest stay within this many noise floors, and one encoder step, of their median.
 _STILL = 5.0
 
@@ -47,7 +48,10 @@ def rests_under_force(record: Record) -> bool:
     if held.size < 5 or after.size < 5:
         return False
     height = abs(float(record.force_at([change])[0]) - first)
-    return float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
+    left = abs(float(np.median(held) - np.median(held[:MINIMUM_SAMPLES])))
+    noise = noise_of(record)
+    stays = left < max(_STILL * noise.floor + noise.step, _CREEPS * float(np.ptp(record.position)))
+    return stays and float(np.ptp(held)) / abs(first) < _RESTS * float(np.ptp(after)) / max(height, _CHANGE * span)
 
 
 def since_before(record: Record) -> Record:
