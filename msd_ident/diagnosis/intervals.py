@@ -60,8 +60,9 @@ def stated(
         rubbing: the set with Coulomb friction too weak to be seen; None where friction acts, or was not tried.
 
     Returns:
-        The same values. Open and fixed parameters keep their standard deviation. If neither mass nor damping nor
-        stiffness is known to within its value, all parameters with a unit of force are open.
+        The same values. Open and fixed parameters keep their standard deviation. A parameter whose standard deviation is
+        more than its whole range is open. If neither mass nor damping nor stiffness is known to within its value, all
+        parameters with a unit of force are.
     """
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     law = _std(_of_laws(fitted, scale.spread(fitted.chi)))[: noise.size]
@@ -77,9 +78,18 @@ def stated(
         name: replace(quantity, std=quantity.std * factor.get(name, 1.0))
         for name, quantity in result.quantities.items()
     }
+    for name in _beyond_range(quantities, fitted):
+        quantities[name] = replace(quantities[name], std=math.nan)
     if not scale_known(quantities):
         quantities |= {name: replace(quantities[name], std=math.nan) for name in result.free if name in FORCES}
     return replace(result, quantities=quantities, covariance=covariance)
+
+
+def _beyond_range(quantities: Mapping[str, Quantity], fitted: Hypothesis) -> list[str]:
+    """Parameters whose standard deviation is more than the range in which a set is fitted: the data says nothing."""
+    problem = fitted.problem
+    ranges = dict(zip(problem.names, (problem.upper - problem.lower).tolist(), strict=True))
+    return [name for name, one in quantities.items() if one.std > ranges.get(name, math.inf)]
 
 
 def at_rest(

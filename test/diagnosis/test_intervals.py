@@ -76,6 +76,21 @@ def test_what_is_open_stays_open(plain: Hypothesis) -> None:
     assert math.isnan(after.quantities["damping"].std) and math.isfinite(after.quantities["mass"].std)
 
 
+def test_what_is_wider_than_its_range_is_open(plain: Hypothesis) -> None:
+    """A loop of 0 N wide is crossed within any force: no number of volts says that."""
+    problem = plain.problem
+    entry = problem.names.index("damping")
+    before = result(plain)
+    wide = 2.0 * before.quantities["damping"].std
+    for upper, known in ((problem.lower[entry] + 0.5 * wide, False), (problem.lower[entry] + 10.0 * wide, True)):
+        bounds = problem.upper.copy()
+        bounds[entry] = upper
+        fitted = replace(plain, problem=replace(problem, upper=bounds))
+        after = intervals.stated(replace(before, model=fitted.model), fitted, (), NoiseScale(plain.chi / 4.0))
+        assert after.quantities["damping"].known is known
+        assert after.quantities["mass"].known
+
+
 def test_the_stiffness_at_rest_has_the_interval_of_the_curve_and_of_its_rivals() -> None:
     """k, k3 and F0 vary together, as their covariance says."""
     k3 = 3e5
