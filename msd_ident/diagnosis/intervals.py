@@ -60,9 +60,9 @@ def stated(
         rubbing: the set with Coulomb friction too weak to be seen; None where friction acts, or was not tried.
 
     Returns:
-        The same values. Open and fixed parameters keep their standard deviation. A parameter whose standard deviation is
-        more than its whole range is open. If neither mass nor damping nor stiffness is known to within its value, all
-        parameters with a unit of force are.
+        The same values. Open and fixed parameters keep their standard deviation. A parameter whose standard deviation
+        is more than its whole range is open. If neither mass nor damping nor stiffness is known to within its value,
+        all parameters with a unit of force are.
     """
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     law = _std(_of_laws(fitted, scale.spread(fitted.chi)))[: noise.size]

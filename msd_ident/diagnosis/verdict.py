@@ -48,6 +48,8 @@ def summary(verdict: Verdict, causes: Sequence[Cause], left: Remainders, heldout
         return f"Mass, damping and stiffness are enough. {_left('With them', left)}"
     if verdict == "unexplained":
         lead = "Something is missing that no cause of the library explains."
+        if left.extended.motion_percent < left.noise_percent:
+            lead = "What is left is less than the noise but not noise alone, and no cause of the library explains it."
         return f"{lead} {_left('With m, b, k', left)} {after}".rstrip()
     them = "it" if len(causes) == 1 else "them"
     said = [

@@ -66,6 +66,8 @@ def test_the_rules_in_their_order(causes: tuple[Cause, ...], remainder: Remainde
           "gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder): no record tells them "
           "apart."]),
         ("unexplained", [], left(4.0), ["Something is missing that no cause of the library explains.", "DEPENDS"]),
+        ("unexplained", [], left(0.04), ["What is left is less than the noise but not noise alone, and no cause of the "
+          "library explains it.", "DEPENDS"]),
         ("adequate", [], left(0.0, seen=False), ["Mass, damping and stiffness are enough.", "consistent with noise"]),
     ],
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from msd_ident.quantity import Quantity
 from msd_ident.workflow import pipeline, spring_decision
 from msd_ident.workflow.identification import Identification
 from msd_ident.workflow.preparation import prepare, typical_plant
-from msd_sim import api
+from msd_sim import api, lottery
 
 STEP = 2e-5
 
@@ -61,6 +62,36 @@ def test_a_closed_loop_is_said_with_its_gain() -> None:
     assert "push with a force that does not depend on the position" in said
 
 
+def led_along_a_sine(frequency: float, seconds: float = 6.0) -> Record:
+    """A disc with an encoder of 10 mrad a count, led along a sine of 20 counts by a PD controller at 200 Hz."""
+    rate, fine, count = 200.0, 20, 0.01
+    inertia, damping = 4e-4, 4e-3
+    angle = speed = 0.0
+    rows, past = [], [0.0, 0.0]
+    for i in range(int(seconds * rate)):
+        reading = count * round(angle / count)
+        torque = 0.3 * (20.0 * count * math.sin(2.0 * math.pi * frequency * i / rate) - reading)
+        torque -= 0.001 * (reading - past[0]) * rate / 2.0
+        past = [past[1], reading]
+        rows.append((i / rate, torque, reading))
+        for _ in range(fine):
+            speed += (torque - damping * speed) / inertia / rate / fine
+            angle += speed / rate / fine
+    led = from_samples(*np.array(rows).T, name="led")
+    return led.window(1.0, led.time[-1])
+
+
+@pytest.mark.parametrize("frequency", [1.0, 2.0, 4.0])
+def test_a_controller_is_seen_in_the_noise_where_its_setpoint_moves_all_the_time(frequency: float) -> None:
+    record = led_along_a_sine(frequency)
+    (said,) = closed(record)
+    gain = float(said.split("(")[1].split()[0])
+    assert -0.45 < gain < -0.15, "0.3 N·m/rad; rounding is not quite noise"
+    (tone,) = (one for one in check(record) if one.code == "single_tone")
+    assert tone.sentence.startswith(f"force and motion are a single tone of {frequency:g} Hz: this record alone shows ")
+    assert tone.sentence.endswith("add records at other frequencies, a sweep or steps")
+
+
 T = np.arange(4000) * 2e-3
 
 
@@ -79,6 +110,19 @@ T = np.arange(4000) * 2e-3
 )
 def test_an_open_loop_is_none(force: np.ndarray) -> None:
     assert closed(open_loop(force)) == []
+
+
+@pytest.mark.parametrize("experiment", ["steps", "sweep", "ramp"])
+def test_no_rig_that_is_pushed_is_taken_to_be_controlled(experiment: str) -> None:
+    """Whatever acts on it, and however its encoder rounds."""
+    for seed, name in enumerate((*lottery.NAMES, None)):
+        draw = lottery.draw(seed, name, seed % 2 == 0, experiment, 250.0, noise=lottery.NOISES[seed % 3])
+        made = api.simulate(draw.spec)
+        force = made.force[np.maximum(np.searchsorted(made.force_time, made.time, side="right") - 1, 0)]
+        for step in (0.0, 0.1 * float(np.ptp(made.position))):
+            read = np.round(made.position / step) * step if step else made.position
+            found = check(from_samples(made.time, force, read))
+            assert not {"closed_loop", "single_tone"} & {one.code for one in found}, (name, seed, step)
 
 
 def test_a_stiff_spring_that_follows_slow_pulses_is_no_controller() -> None:

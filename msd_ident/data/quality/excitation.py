@@ -7,8 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from msd_ident.data.motion import Motion
-from msd_ident.data.quality.finding import Finding, error, info
-from msd_ident.data.record import Record
+from msd_ident.data.quality.finding import Finding, error, info, warning
+from msd_ident.data.record import FloatArray, Record
+
+#: Parts of the variance of force and of motion that lie at one frequency where both are a single tone. A controller that
+#: leads a rig along a sine leaves 0.92 to 1 of the force there, and 0.9994 to 1 of the motion; a square wave 0.81.
+_TONE_OF_FORCE, _TONE_OF_MOTION = 0.9, 0.999
+#: Fewest periods of a tone, and lines of the spectrum on either side of it that a window of Hann spreads it over.
+_PERIODS, _SPREAD = 2, 2
 
 
 def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -46,6 +52,27 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
             "free_decay",
             f"the force is {held} all the time: a free decay, which gives the parameters relative to each other only",
         )
+    elif tone := _single_tone(record):
+        yield warning(
+            "single_tone",
+            f"force and motion are a single tone of {tone:.3g} Hz: this record alone shows k - m·omega² and b, and what "
+            "tells m from k in it may be noise: add records at other frequencies, a sweep or steps",
+        )
+
+
+def _single_tone(record: Record) -> float:
+    """Frequency [Hz] of the only tone in force and motion; 0 if there are more."""
+    line, of_force = _strongest(record.force_at(record.time))
+    same, of_motion = _strongest(record.position)
+    alone = of_force > _TONE_OF_FORCE and of_motion > _TONE_OF_MOTION and line == same >= _PERIODS
+    return line / record.duration if alone else 0.0
+
+
+def _strongest(signal: FloatArray) -> tuple[int, float]:
+    """Line of the strongest tone in the spectrum of a signal (n,), and its part of the variance."""
+    power = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(signal.size))) ** 2
+    line = int(np.argmax(power))
+    return line, float(np.sum(power[max(line - _SPREAD, 0) : line + _SPREAD + 1]) / max(np.sum(power), 1e-300))
 
 
 def _same_signal(record: Record) -> float:
