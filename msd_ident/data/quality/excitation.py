@@ -10,8 +10,8 @@ from msd_ident.data.motion import Motion
 from msd_ident.data.quality.finding import Finding, error, info, warning
 from msd_ident.data.record import FloatArray, Record
 
-#: Parts of the variance of force and of motion that lie at one frequency where both are a single tone. A controller that
-#: leads a rig along a sine leaves 0.92 to 1 of the force there, and 0.9994 to 1 of the motion; a square wave 0.81.
+#: Parts of the variance of force and of motion that lie at one frequency where both are a single tone. A controller
+#: that leads a rig along a sine leaves 0.92 to 1 of the force there, and 0.9994 to 1 of the motion; a square wave 0.81.
 _TONE_OF_FORCE, _TONE_OF_MOTION = 0.9, 0.999
 #: Fewest periods of a tone, and lines of the spectrum on either side of it that a window of Hann spreads it over.
 _PERIODS, _SPREAD = 2, 2
@@ -55,8 +55,8 @@ def excitation(record: Record, motion: Motion) -> Iterator[Finding]:
     elif tone := _single_tone(record):
         yield warning(
             "single_tone",
-            f"force and motion are a single tone of {tone:.3g} Hz: this record alone shows k - m·omega² and b, and what "
-            "tells m from k in it may be noise: add records at other frequencies, a sweep or steps",
+            f"force and motion are a single tone of {tone:.3g} Hz: this record alone shows k - m·omega² and b, and "
+            "what tells m from k in it may be noise: add records at other frequencies, a sweep or steps",
         )
 
 

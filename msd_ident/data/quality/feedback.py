@@ -77,7 +77,8 @@ def _regressed(now: FloatArray, columns: FloatArray) -> tuple[FloatArray, float,
     """Weights (q,) of the columns (n, q), the standard deviation of what they leave of the force's changes (n,), and
     whether that is next to nothing. A new setpoint is a jump of the force without any of the readings: it is left out.
     """
-    weights, rest = np.zeros(columns.shape[1]), now
+    weights: FloatArray = np.zeros(columns.shape[1])
+    rest = now
     kept = np.ones(now.size, dtype=bool)
     for _ in range(3):
         weights = np.linalg.lstsq(columns[kept], now[kept], rcond=None)[0]
