@@ -81,7 +81,7 @@ def _regressed(now: FloatArray, columns: FloatArray) -> tuple[FloatArray, float,
     rest = now
     kept = np.ones(now.size, dtype=bool)
     for _ in range(3):
-        weights = np.linalg.lstsq(columns[kept], now[kept], rcond=None)[0]
+        weights = np.asarray(np.linalg.lstsq(columns[kept], now[kept], rcond=None)[0], dtype=np.float64)
         rest = now - columns @ weights
         kept = np.abs(rest) <= 6.0 * max(MAD * float(np.median(np.abs(rest))), 1e-300)
     left = float(np.std(rest[kept]))
