@@ -36,12 +36,16 @@ _FORCE = {
 }
 _TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: Units in brackets that are none of a position or force.
-_OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa"}
-_RATES = ("/", "^", "²")
-_IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s\d:,])\s*[\])]$")
+_OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa", "mps", "dps", "rpm", "rps"}
+_SYMBOLS = {*_LENGTH, *_FORCE, *_TIME, *_OTHER}
+#: Symbols that are one only in a product: as words alone they are names, such as a least value.
+_IN_PRODUCTS = {"min", "h", "km", "ft"}
+_RATES = ("/", "^", "**", "²", "³", "⁻")
+_IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s:,])\s*[\])]$")
 _ENDING = re.compile(r"(?:_|\s*/\s*)([A-Za-z]+)$")
-#: Signs of a product in a unit: N·m, N*m, N-m, N m.
-_PRODUCT = re.compile(r"[·*\s-]")
+#: Signs of a product in a unit: N·m, N*m, N-m, N.m, N m.
+_PRODUCT = re.compile(r"[·⋅*.\s-]")
+_SYMBOL = re.compile(r"[^\W\d_]+|°")
 
 
 def force_unit(column: str) -> tuple[str, float]:
@@ -74,7 +78,9 @@ def time_factor(column: str) -> float:
 
 def stem(column: str) -> str:
     """Heading without its unit, in lower case."""
-    return _ENDING.sub("", _IN_BRACKETS.sub("", column.strip())).strip().lower()
+    name = column.strip()
+    found = _in_brackets(name)
+    return _ENDING.sub("", name[: found.start()] if found else name).strip().lower()
 
 
 def unit(column: str) -> tuple[str, str]:
@@ -82,25 +88,48 @@ def unit(column: str) -> tuple[str, str]:
 
     The second one is empty for what merely ends the name, which need not be a unit.
     """
-    found = _IN_BRACKETS.search(column.strip())
+    found = _in_brackets(column.strip())
     if found:
-        written = found.group(1)
-        return _PRODUCT.sub("", written.lower().replace("µ", "u").replace("μ", "u")), written
+        return _plain(found.group(1)), found.group(1)
     found = _ENDING.search(column.strip().replace("µ", "u").replace("μ", "u"))
     return (found.group(1).lower(), "") if found else ("", "")
 
 
 def is_unit(text: str) -> bool:
     """Whether a text, with brackets around it or without, is a unit that a heading may have; so is an empty one."""
-    name = _PRODUCT.sub("", text.strip().strip("()[]").lower().replace("µ", "u").replace("μ", "u"))
-    return name in {"", "-", *_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in name for sign in _RATES)
+    name = _plain(text.strip().strip("()[]"))
+    return name in {"", "-", *_SYMBOLS} or any(sign in name for sign in _RATES)
+
+
+def _plain(written: str) -> str:
+    """A unit in lower case without signs of a product, as the tables have it."""
+    return _PRODUCT.sub("", written.lower().replace("µ", "u").replace("μ", "u"))
+
+
+def _in_brackets(column: str) -> re.Match[str] | None:
+    """What stands in brackets at the end of a heading; with a digit at its end, only a power: it may be a channel."""
+    found = _IN_BRACKETS.search(column)
+    return found if found and (not found.group(1)[-1].isdecimal() or _is_power(found.group(1))) else None
+
+
+def _is_power(text: str) -> bool:
+    """Whether a text that ends with a digit is a unit, such as m/s^2, rad/s2, m s-2 or ms-2.
+
+    A symbol and a digit alone are the name of a channel: A1, M2.
+    """
+    symbols = _SYMBOL.findall(text.lower().replace("µ", "u").replace("μ", "u"))
+    joined = [symbol for symbol in symbols if symbol[-1] == "s" and symbol[:-1] in _LENGTH]  # ms-2 is m s-2
+    if not symbols or not all(symbol in {*_SYMBOLS, *_IN_PRODUCTS, *joined} for symbol in symbols):
+        return False
+    signed = any(sign in text for sign in _RATES) or len(symbols) > 1
+    return signed or bool(joined and "-" in text)
 
 
 def _looked_up(
     column: str, known: dict[str, tuple[str, float]], default: tuple[str, float], expected: str, option: str
 ) -> tuple[str, float]:
     name, written = unit(column)
-    other = name in {*_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in written for sign in _RATES)
+    other = name in _SYMBOLS or name[-1:].isdecimal() or any(sign in written for sign in _RATES)
     if written and name not in known and other:
         raise DataError(
             f"column {column} is in {written}; expected {expected}: choose another --{option}, or give --{option}-unit "

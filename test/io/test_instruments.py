@@ -137,6 +137,35 @@ def test_units_in_headings(heading: str, unit: str, factor: float, tmp_path: Pat
     assert record.position[0] == pytest.approx(1000 * factor)
 
 
+@pytest.mark.parametrize(
+    "unit",
+    [
+        *("m/s^2", "m/s2", "m/s**2", "m/s²", "m/s/s", "ms^-2", "ms-2", "m s-2", "m.s^-2", "m·s⁻²", "m*s^-2", "cm/s2"),
+        *("m/s", "m s^-1", "mm/s", "mps", "rad/s", "rad/s^2", "rad s-1", "rads-1", "deg/s", "deg/s2", "°/s", "rpm"),
+        *("1/s", "kg m2", "m^2", "g", "A", "N", "Hz"),
+    ],
+)
+def test_a_heading_with_the_unit_of_something_else_is_no_position(unit: str, tmp_path: Path) -> None:
+    """A phone's recorder writes accelerations in m/s^2; as metres they gave a mass of their own."""
+    path = no_times(tmp_path / "x.csv", f"Linear Acceleration x ({unit})")
+    with pytest.raises(DataError) as refused:
+        read(path, SourceOptions("none", "Linear Acceleration x", rate=100.0))
+    assert f"x ({unit}) is in {unit}; expected a length, an angle or counts: choose another --pos" in str(refused.value)
+
+
+@pytest.mark.parametrize("label", ["2", "A1", "M-1", "Ch 1", "Ch 1/2", "axis 2", "S2", "x1", "0.1", "min", "left"])
+def test_a_label_in_brackets_is_no_unit(label: str, tmp_path: Path) -> None:
+    path = no_times(tmp_path / "x.csv", f"Angle ({label})")
+    assert read(path, SourceOptions("none", f"Angle ({label})", rate=100.0)).position[0] == pytest.approx(1000.0)
+
+
+@pytest.mark.parametrize("unit", ["N·m", "N⋅m", "N*m", "N-m", "N.m", "N m", "Nm"])
+def test_every_sign_of_a_product_makes_a_torque(unit: str, tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    path = write(tmp_path / "x.csv", [f"Time (s),Torque ({unit}),Angle (rad)", *rows])
+    assert read(path, SourceOptions("Torque", "Angle")).force_unit == "N·m"
+
+
 def rounded(lost: tuple[int, ...] = (), jitter: float = 0.0, counter: bool = True) -> list[str]:
     """Lines of 2 000 samples at 887 Hz whose stamps have three decimals."""
     time = np.arange(2000) / 887.1 + jitter * np.random.default_rng(3).uniform(-1.0, 1.0, 2000)
