@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,19 +56,21 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
     read = dict(zip(places, table.columns(places), strict=True))
     time, there, remarks = _times(table, chosen, read, options, str(path))
-    notes = list(remarks)
     position = read[chosen.position][there]
-    x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
+    x_unit, x_factor, x_note = units.of_column(
+        units.POSITION, table.header[chosen.position], options.position_unit, options.position_scale
+    )
     t_x, x = _samples(time, position)
-    x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
+    x = x * x_factor
+    notes = [*remarks, *filter(None, [x_note])]
     if chosen.force is None:
-        f_unit, t_f, f = options.force_unit or units.of_no_force(x_unit), time[:1], np.zeros(1)
+        f_unit, t_f, f = options.as_force[0] or units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:
-        f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
+        heading = table.header[chosen.force]
+        f_unit, f_factor, f_note = units.of_column(units.FORCE, heading, options.force_unit, options.force_scale)
         t_f, f = _samples(time, read[chosen.force][there])
-        f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
-        f_unit = options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m"))
-        notes += constant_force.notes(f"column {table.header[chosen.force]}", f, f_unit, x)
+        f = f * f_factor
+        notes += [*filter(None, [f_note]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
     return from_seconds(
         t_x,
         x,
@@ -77,7 +79,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         hold=options.record_hold,
         hold_known=options.hold != "auto" or chosen.force is None,
         force_unit=f_unit,
-        position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
+        position_unit=x_unit,
         name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),
     )
@@ -251,17 +253,6 @@ def _short(column: str) -> tuple[str, ...]:
     return name.lower(), units.stem(name)
 
 
-def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
-    """Unit and factor that a heading says; the user's unit, where one is given, whatever the heading names."""
-    try:
-        unit, factor = of(column)
-    except DataError:
-        if given:
-            return given, 1.0
-        raise
-    return given or unit, factor
-
-
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The lines that have a value."""
     there = ~np.isnan(values)
@@ -274,8 +265,3 @@ def _scale(given: float | None, named: float, column: str, notes: list[str]) -> 
     if named != 1.0:
         notes.append(f"column {column} was multiplied by {named:g}, as its unit says.")
     return named
-
-
-def _scaled_unit(unit: str, scale: float | None, si: tuple[str, str]) -> str:
-    """Unit after the user's scale: the SI one, as nobody scales to counts or volts."""
-    return unit if scale is None or unit in si else si[0]
