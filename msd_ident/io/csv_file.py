@@ -171,8 +171,11 @@ def _times(
             evidence = "no interval is longer than the period rounded up"
         if even.counted and chosen.counter is not None:
             evidence = f"{table.header[chosen.counter]} numbers the samples"
+        rounding = f"rounded to {even.tick * scale:.3g} s"
+        if even.digits:
+            rounding = f"written with {even.digits} digits, at its end rounded to {even.tick * scale:.3g} s"
         notes.append(
-            f"{heading} is rounded to {even.tick * scale:.3g} s, and {evidence}: the true times are rebuilt, "
+            f"{heading} is {rounding}, and {evidence}: the true times are rebuilt, "
             f"{1.0 / (even.period * scale):.5g} Hz."
         )
         time = even.time

@@ -189,6 +189,36 @@ def test_rounded_stamps_are_no_lost_messages(counter: bool, tmp_path: Path) -> N
     assert f"time_s is rounded to 0.001 s, and {evidence}: the true times are rebuilt, 887.1 Hz." in record.notes
 
 
+def of_digits(rate: float, digits: int, lost: tuple[int, ...] = (), count: int = 600) -> list[str]:
+    """Lines whose stamps have so many digits: rounded ever more coarsely."""
+    rows = [(t, math.sin(3.0 * t)) for i, t in enumerate(np.arange(count) / rate) if i not in lost]
+    return ["time_s,position_m", *(f"{t:.{digits - 1}E},{x:.6f}" for t, x in rows)]
+
+
+@pytest.mark.parametrize(("rate", "digits", "count"), [(29.97, 3, 535), (887.1, 4, 20_000), (100.0, 3, 1500)])
+def test_stamps_of_a_fixed_number_of_digits_are_rebuilt(rate: float, digits: int, count: int, tmp_path: Path) -> None:
+    """A camera's frames at 30 Hz: from 10 s on, three stamps each were the same, and two of them were dropped."""
+    record = of(tmp_path / "x.csv", of_digits(rate, digits, count=count))
+    assert record.samples == count
+    np.testing.assert_allclose(record.time, np.arange(count) / rate, atol=0.3 / rate)
+    assert not [one for one in check(record) if one.code in ("missing_samples", "jitter", "two_rates")]
+    (note,) = record.notes
+    assert note.startswith(f"time_s is written with {digits} digits, at its end rounded to ")
+    assert note.endswith(" s, and the stamps stay within one rounding of even ones: the true times are rebuilt, "
+                         f"{rate:g} Hz.")  # fmt: skip
+
+
+@pytest.mark.parametrize("lost", range(30, 520, 35))
+def test_stamps_of_a_fixed_number_of_digits_with_a_gap_are_left(lost: int) -> None:
+    time = np.array([float(line.split(",")[0]) for line in of_digits(29.97, 3, (lost, lost + 1), 560)[1:]])
+    assert rebuilt(time) is None
+
+
+def test_stamps_of_all_digits_are_left() -> None:
+    assert rebuilt(np.arange(500) / 29.97 + 1e-4 * np.sin(np.arange(500))) is None
+    assert rebuilt(np.arange(500) / 10.0) is None
+
+
 def test_a_counter_tells_what_is_really_lost(tmp_path: Path) -> None:
     record = of(tmp_path / "x.csv", rounded(lost=(700, 701, 702, 1500)))
     assert missing_samples(record) == 4
