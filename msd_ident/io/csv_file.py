@@ -14,11 +14,10 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import constant_force, even_stamps, runs, units
-from msd_ident.io.columns import Columns, open_columns
+from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
 
-_TIME_NAMES = ("time", "t", "stamp", "timestamp")
 _FORCE_NAMES = ("force",)
 _POSITION_NAMES = ("position",)
 
@@ -139,7 +138,7 @@ def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None
     if options.rate is not None:
         return None
     hint = "--time COLUMN, or the sampling rate with --rate HZ where there is no time"
-    return _column(table.header, name, options.time, _TIME_NAMES, hint)
+    return _column(table.header, name, options.time, TIME_NAMES, hint)
 
 
 def _times(

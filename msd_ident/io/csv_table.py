@@ -20,6 +20,7 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
 from msd_ident.io import units
+from msd_ident.io.columns import TIME_NAMES
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
@@ -241,14 +242,31 @@ def _heading(header: str) -> tuple[str, ...]:
 
 
 def _with_units(texts: Sequence[str]) -> str:
-    """The header, which may stand in two lines: the names, and below them a unit for each."""
+    """The header, which may stand in two lines: the names, and below them a unit for each.
+
+    Where the second line has the unit of the time below its name, it may have names of the other columns, as recorders
+    do whose channels (``Analog 1``) are chosen: these are taken, as they say more.
+    """
     last, above = _cells(texts[-1]), _cells(texts[-2]) if len(texts) > 1 else ()
-    if len(above) != len(last) or not all(units.is_unit(cell) for cell in last):
+    if len(above) != len(last):
         return texts[-1]
-    pairs = zip(above, last, strict=True)
-    return (_separator(texts[-1]) or "\t").join(
-        f"{name} ({cell.strip('()[]')})" if cell else name for name, cell in pairs
-    )
+    pairs = list(zip(above, last, strict=True))
+    timed = any(name.lower() in TIME_NAMES and units.is_time(cell) for name, cell in pairs)
+    if not timed and not all(units.is_unit(cell) for cell in last):
+        return texts[-1]
+    return _joined([_with_unit(name, cell) for name, cell in pairs], _separator(texts[-1]) or "\t")
+
+
+def _with_unit(name: str, below: str) -> str:
+    """Name of a column from its cells in two lines."""
+    if not units.is_unit(below):
+        return below
+    return f"{name} ({below.strip('()[]')})" if below else name
+
+
+def _joined(names: Sequence[str], separator: str) -> str:
+    """A line of names, from which ``_cells`` reads them again."""
+    return separator.join(f'"{name}"' if separator in name else name for name in names)
 
 
 def _separator(line: str) -> str | None:

@@ -173,6 +173,11 @@ def time_factor(column: str) -> float:
     return _TIME.get(unit(column)[0], 1.0)
 
 
+def is_time(text: str) -> bool:
+    """Whether a text, with brackets around it or without, is a unit of time."""
+    return _plain(text.strip().strip("()[]")) in _TIME
+
+
 def stem(column: str) -> str:
     """Heading without its unit, in lower case."""
     name = column.strip()

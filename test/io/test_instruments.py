@@ -71,6 +71,31 @@ def test_settings_with_a_value_above_the_names_are_no_numbers(tmp_path: Path) ->
     np.testing.assert_allclose(record.position, X, atol=1e-6)
 
 
+@pytest.mark.parametrize("unit", ["ms", "[ms]", "(ms)"])
+def test_a_unit_of_the_time_stands_above_names_of_the_other_columns(unit: str, tmp_path: Path) -> None:
+    """A drive's recorder names its channels, and below them what each was set to; the times were read as seconds."""
+    head = ["Axis1", "Time,Analog 1,Analog 2,Digital 1", f'{unit},"Droop pulses, by 1",mm,INP']
+    rows = [f"{1000 * t:.1f},{x:.6f},{1000 * x:.6f},0.0" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "drive.csv", [*head, *rows])
+    assert [column.name for column in describe(table).topics] == [
+        "Time (ms)",
+        "Droop pulses, by 1",
+        "Analog 2 (mm)",
+        "INP",
+    ]
+    record = read(table, SourceOptions("none", "Analog 2"))
+    np.testing.assert_allclose(record.time, T, atol=1e-9)
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+    assert "column Time (ms) was multiplied by 0.001, as its unit says." in record.notes
+    assert read(table, SourceOptions("none", "Droop pulses, by 1")).position_unit == "m"
+
+
+def test_names_below_a_title_are_no_units(tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{x:.6f},0.0" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "x.csv", ["Run 1,Channel A,Channel B", "Time,Position,s", *rows])
+    assert [column.name for column in describe(table).topics] == ["Time", "Position", "s"]
+
+
 def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
     path = side_by_side(tmp_path / "runs.csv")
     source = SourceOptions("none", "Angle, Ch 1+2", run="2")
