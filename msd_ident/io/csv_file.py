@@ -246,7 +246,7 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return int(wanted) - 1
     else:
         problem = f"{name} has no column {wanted}"
-    raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")
+    raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which, by heading or number, with {hint}")
 
 
 def _short(column: str) -> tuple[str, ...]:

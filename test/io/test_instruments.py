@@ -16,6 +16,7 @@ from msd_ident.data.quality import check, missing_samples
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import SourceOptions, describe, read, read_all
+from msd_ident.io.channel_header import names_of
 from msd_ident.io.even_stamps import rebuilt
 
 T = np.arange(300) * 0.01
@@ -88,6 +89,59 @@ def test_a_unit_of_the_time_stands_above_names_of_the_other_columns(unit: str, t
     np.testing.assert_allclose(record.position, X, atol=1e-6)
     assert "column Time (ms) was multiplied by 0.001, as its unit says." in record.notes
     assert read(table, SourceOptions("none", "Droop pulses, by 1")).position_unit == "m"
+
+
+def channels(second: str = "0.01", mark: str = ",") -> list[str]:
+    """A header as National Instruments' programs write it, of two channels with times of their own."""
+    head = [
+        "Timestamp,2020-03-16 17:04:51,Timestamp,2020-03-16 17:04:51",
+        f"Interval,0.01,Interval,{second}",
+        'Channel name,"Force",Channel name,"Angle, raw"',
+        'Unit,"V",Unit,"deg"',
+    ]
+    rows = [f"{t:g},0.5,{t:g},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    return [line.replace(",", mark).replace(f"Angle{mark}", "Angle,") for line in [*head, *rows]]
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_a_header_of_the_properties_of_channels_is_read(mark: str, tmp_path: Path) -> None:
+    table = write(tmp_path / "ni.csv", channels(mark=mark))
+    found = describe(table, SourceOptions(position="Angle, raw"))
+    names = ["Time", "Force (V)", "Time of Angle, raw", "Angle, raw (deg)"]
+    assert [column.name for column in found.topics] == names
+    assert (found.messages, found.duration, found.problem) == (300, pytest.approx(2.99), "")
+    record = read(table, SourceOptions(position="Angle, raw"))
+    np.testing.assert_allclose(record.time, T, atol=1e-9)
+    np.testing.assert_allclose(record.position, np.deg2rad(np.round(X, 6)), atol=1e-12)
+    assert (record.force_unit, record.position_unit) == ("V", "rad")
+
+
+def test_channels_with_times_of_their_own_say_whose_they_are(tmp_path: Path) -> None:
+    table = write(tmp_path / "ni.csv", channels(second="0.02"))
+    with pytest.raises(DataError) as refused:
+        read(table, SourceOptions(position="Angle, raw"))
+    words = (
+        "no column called time; the columns are: Time of Force, Force (V), Time of Angle, raw, Angle, raw (deg): say "
+    )
+    assert f"{words}which, by heading or number, with --time COLUMN" in str(refused.value)
+    assert read(table, SourceOptions("none", "Angle, raw", "3")).samples == 300
+
+
+def test_settings_above_the_names_are_no_channels() -> None:
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("0.0", "1.2")]) == (("Time", "Rig 3"), 2)
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("Time", "Position"), ("0.0", "1.2")]) is None
+    assert names_of([("Name", "Rig 3"), ("Time", "Position"), ("0.0", "1.2")]) is None
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("0.0", "1.2", "3.4", "5.6")]) is None
+
+
+def test_two_times_are_told_apart_by_their_number(tmp_path: Path) -> None:
+    rows = [f"{t:.2f},0.5,{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "x.csv", ["t,force,t,position", *rows])
+    with pytest.raises(
+        DataError, match="has 2 columns called time; .*: say which, by heading or number, with --time C"
+    ):
+        read(table)
+    assert read(table, SourceOptions(time="3")).samples == 300
 
 
 def test_names_below_a_title_are_no_units(tmp_path: Path) -> None:
@@ -363,8 +417,8 @@ def test_runs_that_cannot_be_read_name_the_option(options: dict[str, str], words
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({}, "no column called time; the columns are: Position (mm), Temperature (°C): say which with --time COLUMN, "
-         "or the sampling rate with --rate HZ"),
+        ({}, "no column called time; the columns are: Position (mm), Temperature (°C): say which, by heading or "
+         "number, with --time COLUMN, or the sampling rate with --rate HZ"),
         ({"position": "Temperature", "rate": 9.0}, "column Temperature (°C) is in °C; expected a length, an angle or "
          "counts: choose another --position, or give --position-unit and --position-scale"),
         ({"run": "1", "rate": 9.0}, "has no runs side by side; expected a run 1, which is not there: leave --run away"),
@@ -389,7 +443,7 @@ def test_a_unit_given_by_option_beats_a_heading_of_something_else(tmp_path: Path
         (
             {"t": T, "F": X, "x": X},
             {},
-            "x.mat has no column called position; the columns are: t, F, x: say which with --pos",
+            "x.mat has no column called position; the columns are: t, F, x: say which, by heading or number, with --p",
         ),
         (
             {"t": T, "x": X[:250]},
