@@ -20,6 +20,8 @@ from msd_ident.writing import writing_to
 
 _FORCE_NAMES = ("force",)
 _POSITION_NAMES = ("position",)
+#: Columns that an error message names; a measurement program's file may have hundreds.
+_MOST_NAMES = 30
 
 
 @dataclass(frozen=True)
@@ -246,7 +248,13 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return int(wanted) - 1
     else:
         problem = f"{name} has no column {wanted}"
-    raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which, by heading or number, with {hint}")
+    raise DataError(f"{problem}; the columns are: {_listed(header)}: say which, by heading or number, with {hint}")
+
+
+def _listed(header: Sequence[str]) -> str:
+    """The columns for an error message, not more than a line can hold."""
+    more = f" and {len(header) - _MOST_NAMES} more, which msd info lists" if len(header) > _MOST_NAMES else ""
+    return ", ".join(header[:_MOST_NAMES]) + more
 
 
 def _short(column: str) -> tuple[str, ...]:

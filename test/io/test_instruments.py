@@ -372,6 +372,24 @@ def test_structures_and_matrices_of_a_mat_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(record.position, 2 * X)
 
 
+def test_arrays_of_structures_and_cells_in_a_mat_file(tmp_path: Path) -> None:
+    """A measurement program keeps its channels in a structure's array of structures; one of 600 was offered."""
+    channels = np.zeros(40, dtype=[("Name", object), ("Data", object)])
+    for i, channel in enumerate(channels):
+        channel["Name"], channel["Data"] = f"ch {i}", np.zeros(0) if i == 0 else i * X
+    cells = np.empty(2, dtype=object)
+    cells[:] = [T, 3.0 * X]
+    path = mat(tmp_path / "x.mat", rig={"log": {"of": channels}}, parts=cells)
+    names = [topic.name for topic in describe(path).topics]
+    assert names == [*(f"rig.log.of({i}).Data" for i in range(2, 41)), "parts{1}", "parts{2}"]
+    record = read(path, SourceOptions("none", "rig.log.of(3).Data", "parts{1}"))
+    np.testing.assert_array_equal(record.position, 2.0 * X)
+    np.testing.assert_array_equal(read(path, SourceOptions("none", "parts{2}", rate=100.0)).position, 3.0 * X)
+    with pytest.raises(DataError) as refused:
+        read(path)
+    assert ", rig.log.of(31).Data and 11 more, which msd info lists: say which, by heading" in str(refused.value)
+
+
 def test_a_mat_file_of_version_7_3(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "x.mat"
