@@ -43,16 +43,25 @@ RunOption = Annotated[
         "--run", metavar="N|all", help="run to use, in a table with several side by side; all: each is a record"
     ),
 ]
-ForceScaleOption = Annotated[float | None, source_option(help="factor from the source's force to the force unit")]
+ForceScaleOption = Annotated[
+    float | None, source_option(help="factor from the source's force to --force-unit, or to the record's unit without")
+]
 PositionScaleOption = Annotated[
     float | None,
-    source_option(help="factor from the source's position to the position unit; negative inverts the sign"),
+    source_option(
+        help="factor from the source's position to --position-unit (m or rad without); negative inverts the sign"
+    ),
 ]
 TimeScaleOption = Annotated[float | None, source_option(help="factor from the time column to seconds")]
 ForceUnitOption = Annotated[
-    str, source_option(help="force unit after scaling: N or N·m; any other (e.g. V) means that the gain is unknown")
+    str,
+    source_option(
+        help="force unit after scaling: N or N·m (kN becomes N); any other (e.g. V) means that the gain is unknown"
+    ),
 ]
-PositionUnitOption = Annotated[str, source_option(help="position unit after scaling: m, rad or count")]
+PositionUnitOption = Annotated[
+    str, source_option(help="position unit after scaling: m, rad or count; deg becomes rad, mm, cm, um and in become m")
+]
 HoldOption = Annotated[
     str,
     source_option(

@@ -60,7 +60,7 @@ def table(path: Path, source: SourceOptions) -> Simulation:
     from msd_ident.external import TableSimulation
     from msd_ident.io import SourceOptions, read
 
-    plain = SourceOptions(force="none", position_unit=source.position_unit)
+    plain = SourceOptions(force="none", position_unit=source.as_position[0])
     try:
         found = read(path, plain)
     except (DataError, UsageError):

@@ -12,6 +12,9 @@ from typing import Protocol
 
 from msd_ident.data.record import FloatArray
 
+#: Names of a time column, in lower case and without their unit.
+TIME_NAMES = ("time", "t", "stamp", "timestamp")
+
 #: Endings of files of columns, by which ``msd batch`` finds them in folders.
 SUFFIXES = (".csv", ".mat")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,13 +14,14 @@ from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import constant_force, even_stamps, runs, units
-from msd_ident.io.columns import Columns, open_columns
+from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
 
-_TIME_NAMES = ("time", "t", "stamp", "timestamp")
 _FORCE_NAMES = ("force",)
 _POSITION_NAMES = ("position",)
+#: Columns that an error message names; a measurement program's file may have hundreds.
+_MOST_NAMES = 30
 
 
 @dataclass(frozen=True)
@@ -56,19 +57,21 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
     places = [p for p in (chosen.position, chosen.time, chosen.force, chosen.counter) if p is not None]
     read = dict(zip(places, table.columns(places), strict=True))
     time, there, remarks = _times(table, chosen, read, options, str(path))
-    notes = list(remarks)
     position = read[chosen.position][there]
-    x_unit, x_factor = _unit(units.position_unit, table.header[chosen.position], options.position_unit)
+    x_unit, x_factor, x_note = units.of_column(
+        units.POSITION, table.header[chosen.position], options.position_unit, options.position_scale
+    )
     t_x, x = _samples(time, position)
-    x = x * _scale(options.position_scale, x_factor, table.header[chosen.position], notes)
+    x = x * x_factor
+    notes = [*remarks, *filter(None, [x_note])]
     if chosen.force is None:
-        f_unit, t_f, f = options.force_unit or units.of_no_force(x_unit), time[:1], np.zeros(1)
+        f_unit, t_f, f = options.as_force[0] or units.of_no_force(x_unit), time[:1], np.zeros(1)
     else:
-        f_unit, f_factor = _unit(units.force_unit, table.header[chosen.force], options.force_unit)
+        heading = table.header[chosen.force]
+        f_unit, f_factor, f_note = units.of_column(units.FORCE, heading, options.force_unit, options.force_scale)
         t_f, f = _samples(time, read[chosen.force][there])
-        f = f * _scale(options.force_scale, f_factor, table.header[chosen.force], notes)
-        f_unit = options.force_unit or _scaled_unit(f_unit, options.force_scale, ("N", "N·m"))
-        notes += constant_force.notes(f"column {table.header[chosen.force]}", f, f_unit, x)
+        f = f * f_factor
+        notes += [*filter(None, [f_note]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
     return from_seconds(
         t_x,
         x,
@@ -77,7 +80,7 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         hold=options.record_hold,
         hold_known=options.hold != "auto" or chosen.force is None,
         force_unit=f_unit,
-        position_unit=options.position_unit or _scaled_unit(x_unit, options.position_scale, ("m", "rad")),
+        position_unit=x_unit,
         name=Path(path).name + (f" run {options.run}" if options.run not in ("", runs.ALL) else ""),
         notes=tuple(notes),
     )
@@ -137,7 +140,7 @@ def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None
     if options.rate is not None:
         return None
     hint = "--time COLUMN, or the sampling rate with --rate HZ where there is no time"
-    return _column(table.header, name, options.time, _TIME_NAMES, hint)
+    return _column(table.header, name, options.time, TIME_NAMES, hint)
 
 
 def _times(
@@ -169,8 +172,11 @@ def _times(
             evidence = "no interval is longer than the period rounded up"
         if even.counted and chosen.counter is not None:
             evidence = f"{table.header[chosen.counter]} numbers the samples"
+        rounding = f"rounded to {even.tick * scale:.3g} s"
+        if even.digits:
+            rounding = f"written with {even.digits} digits, at its end rounded to {even.tick * scale:.3g} s"
         notes.append(
-            f"{heading} is rounded to {even.tick * scale:.3g} s, and {evidence}: the true times are rebuilt, "
+            f"{heading} is {rounding}, and {evidence}: the true times are rebuilt, "
             f"{1.0 / (even.period * scale):.5g} Hz."
         )
         time = even.time
@@ -242,24 +248,19 @@ def _column(header: Sequence[str], name: str, wanted: str, default: Collection[s
         return int(wanted) - 1
     else:
         problem = f"{name} has no column {wanted}"
-    raise DataError(f"{problem}; the columns are: {', '.join(header)}: say which with {hint}")
+    raise DataError(f"{problem}; the columns are: {_listed(header)}: say which, by heading or number, with {hint}")
+
+
+def _listed(header: Sequence[str]) -> str:
+    """The columns for an error message, not more than a line can hold."""
+    more = f" and {len(header) - _MOST_NAMES} more, which msd info lists" if len(header) > _MOST_NAMES else ""
+    return ", ".join(header[:_MOST_NAMES]) + more
 
 
 def _short(column: str) -> tuple[str, ...]:
     """Shorter names that a heading goes by: without its unit, and without its run."""
     name, _ = runs.split(column.strip())
     return name.lower(), units.stem(name)
-
-
-def _unit(of: Callable[[str], tuple[str, float]], column: str, given: str) -> tuple[str, float]:
-    """Unit and factor that a heading says; the user's unit, where one is given, whatever the heading names."""
-    try:
-        unit, factor = of(column)
-    except DataError:
-        if given:
-            return given, 1.0
-        raise
-    return given or unit, factor
 
 
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -274,8 +275,3 @@ def _scale(given: float | None, named: float, column: str, notes: list[str]) -> 
     if named != 1.0:
         notes.append(f"column {column} was multiplied by {named:g}, as its unit says.")
     return named
-
-
-def _scaled_unit(unit: str, scale: float | None, si: tuple[str, str]) -> str:
-    """Unit after the user's scale: the SI one, as nobody scales to counts or volts."""
-    return unit if scale is None or unit in si else si[0]

@@ -7,7 +7,6 @@ names the line that cannot be read.
 from __future__ import annotations
 
 import codecs
-import csv
 import math
 import re
 from collections.abc import Sequence
@@ -19,16 +18,19 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
-from msd_ident.io import units
+from msd_ident.io import channel_header, units
+from msd_ident.io.cells import cells_of, is_number, joined, separator_of
+from msd_ident.io.columns import TIME_NAMES
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
-_SEPARATORS = (";", "\t", ",")
 _COMMENTS = ("#", "%", "//")
 #: What programs write for a missing number, in lower case. Below the last number of a column it is padding.
 _MISSING = {"na", "nan", "n/a"}
 #: The same word of spreadsheets, which begins like a comment.
 _HASHED = re.compile("#N/A", re.IGNORECASE)
+#: Lines in which a header of keys and values is looked for.
+_HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
 _AHEAD = 2000
 #: A matrix in MATLAB's notation: brackets around the numbers, a semicolon at the end of each line.
@@ -162,6 +164,8 @@ class Table:
 
     def _find_layout(self) -> Layout:
         """Read the header, which is the last text before the numbers, and the first line of numbers."""
+        if (found := self._of_channels()) is not None:
+            return found
         comment, texts = "", list[str]()
         position = number = 0
         while position < len(self._text):
@@ -184,12 +188,22 @@ class Table:
         said = "one line" if len(texts) == 1 else "no line of numbers"
         raise DataError(f"{self._path} has {said}; {expected}")
 
+    def _of_channels(self) -> Layout | None:
+        """Layout of a file whose header is a line for each property of the channels."""
+        lines = [line.strip() for line in self._text.split("\n", _HEADER_LINES)[:_HEADER_LINES]]
+        found = channel_header.names_of(cells_of(line) for line in lines)
+        if found is None:
+            return None
+        names, first_at = found
+        header = joined(names, separator_of(lines[first_at]) or "\t")
+        return self._layout(header, lines[first_at], first_at, "\n".join(lines[first_at + 1 :]))
+
     def _names(self, header: str, first: str) -> tuple[str, ...]:
         """Names of the columns: their numbers, from 1 on, in a file without a header."""
         if not header:
-            return tuple(str(place) for place in range(1, len(_cells(first)) + 1))
-        names = _cells(header)
-        if _separator(header) is None and len(names) != len(first.split()):
+            return tuple(str(place) for place in range(1, len(cells_of(first)) + 1))
+        names = cells_of(header)
+        if separator_of(header) is None and len(names) != len(first.split()):
             names = tuple(re.split(r"\s{2,}", header.strip()))  # names with spaces in them
         if len(names) < 2:
             raise DataError(
@@ -204,7 +218,7 @@ class Table:
             heading = _heading(header)
             names = heading if header and len(heading) == 1 else ("1",)  # several cells are a title
             return Layout(names, first_at, None, decimal_comma=any("," in line for line in numbers))
-        separator = _separator(header or first)
+        separator = separator_of(header or first)
         comma = separator != "," and any("," in line for line in numbers)
         return Layout(self._names(header, first), first_at, separator, decimal_comma=comma)
 
@@ -215,14 +229,14 @@ def _holds_numbers(line: str, header: str, rest: str) -> bool:
     It begins with one, or has one and as many cells as the header above, which are names. A number alone is a column
     where the rest has one cell a line too; several above such a column are settings, and so are names with a value.
     """
-    cells, below, names = _cells(line), _contents(rest), _cells(header)
-    found = [_is_number(cell) for cell in cells if cell]
-    single = [_cells(one) for one in below]
+    cells, below, names = cells_of(line), _contents(rest), cells_of(header)
+    found = [is_number(cell) for cell in cells if cell]
+    single = [cells_of(one) for one in below]
     if len(cells) == 1:
         return any(found) and all(len(one) == 1 for one in single)
-    if len(single) > 1 and all(len(one) == 1 and _is_number(one[0]) for one in single):
+    if len(single) > 1 and all(len(one) == 1 and is_number(one[0]) for one in single):
         return False
-    return any(found) and (found[0] or (len(cells) == len(names) and not any(map(_is_number, names))))
+    return any(found) and (found[0] or (len(cells) == len(names) and not any(map(is_number, names))))
 
 
 def _contents(text: str) -> list[str]:
@@ -232,43 +246,35 @@ def _contents(text: str) -> list[str]:
 
 def _is_one_column(header: str, first: str) -> bool:
     """Whether the numbers that begin with the line ``first`` are one column; a comma may be its decimal mark."""
-    return len(_cells(first)) == 1 or (bool(header) and len(_heading(header)) == 1 and _is_number(first))
+    return len(cells_of(first)) == 1 or (bool(header) and len(_heading(header)) == 1 and is_number(first))
 
 
 def _heading(header: str) -> tuple[str, ...]:
     """Cells of a header, in which white space is part of a name."""
-    return _cells(header) if _separator(header) is not None else (header.strip().strip('"'),)
+    return cells_of(header) if separator_of(header) is not None else (header.strip().strip('"'),)
 
 
 def _with_units(texts: Sequence[str]) -> str:
-    """The header, which may stand in two lines: the names, and below them a unit for each."""
-    last, above = _cells(texts[-1]), _cells(texts[-2]) if len(texts) > 1 else ()
-    if len(above) != len(last) or not all(units.is_unit(cell) for cell in last):
+    """The header, which may stand in two lines: the names, and below them a unit for each.
+
+    Where the second line has the unit of the time below its name, it may have names of the other columns, as recorders
+    do whose channels (``Analog 1``) are chosen: these are taken, as they say more.
+    """
+    last, above = cells_of(texts[-1]), cells_of(texts[-2]) if len(texts) > 1 else ()
+    if len(above) != len(last):
         return texts[-1]
-    pairs = zip(above, last, strict=True)
-    return (_separator(texts[-1]) or "\t").join(
-        f"{name} ({cell.strip('()[]')})" if cell else name for name, cell in pairs
-    )
+    pairs = list(zip(above, last, strict=True))
+    timed = any(name.lower() in TIME_NAMES and units.is_time(cell) for name, cell in pairs)
+    if not timed and not all(units.is_unit(cell) for cell in last):
+        return texts[-1]
+    return joined([_with_unit(name, cell) for name, cell in pairs], separator_of(texts[-1]) or "\t")
 
 
-def _separator(line: str) -> str | None:
-    """What stands between the cells of a line, ``None`` for white space."""
-    return next((mark for mark in _SEPARATORS if mark in line), None)
-
-
-def _cells(line: str) -> tuple[str, ...]:
-    separator = _separator(line)
-    if separator is not None and '"' in line:
-        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
-    return tuple(cell.strip().strip('"') for cell in line.split(separator))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
+def _with_unit(name: str, below: str) -> str:
+    """Name of a column from its cells in two lines."""
+    if not units.is_unit(below):
+        return below
+    return f"{name} ({below.strip('()[]')})" if below else name
 
 
 def _read_text(path: Path) -> str:

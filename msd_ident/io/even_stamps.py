@@ -5,6 +5,9 @@ A data logger samples at a fixed rate and writes the time with three decimals. A
 straight line over the whole record: no lost sample and no jitter could do that. Where the clock drifts, the stamps stay
 within one rounding of their own running straight line. A counter shows that none is lost, or that no interval is longer
 than the period rounded up: behind a lost sample the stamps would be a whole period off that line.
+
+Stamps with a fixed number of digits (``%.2E``) are rounded ever more coarsely, by a decade each. They are rebuilt where
+each stays within its own rounding of the straight line; the fine ones at the begin fix it.
 """
 
 from __future__ import annotations
@@ -26,8 +29,10 @@ _SPAN = 1.1
 _BENT_SPAN = 1.5
 #: Samples of a running straight line, and the part of the period by which a drifting clock may change it.
 _RUNNING, _DRIFT = 401, 0.01
-#: Decimal places that are looked for, from thousands to nanos.
-_DECIMALS = range(3, -10, -1)
+#: Decimal places that are looked for, from thousands to nanos, and numbers of digits.
+_DECIMALS, _DIGITS = range(3, -10, -1), range(2, 8)
+#: Part of the period by which a clock may jitter where the rounding is finer than that.
+_JITTER = 0.05
 
 
 @dataclass(frozen=True)
@@ -36,10 +41,11 @@ class Rebuilt:
 
     Attributes:
         time: (n,) as even as the counter is, in the unit of the stamps.
-        tick: what the stamps were rounded to.
+        tick: what the stamps were rounded to; the last and coarsest rounding of stamps of a fixed number of digits.
         period: mean interval between samples.
         counted: whether a counter is the evidence.
         straight: whether the stamps stay within one rounding of one straight line; else the clock drifts.
+        digits: fixed number of digits that the stamps have, 0 for a fixed number of decimals.
     """
 
     time: FloatArray
@@ -47,6 +53,7 @@ class Rebuilt:
     period: float
     counted: bool
     straight: bool = True
+    digits: int = 0
 
 
 def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | None:
@@ -63,9 +70,15 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
         return None
     counted = counter is not None and _counts(counter)
     number = counter - counter[0] if counter is not None and counted else np.arange(float(time.size))
-    duration = float(time[-1] - time[0])
-    tick = _tick(time)
-    if duration <= 0.0 or not _COARSE * duration / number[-1] < tick < _COARSEST * duration:
+    if time[-1] <= time[0]:
+        return None
+    return _of_decimals(time, number, counted) or _of_digits(time, number, counted)
+
+
+def _of_decimals(time: FloatArray, number: FloatArray, counted: bool) -> Rebuilt | None:
+    """Times from stamps (n,) of samples (n,) that all have the same decimals."""
+    duration, tick = float(time[-1] - time[0]), _tick(time)
+    if not _COARSE * duration / number[-1] < tick < _COARSEST * duration:
         return None
     period, start = np.polyfit(number, time, 1)
     line = start + period * number
@@ -84,6 +97,35 @@ def rebuilt(time: FloatArray, counter: FloatArray | None = None) -> Rebuilt | No
             return None
         line = line + running
     return Rebuilt(line, tick, float(period), counted, straight)
+
+
+def _of_digits(time: FloatArray, number: FloatArray, counted: bool) -> Rebuilt | None:
+    """Times from stamps (n,) of samples (n,) that all have the same number of digits."""
+    digits, ticks = _ticks_of_digits(time)
+    duration, tick = float(time[-1] - time[0]), float(np.max(ticks))
+    mean = duration / number[-1]
+    if not digits or tick == np.min(ticks) or not _COARSE * mean < tick < _COARSEST * duration:
+        return None
+    allowed = np.maximum(0.5 * _SPAN * ticks, _JITTER * mean)
+    period, start = np.polyfit(number, time, 1, w=1.0 / allowed)
+    line = start + period * number
+    off = np.abs(time - line)
+    if period <= 0.0 or float(np.max(off)) < 1e-3 * tick or bool(np.any(off > allowed)):
+        return None
+    return Rebuilt(line, tick, float(period), counted, digits=digits)
+
+
+def _ticks_of_digits(time: FloatArray) -> tuple[int, FloatArray]:
+    """Fewest digits that all stamps (n,) can be written with, and what each is rounded to; 0 for more than a few."""
+    size = np.abs(time)
+    size = np.where(size > 0.0, size, np.min(size[size > 0.0]))  # a zero has no decade: that of the smallest
+    decade = np.floor(np.log10(size) + 1e-12)
+    for digits in _DIGITS:
+        ticks = 10.0 ** (decade - (digits - 1))
+        places = time / ticks
+        if float(np.max(np.abs(places - np.rint(places)))) < 1e-6:
+            return digits, ticks
+    return 0, np.zeros_like(time)
 
 
 def _none_lost(time: FloatArray, period: float, tick: float) -> bool:

@@ -1,7 +1,9 @@
 """MAT files of MATLAB and Octave: variables as named columns.
 
 Versions 4 to 7 are read by scipy; version 7.3 is an HDF5 file and needs h5py, an extra of this package. Members of a
-structure are called ``name.member``, columns of a matrix ``name(:,1)``, as MATLAB calls them.
+structure are called ``name.member``, those in an array of structures ``name(3).member``, the parts of a cell array
+``name{3}`` and columns of a matrix ``name(:,1)``, as MATLAB calls them. Arrays of structures and cells of version 7.3
+are not followed.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ from msd_ident.errors import DataError, SetupError
 _MAGIC = b"MATLAB "
 #: Columns of a matrix that are offered; an image has more.
 _MOST_COLUMNS = 50
-#: Structures in structures are followed so deep.
-_DEEPEST = 5
+#: Structures, and arrays of them, are followed so deep in each other.
+_DEEPEST = 8
 #: What scipy raises on files that were cut off or are no MAT files.
 _BROKEN = (OSError, ValueError, TypeError, IndexError, KeyError, MemoryError, OverflowError)
 
@@ -132,7 +134,12 @@ def _vectors(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Float
             yield from _vectors(f"{name}.{member}", item, depth + 1)
         return
     array = np.asarray(value)
-    if array.dtype.kind not in "buif":
+    if array.dtype == object and array.ndim and depth < _DEEPEST:
+        for i, item in enumerate(array.ravel(order="F")):
+            place = f"({i + 1})" if hasattr(item, "_fieldnames") else f"{{{i + 1}}}"
+            yield from _vectors(f"{name}{place}", item, depth + 1)
+        return
+    if array.dtype.kind not in "buif" or not array.size:
         return
     array = np.squeeze(array).astype(np.float64)
     if array.ndim == 1:

@@ -179,15 +179,18 @@ def read_bag(path: str | os.PathLike[str], options: SourceOptions, on_progress: 
     ns_x, x = signals[0].samples()
     ns_f, f = signals[1].samples() if force is not None else (ns_x.min(keepdims=True), np.zeros(1))
     notes = [note for signal in signals for note in signal.notes]
-    position_unit = options.position_unit or bag.custom_data.get(POSITION_UNIT, "m")
+    (f_unit, f_factor), (x_unit, x_factor) = options.as_force, options.as_position
+    position_unit = x_unit or bag.custom_data.get(POSITION_UNIT, "m")
     plain = "N" if force is not None else units.of_no_force(position_unit)
-    force_unit = options.force_unit or bag.custom_data.get(FORCE_UNIT, plain)
-    f = f * _factor(options.force_scale)
+    force_unit = f_unit or bag.custom_data.get(FORCE_UNIT, plain)
+    f = f * f_factor
+    notes += filter(None, [units.option_note(units.POSITION, options.position_unit, position.label)])
     if force is not None:
+        notes += filter(None, [units.option_note(units.FORCE, options.force_unit, force.label)])
         notes += constant_force.notes(force.label, f, force_unit, x)
     return from_stamps(
         ns_x,
-        x * _factor(options.position_scale),
+        x * x_factor,
         ns_f,
         f,
         hold=options.record_hold,
@@ -257,10 +260,6 @@ def _missing_in_sequence(batches: Iterable[tuple[int, int]]) -> tuple[int, int]:
             gaps += 1
         expected = sequence + size
     return lost, gaps
-
-
-def _factor(scale: float | None) -> float:
-    return 1.0 if scale is None else scale
 
 
 def _name(path: Path) -> str:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from msd_ident.data.record import Hold
 from msd_ident.errors import UsageError
+from msd_ident.io import units
 
 #: Words for ``SourceOptions.hold``.
 HOLDS = ("auto", "zero", "linear", "band_limited")
@@ -33,8 +34,9 @@ class SourceOptions:
             name says, else 1. A negative factor changes the sign.
         position_scale: the same for the position.
         time_scale: factor from the numbers of the time column to seconds; ``None`` as above.
-        force_unit: ``N``, ``N·m``, ``V`` …; empty for what the source says.
-        position_unit: ``m``, ``rad``, ``count``; empty for what the source says.
+        force_unit: of the numbers after scaling: ``N``, ``N·m``, ``V`` …; empty for what the source says. The record
+            is in N, N·m, V or A where it is a multiple of one (``kN``).
+        position_unit: the same for the position: ``m``, ``rad``, ``count``; ``mm`` becomes m, ``deg`` becomes rad.
         hold: how the force goes on between its samples: ``zero`` (held), ``linear``, ``band_limited`` (no faster than
             its samples tell), or ``auto``: held for topics, asked of the data for a table's force on the position's
             stamps.
@@ -42,7 +44,8 @@ class SourceOptions:
         end: end of that part [s].
 
     Raises:
-        UsageError: a scale is 0 or not finite, a rate or a run that is none, or the window is empty.
+        UsageError: a scale is 0 or not finite, or converts what the unit converts too, a rate or a run that is none, or
+            the window is empty.
     """
 
     force: str = ""
@@ -64,6 +67,11 @@ class SourceOptions:
             scale = getattr(self, name)
             if scale is not None and (scale == 0 or not math.isfinite(scale)):
                 raise UsageError(f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0")
+        for quantity, unit, scale in (
+            (units.FORCE, self.force_unit, self.force_scale),
+            (units.POSITION, self.position_unit, self.position_scale),
+        ):
+            units.of_option(quantity, unit, scale)  # refuses a scale that converts what the unit converts
         if self.rate is not None and not (self.rate > 0.0 and math.isfinite(self.rate)):
             raise UsageError(f"rate is {self.rate:g}; expected a sampling rate above 0, e.g. --rate 100")
         if self.rate is not None and self.time:
@@ -83,6 +91,16 @@ class SourceOptions:
     def no_force(self) -> bool:
         """Whether the record is a free decay."""
         return self.force.strip().lower() == NO_FORCE
+
+    @property
+    def as_force(self) -> tuple[str, float]:
+        """Unit of the record for ``force_unit``, empty where that is, and factor from the source's numbers to it."""
+        return units.of_option(units.FORCE, self.force_unit, self.force_scale)
+
+    @property
+    def as_position(self) -> tuple[str, float]:
+        """The same for ``position_unit``."""
+        return units.of_option(units.POSITION, self.position_unit, self.position_scale)
 
     @property
     def record_hold(self) -> Hold:

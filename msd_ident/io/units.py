@@ -1,11 +1,13 @@
-"""Units that a column's heading ends with: ``position_mm``, ``control_effort_v``, ``Angle (rad)``, ``Time [s]``."""
+"""Units that a column's heading ends with (``position_mm``, ``control_effort_v``, ``Angle (rad)``), or an option."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
 
-from msd_ident.errors import DataError
+from msd_ident.errors import DataError, UsageError
 
 #: Ending of a heading → unit of the record and factor to it.
 _LENGTH = {
@@ -16,9 +18,12 @@ _LENGTH = {
     "in": ("m", 0.0254),
     "inch": ("m", 0.0254),
     "rad": ("rad", 1.0),
+    "radian": ("rad", 1.0),
+    "radians": ("rad", 1.0),
     "mrad": ("rad", 1e-3),
     "deg": ("rad", math.pi / 180),
     "°": ("rad", math.pi / 180),
+    "degree": ("rad", math.pi / 180),
     "degrees": ("rad", math.pi / 180),
     "count": ("count", 1.0),
     "counts": ("count", 1.0),
@@ -36,30 +41,126 @@ _FORCE = {
 }
 _TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: Units in brackets that are none of a position or force.
-_OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa"}
-_RATES = ("/", "^", "²")
-_IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s\d:,])\s*[\])]$")
+_OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa", "mps", "dps", "rpm", "rps"}
+_SYMBOLS = {*_LENGTH, *_FORCE, *_TIME, *_OTHER}
+#: Symbols that are one only in a product: as words alone they are names, such as a least value.
+_IN_PRODUCTS = {"min", "h", "km", "ft"}
+_RATES = ("/", "^", "**", "²", "³", "⁻")
+_IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s:,])\s*[\])]$")
 _ENDING = re.compile(r"(?:_|\s*/\s*)([A-Za-z]+)$")
-#: Signs of a product in a unit: N·m, N*m, N-m, N m.
-_PRODUCT = re.compile(r"[·*\s-]")
+#: Signs of a product in a unit: N·m, N*m, N-m, N.m, N m.
+_PRODUCT = re.compile(r"[·⋅*.\s-]")
+_SYMBOL = re.compile(r"[^\W\d_]+|°")
 
 
-def force_unit(column: str) -> tuple[str, float]:
-    """Unit and factor to it of a force column; newtons where the heading does not say.
+@dataclass(frozen=True)
+class Quantity:
+    """A force or a position: the units that it may have.
+
+    Attributes:
+        option: name in the options, ``force`` or ``position``.
+        known: unit in lower case, without signs of a product → unit of the record, and factor to it.
+        default: unit where neither heading nor option says one.
+        plain: units of a record in SI; the first is that of a scaled column whose heading says none of them.
+        expected: what it is, in words.
+    """
+
+    option: str
+    known: Mapping[str, tuple[str, float]]
+    default: str
+    plain: tuple[str, str]
+    expected: str
+
+
+FORCE = Quantity("force", _FORCE, "N", ("N", "N·m"), "a force, a torque, a voltage or a current")
+POSITION = Quantity("position", _LENGTH, "m", ("m", "rad"), "a length, an angle or counts")
+
+
+def of_option(quantity: Quantity, given: str, scale: float | None) -> tuple[str, float]:
+    """Unit of the record for one that an option names, such as ``deg``, and factor from the source's numbers to it.
+
+    The scale leads to the named unit; from there the unit's own factor leads to that of the record.
+
+    Args:
+        quantity: force or position.
+        given: the option's unit; one that is not known stays as it is.
+        scale: factor that the user gives, or ``None``.
 
     Raises:
-        DataError: its unit, in brackets, is that of something else.
+        UsageError: the scale is the factor of the unit, which would be applied twice.
     """
-    return _looked_up(column, _FORCE, ("N", 1.0), "a force, a torque, a voltage or a current", "force")
+    unit, factor = quantity.known.get(_plain(given), (given, 1.0))
+    if scale is not None and factor != 1.0 and math.isclose(abs(scale), factor, rel_tol=1e-3):
+        option = f"--{quantity.option}"
+        raise UsageError(
+            f"{option}-scale {scale:g} and {option}-unit {given} both convert {given} to {unit}; expected one of them: "
+            f"leave the scale away, or give the unit after scaling, {option}-unit {unit}"
+        )
+    return unit, factor if scale is None else scale * factor
 
 
-def position_unit(column: str) -> tuple[str, float]:
-    """Unit and factor to it of a position column; metres where the heading does not say.
+def of_column(quantity: Quantity, column: str, given: str, scale: float | None) -> tuple[str, float, str]:
+    """Unit of the record for a column, factor from its numbers to it, and a note on a factor that nobody gave.
+
+    Args:
+        quantity: force or position.
+        column: its heading.
+        given: unit that an option names, empty for none. It beats the heading, but for one in a scaled form of it: with
+            ``m``, a column in mm is converted.
+        scale: factor to the unit that the option names, else to the heading's unit of the record; ``None`` for none.
 
     Raises:
-        DataError: its unit, in brackets, is that of something else.
+        DataError: the heading's unit, in brackets, is that of something else, or contradicts the options.
+        UsageError: see ``of_option``.
     """
-    return _looked_up(column, _LENGTH, ("m", 1.0), "a length, an angle or counts", "position")
+    name, written = unit(column)
+    said = quantity.known.get(name)
+    if given:
+        found = of_option(quantity, given, scale)
+        own = of_option(quantity, given, None)
+        if scale is None and said and said[0] == own[0] and said != own:
+            if own[1] == 1.0:
+                return *said, _note(f"column {column}", said[1], "its unit says")
+            if written:
+                raise _two_units(quantity, column, written, given)
+        return *found, option_note(quantity, given, f"column {column}")
+    if written and said is None and _is_other(name, written):
+        raise DataError(
+            f"column {column} is in {written}; expected {quantity.expected}: choose another --{quantity.option}, or "
+            f"give --{quantity.option}-unit and --{quantity.option}-scale"
+        )
+    found = said or (quantity.default, 1.0)
+    if scale is None:
+        return *found, _note(f"column {column}", found[1], "its unit says")
+    if abs(scale) == 1.0 != found[1]:
+        raise _no_scale(quantity, column, name, found, scale)
+    # Nobody scales to counts or volts.
+    return found[0] if found[0] in quantity.plain else quantity.plain[0], scale, ""
+
+
+def option_note(quantity: Quantity, given: str, what: str) -> str:
+    """What the unit of an option changes in the numbers of a column or a field, in a sentence; empty for nothing."""
+    return _note(what, of_option(quantity, given, None)[1], f"--{quantity.option}-unit {given} says")
+
+
+def _note(what: str, factor: float, reason: str) -> str:
+    return f"{what} was multiplied by {factor:g}, as {reason}." if factor != 1.0 else ""
+
+
+def _two_units(quantity: Quantity, column: str, written: str, given: str) -> DataError:
+    option = f"--{quantity.option}"
+    return DataError(
+        f"column {column} is in {written}, and {option}-unit says {given}; expected one unit: leave {option}-unit "
+        f"away, or give {option}-scale too if the heading is wrong"
+    )
+
+
+def _no_scale(quantity: Quantity, column: str, name: str, said: tuple[str, float], scale: float) -> DataError:
+    option = f"--{quantity.option}"
+    return DataError(
+        f"{option}-scale {scale:g} would take column {column} for {said[0]}, whose heading says {name}; expected the "
+        f"factor to {said[0]}, {option}-scale {scale * said[1]:g}, or its unit too: {option}-unit {name}"
+    )
 
 
 def of_no_force(position: str) -> str:
@@ -72,9 +173,16 @@ def time_factor(column: str) -> float:
     return _TIME.get(unit(column)[0], 1.0)
 
 
+def is_time(text: str) -> bool:
+    """Whether a text, with brackets around it or without, is a unit of time."""
+    return _plain(text.strip().strip("()[]")) in _TIME
+
+
 def stem(column: str) -> str:
     """Heading without its unit, in lower case."""
-    return _ENDING.sub("", _IN_BRACKETS.sub("", column.strip())).strip().lower()
+    name = column.strip()
+    found = _in_brackets(name)
+    return _ENDING.sub("", name[: found.start()] if found else name).strip().lower()
 
 
 def unit(column: str) -> tuple[str, str]:
@@ -82,28 +190,43 @@ def unit(column: str) -> tuple[str, str]:
 
     The second one is empty for what merely ends the name, which need not be a unit.
     """
-    found = _IN_BRACKETS.search(column.strip())
+    found = _in_brackets(column.strip())
     if found:
-        written = found.group(1)
-        return _PRODUCT.sub("", written.lower().replace("µ", "u").replace("μ", "u")), written
+        return _plain(found.group(1)), found.group(1)
     found = _ENDING.search(column.strip().replace("µ", "u").replace("μ", "u"))
     return (found.group(1).lower(), "") if found else ("", "")
 
 
 def is_unit(text: str) -> bool:
     """Whether a text, with brackets around it or without, is a unit that a heading may have; so is an empty one."""
-    name = _PRODUCT.sub("", text.strip().strip("()[]").lower().replace("µ", "u").replace("μ", "u"))
-    return name in {"", "-", *_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in name for sign in _RATES)
+    name = _plain(text.strip().strip("()[]"))
+    return name in {"", "-", *_SYMBOLS} or any(sign in name for sign in _RATES)
 
 
-def _looked_up(
-    column: str, known: dict[str, tuple[str, float]], default: tuple[str, float], expected: str, option: str
-) -> tuple[str, float]:
-    name, written = unit(column)
-    other = name in {*_LENGTH, *_FORCE, *_TIME, *_OTHER} or any(sign in written for sign in _RATES)
-    if written and name not in known and other:
-        raise DataError(
-            f"column {column} is in {written}; expected {expected}: choose another --{option}, or give --{option}-unit "
-            f"and --{option}-scale"
-        )
-    return known.get(name, default)
+def _plain(written: str) -> str:
+    """A unit in lower case without signs of a product, as the tables have it."""
+    return _PRODUCT.sub("", written.lower().replace("µ", "u").replace("μ", "u"))
+
+
+def _in_brackets(column: str) -> re.Match[str] | None:
+    """What stands in brackets at the end of a heading; with a digit at its end, only a power: it may be a channel."""
+    found = _IN_BRACKETS.search(column)
+    return found if found and (not found.group(1)[-1].isdecimal() or _is_power(found.group(1))) else None
+
+
+def _is_power(text: str) -> bool:
+    """Whether a text that ends with a digit is a unit, such as m/s^2, rad/s2, m s-2 or ms-2.
+
+    A symbol and a digit alone are the name of a channel: A1, M2.
+    """
+    symbols = _SYMBOL.findall(text.lower().replace("µ", "u").replace("μ", "u"))
+    joined = [symbol for symbol in symbols if symbol[-1] == "s" and symbol[:-1] in _LENGTH]  # ms-2 is m s-2
+    if not symbols or not all(symbol in {*_SYMBOLS, *_IN_PRODUCTS, *joined} for symbol in symbols):
+        return False
+    signed = any(sign in text for sign in _RATES) or len(symbols) > 1
+    return signed or bool(joined and "-" in text)
+
+
+def _is_other(name: str, written: str) -> bool:
+    """Whether what stands in brackets is a unit: one of the tables, a rate or a power."""
+    return name in _SYMBOLS or name[-1:].isdecimal() or any(sign in written for sign in _RATES)

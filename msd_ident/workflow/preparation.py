@@ -58,7 +58,7 @@ class Prepared:
 
     @property
     def doubtful_units(self) -> tuple[str, ...]:
-        """Sentences of the findings on units that are wrong by a factor of 1000."""
+        """Sentences of the findings on units that are doubtful."""
         return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
 
     @cached_property

@@ -323,6 +323,35 @@ def test_a_small_motion_in_millimetres_is_told_by_its_mass() -> None:
     assert "the moving mass is about 0.000" in finding.sentence
 
 
+def turning(position: FloatArray, force: FloatArray | None = None) -> list[str]:
+    """Sentences on the unit of an angle (n,), sampled at 100 Hz."""
+    time = np.arange(position.size) / 100
+    of_force = (time[:1], np.zeros(1)) if force is None else (time, force)
+    record = Record(time, position, *of_force, force_unit="N·m", position_unit="rad")
+    return [finding.sentence for finding in check(record) if finding.code == "wrong_unit"]
+
+
+SECONDS = np.arange(3000) / 100
+
+
+def test_degrees_that_are_taken_for_radians_are_told() -> None:
+    """A pendulum's swings of ± 117 degrees, alone or under a torque that was switched on before."""
+    decay = 117.0 * np.exp(-0.05 * SECONDS) * np.cos(4.0 * SECONDS)
+    (sentence,) = turning(decay)
+    assert "spans 229.5 rad, 37 turns, and swings to and fro under one force: is it in degrees?" in sentence
+    assert sentence.endswith("use --position-unit deg")
+    assert turning(decay, 0.5 * (SECONDS > 1.0)) == [sentence]
+    assert turning(np.deg2rad(decay)) == []
+
+
+def test_a_shaft_that_turns_far_is_not_told_that_it_is_in_degrees() -> None:
+    """One that spins, one that a motor turns to and fro, and one that is held by a controller's force."""
+    assert turning(80.0 * (1.0 - np.exp(-0.2 * SECONDS))) == []
+    assert turning(20.0 * SECONDS + 0.3 * np.sin(9.0 * SECONDS), np.sign(np.sin(0.5 * SECONDS))) == []
+    assert turning(100.0 * np.sin(SECONDS), np.sign(np.cos(SECONDS))) == []
+    assert turning(100.0 * np.sin(SECONDS), -np.sin(SECONDS)) == []
+
+
 @pytest.mark.parametrize(("shift", "words"), [(0.1, "moves 0.08"), (-0.2, "only 0.21")])
 def test_clocks_apart_are_told(shift: float, words: str) -> None:
     record = experiment()

@@ -87,6 +87,88 @@ def test_columns_scales_and_units_by_option(tmp_path: Path) -> None:
     assert record.notes == ("column position_deg was multiplied by 0.0174533, as its unit says.",)
 
 
+@pytest.mark.parametrize(
+    ("unit", "of_record", "factor"),
+    [
+        *((unit, "rad", np.pi / 180) for unit in ("deg", "degree", "degrees", "Deg", "°")),
+        *(("mm", "m", 1e-3), ("cm", "m", 1e-2), ("um", "m", 1e-6), ("µm", "m", 1e-6), ("μm", "m", 1e-6)),
+        *(("in", "m", 0.0254), ("mrad", "rad", 1e-3), ("radians", "rad", 1.0), ("counts", "count", 1.0)),
+    ],
+)
+def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
+    tmp_path: Path, unit: str, of_record: str, factor: float
+) -> None:
+    """Degrees as an option stayed degrees, and laws of an angle were lost."""
+    given = read_text(tmp_path, table(header="time,force,position"), position_unit=unit)
+    named = read_text(tmp_path, table(header=f"time,force,position ({unit})"))
+    for record in (given, named):
+        assert record.position_unit == of_record
+        np.testing.assert_allclose(record.position, factor * np.array(ROWS)[:, 2], rtol=1e-12)
+    said = f"column position was multiplied by {factor:g}, as --position-unit {unit} says."
+    assert given.notes == ((said,) if factor != 1.0 else ())
+    both = read_text(tmp_path, table(header=f"time,force,position ({unit})"), position_unit=unit)
+    np.testing.assert_array_equal(both.position, named.position)
+
+
+@pytest.mark.parametrize(("unit", "of_record", "factor"), [("kN", "N", 1e3), ("mV", "V", 1e-3), ("Nm", "N·m", 1.0)])
+def test_a_force_unit_converts_alike(tmp_path: Path, unit: str, of_record: str, factor: float) -> None:
+    record = read_text(tmp_path, table(header="time,force,position"), force_unit=unit)
+    assert record.force_unit == of_record
+    np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("heading", "options", "of_record", "factor"),
+    [
+        ("position", {"position_unit": "deg", "position_scale": 0.5}, "rad", np.pi / 360),  # half a degree a count
+        ("position (deg)", {"position_unit": "deg", "position_scale": -1.0}, "rad", -np.pi / 180),
+        ("position (deg)", {"position_unit": "rad"}, "rad", np.pi / 180),
+        ("position (deg)", {"position_unit": "rad", "position_scale": 2.0}, "rad", 2.0),
+        ("position (deg)", {"position_scale": 0.02}, "rad", 0.02),
+        ("position (mm)", {"position_unit": "count"}, "count", 1.0),
+        ("position_in", {"position_unit": "rad"}, "rad", 1.0),  # of the input
+        ("position_m", {"position_unit": "deg"}, "rad", np.pi / 180),  # of the motor
+    ],
+)
+def test_the_unit_is_that_of_the_scaled_numbers(
+    tmp_path: Path, heading: str, options: dict[str, object], of_record: str, factor: float
+) -> None:
+    record = read_text(tmp_path, table(header=f"time,force,{heading}"), **options)
+    assert record.position_unit == of_record
+    np.testing.assert_allclose(record.position, factor * np.array(ROWS)[:, 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("heading", "options", "words"),
+    [
+        (
+            "position",
+            {"position_unit": "deg", "position_scale": 0.017453293},
+            "--position-scale 0.0174533 and --position-unit deg both convert deg to rad; expected one of them: leave "
+            "the scale away, or give the unit after scaling, --position-unit rad",
+        ),
+        (
+            "position (cm)",
+            {"position_unit": "mm"},
+            "column position (cm) is in cm, and --position-unit says mm; expected one unit: leave --position-unit "
+            "away, or give --position-scale too if the heading is wrong",
+        ),
+        (
+            "position (deg)",
+            {"position_scale": -1.0},
+            "--position-scale -1 would take column position (deg) for rad, whose heading says deg; expected the factor "
+            "to rad, --position-scale -0.0174533, or its unit too: --position-unit deg",
+        ),
+    ],
+)
+def test_a_scale_and_units_that_contradict_each_other(
+    tmp_path: Path, heading: str, options: dict[str, object], words: str
+) -> None:
+    with pytest.raises(MsdError) as refused:
+        read_text(tmp_path, table(header=f"time,force,{heading}"), **options)
+    assert words in str(refused.value) and "\n" not in str(refused.value)
+
+
 def test_a_free_decay_has_no_force_column(tmp_path: Path) -> None:
     record = read_text(tmp_path, table(header="time_s,voltage,position_m"), force="none")
     assert record.force.tolist() == [0.0]

@@ -16,6 +16,7 @@ from msd_ident.data.quality import check, missing_samples
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, SetupError, UsageError
 from msd_ident.io import SourceOptions, describe, read, read_all
+from msd_ident.io.channel_header import names_of
 from msd_ident.io.even_stamps import rebuilt
 
 T = np.arange(300) * 0.01
@@ -69,6 +70,84 @@ def test_settings_with_a_value_above_the_names_are_no_numbers(tmp_path: Path) ->
     record = read(table, SourceOptions(force="Torque"))
     assert record.samples == T.size and record.position_unit == "m"
     np.testing.assert_allclose(record.position, X, atol=1e-6)
+
+
+@pytest.mark.parametrize("unit", ["ms", "[ms]", "(ms)"])
+def test_a_unit_of_the_time_stands_above_names_of_the_other_columns(unit: str, tmp_path: Path) -> None:
+    """A drive's recorder names its channels, and below them what each was set to; the times were read as seconds."""
+    head = ["Axis1", "Time,Analog 1,Analog 2,Digital 1", f'{unit},"Droop pulses, by 1",mm,INP']
+    rows = [f"{1000 * t:.1f},{x:.6f},{1000 * x:.6f},0.0" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "drive.csv", [*head, *rows])
+    assert [column.name for column in describe(table).topics] == [
+        "Time (ms)",
+        "Droop pulses, by 1",
+        "Analog 2 (mm)",
+        "INP",
+    ]
+    record = read(table, SourceOptions("none", "Analog 2"))
+    np.testing.assert_allclose(record.time, T, atol=1e-9)
+    np.testing.assert_allclose(record.position, X, atol=1e-6)
+    assert "column Time (ms) was multiplied by 0.001, as its unit says." in record.notes
+    assert read(table, SourceOptions("none", "Droop pulses, by 1")).position_unit == "m"
+
+
+def channels(second: str = "0.01", mark: str = ",") -> list[str]:
+    """A header as National Instruments' programs write it, of two channels with times of their own."""
+    head = [
+        "Timestamp,2020-03-16 17:04:51,Timestamp,2020-03-16 17:04:51",
+        f"Interval,0.01,Interval,{second}",
+        'Channel name,"Force",Channel name,"Angle, raw"',
+        'Unit,"V",Unit,"deg"',
+    ]
+    rows = [f"{t:g},0.5,{t:g},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    return [line.replace(",", mark).replace(f"Angle{mark}", "Angle,") for line in [*head, *rows]]
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_a_header_of_the_properties_of_channels_is_read(mark: str, tmp_path: Path) -> None:
+    table = write(tmp_path / "ni.csv", channels(mark=mark))
+    found = describe(table, SourceOptions(position="Angle, raw"))
+    names = ["Time", "Force (V)", "Time of Angle, raw", "Angle, raw (deg)"]
+    assert [column.name for column in found.topics] == names
+    assert (found.messages, found.duration, found.problem) == (300, pytest.approx(2.99), "")
+    record = read(table, SourceOptions(position="Angle, raw"))
+    np.testing.assert_allclose(record.time, T, atol=1e-9)
+    np.testing.assert_allclose(record.position, np.deg2rad(np.round(X, 6)), atol=1e-12)
+    assert (record.force_unit, record.position_unit) == ("V", "rad")
+
+
+def test_channels_with_times_of_their_own_say_whose_they_are(tmp_path: Path) -> None:
+    table = write(tmp_path / "ni.csv", channels(second="0.02"))
+    with pytest.raises(DataError) as refused:
+        read(table, SourceOptions(position="Angle, raw"))
+    words = (
+        "no column called time; the columns are: Time of Force, Force (V), Time of Angle, raw, Angle, raw (deg): say "
+    )
+    assert f"{words}which, by heading or number, with --time COLUMN" in str(refused.value)
+    assert read(table, SourceOptions("none", "Angle, raw", "3")).samples == 300
+
+
+def test_settings_above_the_names_are_no_channels() -> None:
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("0.0", "1.2")]) == (("Time", "Rig 3"), 2)
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("Time", "Position"), ("0.0", "1.2")]) is None
+    assert names_of([("Name", "Rig 3"), ("Time", "Position"), ("0.0", "1.2")]) is None
+    assert names_of([("Name", "Rig 3"), ("Interval", "0.01"), ("0.0", "1.2", "3.4", "5.6")]) is None
+
+
+def test_two_times_are_told_apart_by_their_number(tmp_path: Path) -> None:
+    rows = [f"{t:.2f},0.5,{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "x.csv", ["t,force,t,position", *rows])
+    with pytest.raises(
+        DataError, match="has 2 columns called time; .*: say which, by heading or number, with --time C"
+    ):
+        read(table)
+    assert read(table, SourceOptions(time="3")).samples == 300
+
+
+def test_names_below_a_title_are_no_units(tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{x:.6f},0.0" for t, x in zip(T, X, strict=True)]
+    table = write(tmp_path / "x.csv", ["Run 1,Channel A,Channel B", "Time,Position,s", *rows])
+    assert [column.name for column in describe(table).topics] == ["Time", "Position", "s"]
 
 
 def test_one_of_several_runs_is_read_and_all_of_them(tmp_path: Path) -> None:
@@ -137,6 +216,35 @@ def test_units_in_headings(heading: str, unit: str, factor: float, tmp_path: Pat
     assert record.position[0] == pytest.approx(1000 * factor)
 
 
+@pytest.mark.parametrize(
+    "unit",
+    [
+        *("m/s^2", "m/s2", "m/s**2", "m/s²", "m/s/s", "ms^-2", "ms-2", "m s-2", "m.s^-2", "m·s⁻²", "m*s^-2", "cm/s2"),
+        *("m/s", "m s^-1", "mm/s", "mps", "rad/s", "rad/s^2", "rad s-1", "rads-1", "deg/s", "deg/s2", "°/s", "rpm"),
+        *("1/s", "kg m2", "m^2", "g", "A", "N", "Hz"),
+    ],
+)
+def test_a_heading_with_the_unit_of_something_else_is_no_position(unit: str, tmp_path: Path) -> None:
+    """A phone's recorder writes accelerations in m/s^2; as metres they gave a mass of their own."""
+    path = no_times(tmp_path / "x.csv", f"Linear Acceleration x ({unit})")
+    with pytest.raises(DataError) as refused:
+        read(path, SourceOptions("none", "Linear Acceleration x", rate=100.0))
+    assert f"x ({unit}) is in {unit}; expected a length, an angle or counts: choose another --pos" in str(refused.value)
+
+
+@pytest.mark.parametrize("label", ["2", "A1", "M-1", "Ch 1", "Ch 1/2", "axis 2", "S2", "x1", "0.1", "min", "left"])
+def test_a_label_in_brackets_is_no_unit(label: str, tmp_path: Path) -> None:
+    path = no_times(tmp_path / "x.csv", f"Angle ({label})")
+    assert read(path, SourceOptions("none", f"Angle ({label})", rate=100.0)).position[0] == pytest.approx(1000.0)
+
+
+@pytest.mark.parametrize("unit", ["N·m", "N⋅m", "N*m", "N-m", "N.m", "N m", "Nm"])
+def test_every_sign_of_a_product_makes_a_torque(unit: str, tmp_path: Path) -> None:
+    rows = [f"{t:.2f},{t:.2f},{x:.6f}" for t, x in zip(T, X, strict=True)]
+    path = write(tmp_path / "x.csv", [f"Time (s),Torque ({unit}),Angle (rad)", *rows])
+    assert read(path, SourceOptions("Torque", "Angle")).force_unit == "N·m"
+
+
 def rounded(lost: tuple[int, ...] = (), jitter: float = 0.0, counter: bool = True) -> list[str]:
     """Lines of 2 000 samples at 887 Hz whose stamps have three decimals."""
     time = np.arange(2000) / 887.1 + jitter * np.random.default_rng(3).uniform(-1.0, 1.0, 2000)
@@ -158,6 +266,36 @@ def test_rounded_stamps_are_no_lost_messages(counter: bool, tmp_path: Path) -> N
     assert not [finding for finding in check(record) if finding.code in ("missing_samples", "jitter")]
     evidence = "Sample numbers the samples" if counter else "the stamps stay within one rounding of even ones"
     assert f"time_s is rounded to 0.001 s, and {evidence}: the true times are rebuilt, 887.1 Hz." in record.notes
+
+
+def of_digits(rate: float, digits: int, lost: tuple[int, ...] = (), count: int = 600) -> list[str]:
+    """Lines whose stamps have so many digits: rounded ever more coarsely."""
+    rows = [(t, math.sin(3.0 * t)) for i, t in enumerate(np.arange(count) / rate) if i not in lost]
+    return ["time_s,position_m", *(f"{t:.{digits - 1}E},{x:.6f}" for t, x in rows)]
+
+
+@pytest.mark.parametrize(("rate", "digits", "count"), [(29.97, 3, 535), (887.1, 4, 20_000), (100.0, 3, 1500)])
+def test_stamps_of_a_fixed_number_of_digits_are_rebuilt(rate: float, digits: int, count: int, tmp_path: Path) -> None:
+    """A camera's frames at 30 Hz: from 10 s on, three stamps each were the same, and two of them were dropped."""
+    record = of(tmp_path / "x.csv", of_digits(rate, digits, count=count))
+    assert record.samples == count
+    np.testing.assert_allclose(record.time, np.arange(count) / rate, atol=0.3 / rate)
+    assert not [one for one in check(record) if one.code in ("missing_samples", "jitter", "two_rates")]
+    (note,) = record.notes
+    assert note.startswith(f"time_s is written with {digits} digits, at its end rounded to ")
+    assert note.endswith(" s, and the stamps stay within one rounding of even ones: the true times are rebuilt, "
+                         f"{rate:g} Hz.")  # fmt: skip
+
+
+@pytest.mark.parametrize("lost", range(30, 520, 35))
+def test_stamps_of_a_fixed_number_of_digits_with_a_gap_are_left(lost: int) -> None:
+    time = np.array([float(line.split(",")[0]) for line in of_digits(29.97, 3, (lost, lost + 1), 560)[1:]])
+    assert rebuilt(time) is None
+
+
+def test_stamps_of_all_digits_are_left() -> None:
+    assert rebuilt(np.arange(500) / 29.97 + 1e-4 * np.sin(np.arange(500))) is None
+    assert rebuilt(np.arange(500) / 10.0) is None
 
 
 def test_a_counter_tells_what_is_really_lost(tmp_path: Path) -> None:
@@ -234,6 +372,24 @@ def test_structures_and_matrices_of_a_mat_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(record.position, 2 * X)
 
 
+def test_arrays_of_structures_and_cells_in_a_mat_file(tmp_path: Path) -> None:
+    """A measurement program keeps its channels in a structure's array of structures; one of 600 was offered."""
+    channels = np.zeros(40, dtype=[("Name", object), ("Data", object)])
+    for i, channel in enumerate(channels):
+        channel["Name"], channel["Data"] = f"ch {i}", np.zeros(0) if i == 0 else i * X
+    cells = np.empty(2, dtype=object)
+    cells[:] = [T, 3.0 * X]
+    path = mat(tmp_path / "x.mat", rig={"log": {"of": channels}}, parts=cells)
+    names = [topic.name for topic in describe(path).topics]
+    assert names == [*(f"rig.log.of({i}).Data" for i in range(2, 41)), "parts{1}", "parts{2}"]
+    record = read(path, SourceOptions("none", "rig.log.of(3).Data", "parts{1}"))
+    np.testing.assert_array_equal(record.position, 2.0 * X)
+    np.testing.assert_array_equal(read(path, SourceOptions("none", "parts{2}", rate=100.0)).position, 3.0 * X)
+    with pytest.raises(DataError) as refused:
+        read(path)
+    assert ", rig.log.of(31).Data and 11 more, which msd info lists: say which, by heading" in str(refused.value)
+
+
 def test_a_mat_file_of_version_7_3(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "x.mat"
@@ -279,8 +435,8 @@ def test_runs_that_cannot_be_read_name_the_option(options: dict[str, str], words
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({}, "no column called time; the columns are: Position (mm), Temperature (°C): say which with --time COLUMN, "
-         "or the sampling rate with --rate HZ"),
+        ({}, "no column called time; the columns are: Position (mm), Temperature (°C): say which, by heading or "
+         "number, with --time COLUMN, or the sampling rate with --rate HZ"),
         ({"position": "Temperature", "rate": 9.0}, "column Temperature (°C) is in °C; expected a length, an angle or "
          "counts: choose another --position, or give --position-unit and --position-scale"),
         ({"run": "1", "rate": 9.0}, "has no runs side by side; expected a run 1, which is not there: leave --run away"),
@@ -305,7 +461,7 @@ def test_a_unit_given_by_option_beats_a_heading_of_something_else(tmp_path: Path
         (
             {"t": T, "F": X, "x": X},
             {},
-            "x.mat has no column called position; the columns are: t, F, x: say which with --pos",
+            "x.mat has no column called position; the columns are: t, F, x: say which, by heading or number, with --p",
         ),
         (
             {"t": T, "x": X[:250]},

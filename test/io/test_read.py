@@ -118,6 +118,15 @@ def test_a_free_decay_of_a_joint_is_in_newton_metres(tmp_path: Path) -> None:
     assert read(make_bag(tmp_path / "bag", robot()), options).force_unit == "N·m"
 
 
+def test_degrees_of_a_joint_become_radians(tmp_path: Path) -> None:
+    options = SourceOptions("none", "/joint_states:position[elbow]", position_unit="deg")
+    record = read(make_bag(tmp_path / "bag", robot()), options)
+    np.testing.assert_allclose(record.position, [np.deg2rad(0.01 * i) for i in range(300)], rtol=1e-12)
+    assert (record.force_unit, record.position_unit) == ("N·m", "rad")
+    note = "/joint_states:position[elbow] was multiplied by 0.0174533, as --position-unit deg says."
+    assert note in record.notes
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -21,7 +21,7 @@ from msd_ident.data.quality.feedback import feedback
 from msd_ident.data.quality.finding import Check, Finding
 from msd_ident.data.quality.relation import relation
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
-from msd_ident.data.quality.units import time_unit, units
+from msd_ident.data.quality.units import angle_unit, time_unit, units
 from msd_ident.data.record import Record
 
 __all__ = [
@@ -49,6 +49,7 @@ CHECKS: tuple[Check, ...] = (
     clocks,
     feedback,
     units,
+    angle_unit,
     time_unit,
     relation,
 )

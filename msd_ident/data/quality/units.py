@@ -1,16 +1,22 @@
-"""Units that are wrong by a factor of 1000."""
+"""Units that are wrong: by a factor of 1000, or degrees for radians."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
-from msd_ident.data.motion import Motion
+import numpy as np
+
+from msd_ident.data.motion import Motion, turning_points
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
 
 #: Spans of the position [m] and mass [kg] beyond which a rig on a table is measured in another unit.
 _FARTHEST, _NEAREST = 3.0, 1e-4
 _LIGHTEST = 1e-3
+#: Span of an angle [rad], four turns, beyond which hardly a spring or gravity swings anything to and fro; fewest
+#: turning points that show it, and the least swing between them in parts of the span.
+_WIDEST, _SWINGS, _SWING = 8.0 * math.pi, 4, 0.1
 #: Sampling periods [s] beyond which no encoder is read.
 _SHORTEST, _LONGEST = 2e-6, 0.5
 
@@ -22,7 +28,7 @@ def units(record: Record, motion: Motion) -> Iterator[Finding]:
     light = record.force_unit == "N" and motion.mass < _LIGHTEST
     implied = f", and with the force given the moving mass is about {motion.mass:.2g} kg" if light else ""
     if motion.span > _FARTHEST:
-        advice = "if it is in millimetres, use --position-scale 0.001"
+        advice = "if it is in millimetres, use --position-scale 0.001; if in degrees, --position-unit deg"
     elif light:
         advice = "use --position-scale 0.001 if it is in millimetres, --force-scale 1000 if the force is in kN"
     elif motion.span < _NEAREST:
@@ -33,6 +39,24 @@ def units(record: Record, motion: Motion) -> Iterator[Finding]:
         "wrong_unit",
         f"the position spans {motion.span:.4g} m{implied}: wrong by a factor of 1000? {advice}",
     )
+
+
+def angle_unit(record: Record, motion: Motion) -> Iterator[Finding]:
+    """Degrees taken for radians: an angle that swings over many turns while the force stays as it is.
+
+    A shaft that a motor turns is no case of it: it goes one way, or turns around where its force changes.
+    """
+    if record.position_unit != "rad" or motion.still or motion.span <= _WIDEST:
+        return
+    turns = record.time[turning_points(record.position, _SWING * motion.span)]
+    changes = record.force_time[1:][np.diff(record.force) != 0.0]
+    at_one_force = np.bincount(np.searchsorted(changes, turns, side="right")) if turns.size else np.zeros(1)
+    if int(np.max(at_one_force)) >= _SWINGS:
+        yield warning(
+            "wrong_unit",
+            f"the position spans {motion.span:.4g} rad, {motion.span / (2.0 * math.pi):.0f} turns, and swings to and "
+            "fro under one force: is it in degrees? If so, use --position-unit deg",
+        )
 
 
 def time_unit(record: Record, motion: Motion) -> Iterator[Finding]:

@@ -1,0 +1,35 @@
+"""Cells of a line of text: separators, quotes and numbers."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+
+_SEPARATORS = (";", "\t", ",")
+
+
+def separator_of(line: str) -> str | None:
+    """What stands between the cells of a line, ``None`` for white space."""
+    return next((mark for mark in _SEPARATORS if mark in line), None)
+
+
+def cells_of(line: str) -> tuple[str, ...]:
+    """Cells of a line without quotes and white space around them."""
+    separator = separator_of(line)
+    if separator is not None and '"' in line:
+        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
+    return tuple(cell.strip().strip('"') for cell in line.split(separator))
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell is a number, with a decimal point or comma."""
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def joined(names: Sequence[str], separator: str) -> str:
+    """A line of names, from which ``cells_of`` reads them again."""
+    return separator.join(f'"{name}"' if separator in name else name for name in names)
