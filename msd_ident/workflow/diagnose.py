@@ -9,7 +9,7 @@ from msd_ident.data.record import Record
 from msd_ident.design import proposing
 from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, same_plant
 from msd_ident.errors import UsageError
-from msd_ident.estimate import explained
+from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.residuals import impulses
 from msd_ident.selection.structure_search import Progress
@@ -55,7 +55,7 @@ def diagnose(
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if other := _decided_again(decision, diagnosis):
         now = diagnose_records(_task(prepared, options, other), progress, earlier)
-        if other.sprung or now.extended.see < diagnosis.extended.see / MOST_OF:
+        if other.sprung or _does_without(now.extended, diagnosis.extended):
             diagnosis = now
     explained.check(diagnosis.extended.residuals, diagnosis.records, _WHOLE, prepared.doubtful_units, diagnosed=True)
     progress("next experiment", 0.98, "")
@@ -76,6 +76,14 @@ def _decided_again(decision: Decision, found: Diagnosis) -> Decision | None:
         return None
     said = needless_spring(found.extended) if decision.sprung else hidden_spring(found.extended, found.records)
     return Decision(not decision.sprung, (said,)) if said else None
+
+
+def _does_without(free: FitResult, sprung: FitResult) -> bool:
+    """Whether a model without a spring does what one with a spring does, and has no other law that stores energy
+    over the place: with a spring, gravity or a curve is one explanation among others; without, it would be certain.
+    """
+    stores = any(effect.stores_only() for effect in free.model.effects)
+    return not stores and free.see < sprung.see / MOST_OF
 
 
 def _task(prepared: Prepared, options: Options, decision: Decision) -> Task:

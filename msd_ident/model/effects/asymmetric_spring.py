@@ -39,6 +39,7 @@ class AsymmetricSpring(Effect):
     source = "Helmholtz oscillator; Nayfeh & Mook, Nonlinear Oscillations, 1979, section 2.3"
     neutral = (("quadratic_stiffness", 0.0),)
     mirror = False
+    needs_spring = True  # alone it pushes one way from everywhere, and nothing holds the cart
     ring_down = {SOFTENS: (-1, 1)}
     measured_by = "hang known masses on the spring, on either side, and read the encoder at rest"
 
