@@ -23,9 +23,8 @@ MARGIN = tuned(
     why="part of the travel and of the speed that a design plans to use: no rival is exactly right",
     chosen="by hand",
 )
-_STRONGER = tuned(
-    2.0, unit="1", why="how much stronger an actuator may be below the forces that were measured", chosen="by hand"
-)
+#: How much stronger an actuator may be below the forces that were measured: what is known of it is most of it.
+_STRONGER = 1.0 / MOST_OF
 
 
 def worst_case_actuator(lead: CandidateModel, records: Sequence[Record]) -> CandidateModel | None:
