@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from msd_ident import parallel
-from msd_ident.data.quality import Finding
+from msd_ident.data.quality import Finding, steered
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
 from msd_ident.diagnosis.choice import chosen
@@ -92,7 +92,7 @@ class Task:
     @property
     def steered(self) -> bool:
         """Whether a controller computes the force from the readings."""
-        return any(finding.code == "closed_loop" for finding in self.findings)
+        return steered(self.findings)
 
     @property
     def gain_known(self) -> bool:

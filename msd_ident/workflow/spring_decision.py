@@ -1,5 +1,8 @@
-"""Decide whether a spring acts if no response shows it: a fit with and one without, and the stiffness with its
-interval.
+"""Decide whether a spring acts if no response shows it.
+
+A regression of the force on the motion decides where it leaves no doubt. Else two fits do, one with a spring and one
+without. Their model may lack what else acts, so a diagnosis may decide otherwise (``needless_spring``,
+``hidden_spring``).
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ import numpy as np
 
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.noise import noise_floor
+from msd_ident.data.quality import steered
 from msd_ident.data.quality.relation import without_spring
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
@@ -72,7 +76,7 @@ def has_spring(prepared: Prepared, options: Options) -> Decision:
         return Decision(told > 0.0)
     if prepared.form is not None:
         return Decision(True)
-    if not any(finding.code == "closed_loop" for finding in prepared.findings) and (said := plain(prepared.records)):
+    if not steered(prepared.findings) and (said := plain(prepared.records)):
         return Decision(True, (said,))
     sprung, said = decide(prepared.records, prepared.plant, options.loss)
     return Decision(sprung, (said,), doubtful=True)

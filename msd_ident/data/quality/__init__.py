@@ -17,7 +17,7 @@ from msd_ident.data.quality.cleaning import clean, removed
 from msd_ident.data.quality.clocks import clocks
 from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
 from msd_ident.data.quality.excitation import excitation
-from msd_ident.data.quality.feedback import feedback
+from msd_ident.data.quality.feedback import feedback, steered
 from msd_ident.data.quality.finding import Check, Finding
 from msd_ident.data.quality.relation import relation
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
@@ -38,6 +38,7 @@ __all__ = [
     "rest_before",
     "rests_under_force",
     "since_before",
+    "steered",
 ]
 
 #: Checks of a record from which the readings that no motion makes are gone.

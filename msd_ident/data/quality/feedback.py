@@ -10,7 +10,7 @@ force.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.quantity import MAD
 
+_CODE = "closed_loop"
 #: Fewest changes of force and reading, and what a regression on the readings must explain of the force's changes. Of a
 #: cart under a position controller it explains 0.999; of open loops, and of an axis with a moving setpoint < 0.07.
 _FEWEST, _EXPLAINED = 50, 0.99
@@ -40,11 +41,16 @@ def feedback(record: Record, motion: Motion) -> Iterator[Finding]:
     gain = _gain_of_changes(record, noise) or _gain_of_noise(record, noise)
     if gain < 0.0:
         yield warning(
-            "closed_loop",
+            _CODE,
             f"the force follows the readings ({gain:.4g} {record.force_unit}/{record.position_unit}): "
             "a controller computes it from them. A spring and a controller then have the same effect, and noise acts "
             "back on the force: if parameters stay uncertain, push with a force that does not depend on the position",
         )
+
+
+def steered(findings: Iterable[Finding]) -> bool:
+    """Whether a controller computes the force of a record with these findings."""
+    return any(finding.code == _CODE for finding in findings)
 
 
 def _gain_of_changes(record: Record, noise: float) -> float:

@@ -11,7 +11,7 @@ It is corrected for the noise of the encoder that the regression carries into th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -58,32 +58,34 @@ def accounted(record: Record, floor: float = 0.0) -> float:
         record: position and force.
         floor: standard deviation of the encoder's noise [m].
     """
-    return max(_usable(record, floor), default=math.nan)
+    return max(_usable(record, floor, _WINDOWS), default=math.nan)
 
 
 def without_spring(record: Record, floor: float = 0.0) -> tuple[float, float]:
     """Part of the force's variation that the motion explains with a spring, and without one; NaN if unknown.
 
-    Both are those of the widest window: it differentiates the readings least, so their noise does not stand for what a
-    model lacks.
+    Both are those of the widest usable window: it differentiates the readings least, so their noise does not stand for
+    what a model lacks.
 
     Args:
         record: position and force.
         floor: standard deviation of the encoder's noise [m].
     """
-    sprung, free = _usable(record, floor), _usable(record, floor, spring=False)
-    return (sprung[-1], free[-1]) if sprung else (math.nan, math.nan)
+    widest = _WINDOWS[::-1]
+    sprung, free = (next(_usable(record, floor, widest, spring=spring), math.nan) for spring in (True, False))
+    return sprung, free
 
 
-def _usable(record: Record, floor: float, *, spring: bool = True) -> list[float]:
-    """``_share`` at each usable window length, from the narrowest to the widest."""
+def _usable(record: Record, floor: float, windows: Iterable[int], *, spring: bool = True) -> Iterator[float]:
+    """``_share`` with each of these numbers of windows in the record, but for those of which none is usable."""
     position, force, averaged = _even(record)
     if position.size < _SHORTEST:
-        return []
-    sizes = [position.size // windows for windows in _WINDOWS]
-    noise = floor / math.sqrt(averaged)
-    shares = [_share(position, force, size, noise, spring=spring) for size in sizes if size >= _NARROWEST]
-    return [share for share in shares if not math.isnan(share)]
+        return
+    for size in (position.size // count for count in windows):
+        if size >= _NARROWEST:
+            share = _share(position, force, size, floor / math.sqrt(averaged), spring=spring)
+            if not math.isnan(share):
+                yield share
 
 
 def _even(record: Record) -> tuple[FloatArray, FloatArray, int]:
