@@ -103,7 +103,7 @@ def load(say: Callable[[str], None]) -> ModuleType:
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     if not compiled(module):
-        say("msd: compiling the solver, once (about 15 s); later runs start at once")
+        say("msd: compiling the solver, once (about half a minute); later runs start at once")
         _prune(path)
     return module
 
