@@ -104,7 +104,8 @@ def _of_digits(time: FloatArray, number: FloatArray, counted: bool) -> Rebuilt |
     digits, ticks = _ticks_of_digits(time)
     duration, tick = float(time[-1] - time[0]), float(np.max(ticks))
     mean = duration / number[-1]
-    if not digits or tick == np.min(ticks) or not _COARSE * mean < tick < _COARSEST * duration:
+    seconds = 10.0 ** min(_DECIMALS) <= tick <= 10.0 ** max(_DECIMALS)
+    if not digits or tick == np.min(ticks) or not (seconds and _COARSE * mean < tick < _COARSEST * duration):
         return None
     allowed = np.maximum(0.5 * _SPAN * ticks, _JITTER * mean)
     period, start = np.polyfit(number, time, 1, w=1.0 / allowed)

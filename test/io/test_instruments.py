@@ -293,6 +293,13 @@ def test_stamps_of_a_fixed_number_of_digits_with_a_gap_are_left(lost: int) -> No
     assert rebuilt(time) is None
 
 
+def test_stamps_that_are_no_seconds_are_left_to_be_refused() -> None:
+    time = np.array([float(line.split(",")[0]) for line in of_digits(29.97, 3, count=535)[1:]])
+    assert rebuilt(time) is not None
+    with np.errstate(divide="raise", invalid="raise"):
+        assert rebuilt(1e300 * time) is None and rebuilt(1e-300 * time) is None
+
+
 def test_stamps_of_all_digits_are_left() -> None:
     assert rebuilt(np.arange(500) / 29.97 + 1e-4 * np.sin(np.arange(500))) is None
     assert rebuilt(np.arange(500) / 10.0) is None
