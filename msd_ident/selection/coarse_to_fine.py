@@ -14,6 +14,8 @@ from msd_ident.estimate.regression_init import starting_state
 from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.cause_assessment import noted
+from msd_ident.selection.equal_motion import equal_motion
+from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
@@ -46,14 +48,15 @@ def search(
     """
     thin = experiment.thinned(SAMPLES)
     if all(few is part for few, part in zip(thin.readings, experiment.readings, strict=True)):
-        return noted(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
+        return _told(_searching(experiment, progress).run(known[0], known[1:], remembered), experiment)
     part, blurred = _coarser(thin, known[1], known[1].chi / experiment.evidence)
     start = tuple(refine(part, one.causes, one.model, _begun(one.initial, experiment, part)) for one in known)
     again = [(causes, model, _begun(initial, experiment, part)) for causes, model, initial in remembered]
-    ahead = _searching(part, progress, blurred).run(start[0], start[1:], again)
+    first = _searching(part, progress, blurred)
+    ahead = first.run(start[0], start[1:], again)
     sets = {one.causes: one for one in known}
     clear = judge(ahead.best.residuals(), part.readings).consistent
-    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + _leaving_less(ahead)
+    asked = ahead.within(NEAR)[:LEADERS] + _with_one_less(ahead) + _leaving_less(ahead) + _as_good(first, ahead)
     asked += [] if clear else _simpler(ahead)
     for fitted in {one.causes: one for one in asked}.values():
         initial = _begun(fitted.initial, part, experiment, known[0].initial)
@@ -61,8 +64,16 @@ def search(
     whole = _searching(experiment, progress)
     ranking = whole.compared(list(sets.values()))
     if whole.at_floor(ranking.best) or not (clear or blurred(ahead.best)):
-        return noted(ranking, experiment, (ahead, part))
-    return noted(whole.resume(list(whole.sets.values())), experiment, (ahead, part))
+        return _told(ranking, experiment, (ahead, part))
+    return _told(whole.resume(list(whole.sets.values())), experiment, (ahead, part))
+
+
+def _told(ranking: Ranking, experiment: Experiment, *before: tuple[Ranking, Experiment]) -> Ranking:
+    """The ranking with what every set leaves, and with laws that move like one of a set's."""
+    scale = scale_from(ranking.sets, experiment.readings)
+    sets = {one.causes: one for one in ranking.sets}
+    alike = {causes: equal_motion(one, sets, experiment, scale) for causes, one in sets.items()}
+    return noted(replace(ranking, alike=alike), experiment, *before)
 
 
 def _begun(
@@ -100,6 +111,17 @@ def _leaving_less(ahead: Ranking) -> list[Hypothesis]:
     noise = [(value, one) for value, one in pairs if one.causes in ahead.exact]
     less = [(value, one) for value, one in pairs if one.chi < MOST_OF**2 * ahead.best.chi]
     return [one for _, one in sorted(noise or less, key=lambda pair: -pair[0])[:KEPT]]
+
+
+def _as_good(first: Search, ahead: Ranking) -> list[Hypothesis]:
+    """Sets that lack a cause of the leading one and leave hardly more, also those that are no explanation on the part.
+
+    A further cause may explain little there beside the error of a law: on all data the set may leave only noise.
+    """
+    best = ahead.best
+    rivals = [one for one in first.sets.values() if one.chi < (1.0 + NOISE_ERROR) * best.chi]
+    rivals = [one for one in rivals if len(one.causes) <= len(best.causes) + 1 and not best.causes <= one.causes]
+    return sorted(rivals, key=lambda one: one.chi)[:KEPT]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:

@@ -171,6 +171,7 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     """
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
+    found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
     if not found and sure <= CERTAIN:
         kind = by_name(name).cause()
         near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
 from scipy.integrate import solve_ivp
 
+from msd_ident.data.record import from_samples
 from msd_ident.model import Plant, Simulator
 from msd_ident.model.effects.fading_damping import FadingDamping
+from msd_ident.workflow import pipeline
 
 
 @pytest.mark.parametrize(("speed", "exponent"), [(0.05, 2.0), (0.15, 1.0), (0.15, 0.7), (0.4, 3.0)])
@@ -36,3 +40,24 @@ def test_far_below_its_speed_it_is_damping() -> None:
     found = Simulator(slow, measured).positions(slow.values)
     expected = Simulator(same, measured).positions(same.values)
     assert np.max(np.abs(found - expected)) < 1e-6 * np.ptp(expected)
+
+
+def test_a_brake_far_beyond_its_peak_is_not_taken_for_stribeck_friction(asking_about: Callable[..., None]) -> None:
+    """The force falls as 1/v over most of the record, and turns round with the speed."""
+    asking_about("coulomb_friction", "stribeck_friction", "stribeck_shape", "fading_damping")
+    time, peak = np.arange(4000) / 500.0, 0.4
+    levels = 4.0 * np.array([0.0, 0.8, -0.8, 1.5, -0.4, 1.2, 0.0, -1.5])
+    force = levels[np.minimum(time.astype(int), levels.size - 1)]
+
+    def slope(t: float, state: np.ndarray, pushed: float) -> list[float]:
+        x, v = state
+        return [v, (pushed - 60.0 * x - 0.8 * v / (1.0 + (v / peak) ** 2)) / 0.1]
+
+    state, reached = [0.0, 0.0], [0.0]
+    for begin, end, pushed in zip(time[:-1], time[1:], force[:-1], strict=True):
+        state = solve_ivp(slope, (begin, end), state, args=(pushed,), rtol=1e-9, atol=1e-12).y[:, -1].tolist()
+        reached.append(state[0])
+    noise = np.random.default_rng(1).normal(0.0, 1e-5, time.size)
+    (cause,) = pipeline.diagnose([from_samples(time, force, np.array(reached) + noise)]).causes
+    assert cause.name == "fading_damping" and cause.probability > 0.99
+    assert cause.parameters["fading_speed"].value == pytest.approx(peak, rel=0.05)

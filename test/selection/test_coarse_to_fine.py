@@ -80,3 +80,19 @@ def test_sets_that_leave_far_less_than_the_leading_one_are_judged_on_all_samples
     assert asked(900.0) == ["cogging"] and asked(700.0) == []
     assert asked(1000.0, ("cogging",)) == ["cogging"]
     assert asked(1000.0, ("coulomb_friction",)) == []
+
+
+def test_sets_without_a_leading_cause_that_leave_hardly_more_are_judged_on_all_samples() -> None:
+    """Also those that are no explanation on the part; with the leading causes and others, they are no rivals."""
+    chi = {
+        ("stribeck_friction",): 100.0,
+        ("coulomb_friction",): 600.0,
+        ("coulomb_friction", "time_offset"): 104.0,
+        ("stribeck_friction", "time_offset"): 99.0,
+        ("coulomb_friction", "cogging", "time_offset"): 90.0,
+        ("coulomb_friction", "actuator_lag"): 111.0,
+    }
+    sets = {frozenset(one): SimpleNamespace(causes=frozenset(one), chi=left) for one, left in chi.items()}
+    best = sets[frozenset({"stribeck_friction"})]
+    asked = coarse_to_fine._as_good(cast(Any, SimpleNamespace(sets=sets)), cast(Any, SimpleNamespace(best=best)))
+    assert [one.causes for one in asked] == [{"coulomb_friction", "time_offset"}]

@@ -217,6 +217,18 @@ class Effect(Law):
         del other, model
         return None
 
+    @classmethod
+    def moving_as(cls, other: Effect, model: Model) -> Effect | None:
+        """This law in the place of an effect of a fitted model whose motion it gives where inertia carries little of the
+        force; None where it never does.
+
+        Args:
+            other: an effect of the model, of another cause.
+            model: as it was fitted.
+        """
+        del other, model
+        return None
+
     def zero_in(self, model: Model) -> float:
         """Position [m] in a fitted model, one of whose effects it takes the place of, from which it counts."""
         del model

@@ -15,9 +15,12 @@ if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
 
-#: Speeds at which the damping has fallen to its half, in parts of the top speed: below, it is Coulomb friction to the
-#: data; above, a part of the plant's own damping.
-HALVES = (0.2, 2.0)
+#: Speeds at which the damping has fallen to its half, in parts of the top speed: below, all that is seen is how the
+#: force falls with the speed; above, it is a part of the plant's own damping.
+HALVES = (0.03, 2.0)
+#: Where a search begins. A brake that is driven far beyond the peak of its force looks like Stribeck friction: from a
+#: third of the top speed a search does not get there.
+_STARTS = (0.06, 0.33, 0.67)
 #: Share of the plant's natural damping force m·ω·v that a search starts from.
 _SHARE = 0.1
 
@@ -67,7 +70,7 @@ class FadingDamping(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[FadingDamping, ...]:
-        """A tenth of critical damping that halves at a third and at two thirds of the top speed."""
+        """A tenth of critical damping that halves at parts of the top speed."""
         speed = typical.speed(record)
         size = max(plant.damping, 2.0 * _SHARE * math.sqrt(max(plant.stiffness, 0.0) * plant.mass))
-        return tuple(cls.within_bounds(size, share * speed, 2.0) for share in (0.33, 0.67))
+        return tuple(cls.within_bounds(size, share * speed, 2.0) for share in _STARTS)

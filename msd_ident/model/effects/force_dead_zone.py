@@ -58,3 +58,8 @@ class ForceDeadZone(Effect):
         del plant
         largest = max(float(np.max(np.abs(record.force))), 1e-9)
         return cls(0.03 * largest), cls(0.1 * largest)
+
+    @classmethod
+    def moving_as(cls, other: Effect, model: Model) -> Effect | None:
+        """Dry friction without a spring: the speed follows from what the command exceeds it by, b·v = F - d·sign(F)."""
+        return cls(other.holding) if other.holding > 0.0 and model.stiffness == 0.0 else None

@@ -1,0 +1,60 @@
+"""Laws of another cause that give the same motion in the place of one of a set's: no evidence tells them apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from msd_ident.estimate.levels import TENTH
+from msd_ident.model.effects import LIBRARY, Effect
+from msd_ident.residuals.noise_model import NOISE_ERROR
+from msd_ident.selection.evidence import NoiseScale
+from msd_ident.selection.experiment import Experiment, formulated
+from msd_ident.selection.hypothesis import Causes, Hypothesis
+
+
+def equal_motion(
+    fitted: Hypothesis, sets: Mapping[Causes, Hypothesis], experiment: Experiment, scale: NoiseScale
+) -> dict[str, str]:
+    """Laws of a set, each with a law of another cause that gives the same motion in its place.
+
+    The difference of the two motions, or of what the two leave where both were fitted, is less than what the set leaves
+    above the noise, or so small that it is expected to change the log likelihood by less than a ``TENTH`` of a nat.
+
+    Args:
+        fitted: the set.
+        sets: all fitted sets by their causes.
+        experiment: readings with their weights.
+        scale: of the likelihood.
+    """
+    others = ((effect, law.moving_as(effect, fitted.model)) for effect in fitted.model.effects for law in LIBRARY)
+    most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + 2.0 * TENTH * scale.spread(fitted.chi)
+    return {
+        effect.name: other.name
+        for effect, other in others
+        if other is not None and _least_change(fitted, effect, other, sets, experiment) < most
+    }
+
+
+def _least_change(
+    fitted: Hypothesis, effect: Effect, other: Effect, sets: Mapping[Causes, Hypothesis], experiment: Experiment
+) -> float:
+    """Chi² of the change of the motion when a law takes the place of an effect, as it is or fitted."""
+    swapped = sets.get(fitted.causes - {effect.name} | {other.name})
+    refitted = math.inf if swapped is None else abs(swapped.chi - fitted.chi)
+    return min(refitted, _change(fitted, effect, other, experiment))
+
+
+def _change(fitted: Hypothesis, effect: Effect, other: Effect, experiment: Experiment) -> float:
+    """Chi² of the change of the motion with a law as it is in the place of an effect.
+
+    Both without a law of the same cause as the new one, which a model holds once.
+    """
+    rest = tuple(one for one in fitted.model.effects if one is not effect and one.cause() != other.cause())
+    motions = []
+    for law in (effect, other):
+        _, weighting, point = formulated(experiment, replace(fitted.model, effects=(*rest, law)), fitted.initial)
+        motions.append(weighting.residual(point))
+    change = motions[1] - motions[0]
+    return float(change @ change)
