@@ -350,3 +350,41 @@ def test_measured_files(shared_data: Path) -> None:
     assert (axis.samples, axis.force_unit, axis.duration) == (24841, "N", pytest.approx(24.84))
     with pytest.raises(DataError, match="the columns are: time_s, control_effort_v, encoder_counts"):
         read(shared_data / "ecp210" / "step_1.csv")
+
+
+def quoted(*rows: tuple[str, ...]) -> str:
+    return "\n".join(",".join(f'"{cell}"' for cell in row) for row in rows) + "\n"
+
+
+def marked(value: float, decimal: str, thousands: str) -> str:
+    """A number with three decimals and these marks."""
+    return f"{value:,.3f}".translate({ord("."): decimal, ord(","): thousands})
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal", "thousands"),
+    [(",", ".", ","), (",", ",", "."), (",", ",", ""), (";", ",", "."), (";", ",", ""), (",", ".", "")],
+)
+def test_quoted_numbers_with_decimal_commas_and_thousands(
+    tmp_path: Path, separator: str, decimal: str, thousands: str
+) -> None:
+    """``"0,010","5.980,000"`` was split at every comma."""
+    rows = [(1000.0 * t, 1e3 * f, 1e6 * x) for t, f, x in ROWS]
+    lines = ['"Time (ms)","Force (mN)","Position (um)"'.replace(",", separator)]
+    lines += [separator.join(f'"{marked(value, decimal, thousands)}"' for value in row) for row in rows]
+    record = read_text(tmp_path, "\n".join(lines))
+    t, f, x = np.array(ROWS).T
+    for found, true in ((record.time, t), (record.force, f), (record.position, x)):
+        np.testing.assert_allclose(found, true, rtol=1e-12)
+
+
+def test_text_with_commas_in_quotes_is_one_cell(tmp_path: Path) -> None:
+    rows = [(t, f, x, '"on, steady"') for t, f, x in ROWS]
+    record = read_text(tmp_path, table(header="time_s,force_n,position_m,state", rows=rows))
+    np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
+
+
+def test_a_comma_that_may_be_either_is_refused(tmp_path: Path) -> None:
+    rows = [(str(i), f"{i + 1},500", "2") for i in range(30)]
+    with pytest.raises(DataError, match='cells like "1,500", whose comma may be decimal or separate thousands'):
+        read_text(tmp_path, quoted(("time_s", "force_n", "position_m"), *rows))
