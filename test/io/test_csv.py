@@ -93,6 +93,7 @@ def test_columns_scales_and_units_by_option(tmp_path: Path) -> None:
         *((unit, "rad", np.pi / 180) for unit in ("deg", "degree", "degrees", "Deg", "°")),
         *(("mm", "m", 1e-3), ("cm", "m", 1e-2), ("um", "m", 1e-6), ("µm", "m", 1e-6), ("μm", "m", 1e-6)),
         *(("in", "m", 0.0254), ("mrad", "rad", 1e-3), ("radians", "rad", 1.0), ("counts", "count", 1.0)),
+        *(("ft", "m", 0.3048), ("rev", "rad", 2 * np.pi)),
     ],
 )
 def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
@@ -110,11 +111,33 @@ def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
     np.testing.assert_array_equal(both.position, named.position)
 
 
-@pytest.mark.parametrize(("unit", "of_record", "factor"), [("kN", "N", 1e3), ("mV", "V", 1e-3), ("Nm", "N·m", 1.0)])
+@pytest.mark.parametrize(
+    ("unit", "of_record", "factor"),
+    [
+        *(("kN", "N", 1e3), ("mV", "V", 1e-3), ("Nm", "N·m", 1.0), ("N·cm", "N·m", 0.01), ("daN", "N", 10.0)),
+        *((unit, "N", 4.4482216152605) for unit in ("lbf", "lb")),
+        *((unit, "N·m", 0.1129848290276167) for unit in ("lb-in", "in·lbf", "lbf in")),
+        *((unit, "N·m", 1.3558179483314004) for unit in ("ft-lb", "lbf·ft", "ft.lbs")),
+        *(("oz-in", "N·m", 0.00706155181422604), ("kgf", "N", 9.80665)),
+    ],
+)
 def test_a_force_unit_converts_alike(tmp_path: Path, unit: str, of_record: str, factor: float) -> None:
-    record = read_text(tmp_path, table(header="time,force,position"), force_unit=unit)
-    assert record.force_unit == of_record
-    np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+    given = read_text(tmp_path, table(header="time,force,position"), force_unit=unit)
+    named = read_text(tmp_path, table(header=f"time,force ({unit}),position"))
+    for record in (given, named):
+        assert record.force_unit == of_record
+        np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+
+
+def test_units_behind_a_comma_in_quoted_headings(tmp_path: Path) -> None:
+    """``"Position, mm"`` was a name without a unit, and not found as position."""
+    head = '"Time, ms","Force, kN","Position, mm"\n'
+    record = read_text(tmp_path, head + "".join(f"{1e3 * t},{f / 1e3},{1e3 * x}\n" for t, f, x in ROWS))
+    for found, true in zip((record.time, record.force, record.position), np.array(ROWS).T, strict=True):
+        np.testing.assert_allclose(found, true, rtol=1e-12)
+    other = '"Time, s","Force, N","Velocity, m/s"\n' + table().split("\n", 1)[1]
+    with pytest.raises(DataError, match="column Velocity, m/s is in m/s; expected a length"):
+        read_text(tmp_path, other, position="velocity")
 
 
 @pytest.mark.parametrize(
