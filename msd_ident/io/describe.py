@@ -13,14 +13,13 @@ import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
-from msd_ident.io import runs
+from msd_ident.io import runs, time_unit
 from msd_ident.io.bag import Bag, is_bag, open_bag
 from msd_ident.io.columns import open_columns
 from msd_ident.io.csv_file import choose_columns, choose_time
 from msd_ident.io.reader import sources
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.io.topics import Topic
-from msd_ident.io.units import time_factor
 
 _DEFAULTS = SourceOptions()
 
@@ -143,7 +142,8 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
         time_at = choose_time(table, str(path), options)
         if time_at is not None:
             (time,) = table.columns([time_at])
-            time = np.sort(time[np.isfinite(time)]) * (options.time_scale or time_factor(table.header[time_at]))
+            time = time[np.isfinite(time)]
+            time = np.sort(time) * time_unit.factor(table.header[time_at], time, options.time_scale)[0]
         elif options.rate is not None:
             time = np.arange(table.lines) / options.rate
         chosen = choose_columns(table, str(path), options)

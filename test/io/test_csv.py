@@ -9,7 +9,7 @@ import pytest
 
 from msd_ident.data.record import from_samples
 from msd_ident.errors import DataError, MsdError, UsageError
-from msd_ident.io import SourceOptions, read, write_csv
+from msd_ident.io import SourceOptions, describe, read, write_csv
 
 ROWS = [(i / 100, 1.5 * (i > 5), 0.001 * i * i) for i in range(40)]
 
@@ -411,3 +411,35 @@ def test_a_comma_that_may_be_either_is_refused(tmp_path: Path) -> None:
     rows = [(str(i), f"{i + 1},500", "2") for i in range(30)]
     with pytest.raises(DataError, match='cells like "1,500", whose comma may be decimal or separate thousands'):
         read_text(tmp_path, quoted(("time_s", "force_n", "position_m"), *rows))
+
+
+@pytest.mark.parametrize(
+    ("first", "step", "factor", "said"),
+    [
+        (1724354446163542502, 10_000_000, 1e-9, "nanoseconds, which gives 100 Hz"),
+        (1724354446163542, 10_000, 1e-6, "microseconds, which gives 100 Hz"),
+        (1724354446163, 10, 1e-3, "milliseconds, which gives 100 Hz"),
+        (0, 10_000_000, 1e-9, "nanoseconds, which gives 100 Hz"),
+        (0, 1_000, 1e-6, "microseconds, which gives 1000 Hz"),
+    ],
+)
+def test_whole_stamps_without_a_unit_are_taken_for_what_they_can_be(
+    tmp_path: Path, first: int, step: int, factor: float, said: str
+) -> None:
+    """Taken as seconds, the stamps of a clock in nanoseconds gave a mass of 1e18 kg."""
+    text = table(header="timestamp,force,position", rows=[(first + i * step, f, x) for i, (_, f, x) in enumerate(ROWS)])
+    record = read_text(tmp_path, text)
+    np.testing.assert_allclose(record.time, step * factor * np.arange(40), atol=1e-6)
+    assert record.notes == (
+        f"column timestamp has whole numbers and no unit: they are taken as {said}; if they are not, use --time-scale.",
+    )
+    assert read_text(tmp_path, text, time_scale=1.0 / step).notes == ()
+    assert describe(tmp_path / "data.csv").duration == pytest.approx(record.duration)
+
+
+@pytest.mark.parametrize("step", [1, 10, 100, 0.01, 10_000.5])
+def test_other_stamps_stay_seconds(tmp_path: Path, step: float) -> None:
+    rows = [(i * step, f, x) for i, (_, f, x) in enumerate(ROWS)]
+    record = read_text(tmp_path, table(header="time,force,position", rows=rows))
+    np.testing.assert_allclose(record.time, step * np.arange(40), rtol=1e-12)
+    assert record.notes == ()
