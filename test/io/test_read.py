@@ -380,6 +380,18 @@ def test_the_command_that_converts_a_bag_of_ros_1_works(tmp_path: Path) -> None:
     np.testing.assert_allclose(record.position, 0.001 * np.arange(50.0) ** 2)
 
 
+def test_a_joint_that_stands_twice_in_a_message_is_refused(tmp_path: Path) -> None:
+    """The first of the two was taken in silence."""
+    messages = [("/joint_states", JOINTS, joints(ns, (0.1 * i, -i), ("arm", "arm"), (1.0, 2.0)), ns)
+                for i, ns in enumerate(stamps())]  # fmt: skip
+    options = SourceOptions(position="/joint_states:position[arm]", force="/joint_states:effort[arm]")
+    line = refusal(tmp_path / "bag", messages, options)
+    assert "joint arm stands 2 times in a message; expected once" in line
+    assert "take one by its place, position[0] or position[1]" in line
+    by_place = SourceOptions(position="/joint_states:position[1]", force="/joint_states:effort[1]")
+    assert read(tmp_path / "bag", by_place).force[0] == 2.0
+
+
 def test_a_folder_without_storage(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"holds no \.mcap or \.db3 file"):
         read(tmp_path)
