@@ -21,7 +21,7 @@ from msd_ident.data.quality.feedback import feedback, steered
 from msd_ident.data.quality.finding import Check, Finding
 from msd_ident.data.quality.relation import relation
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
-from msd_ident.data.quality.units import angle_unit, time_unit, units
+from msd_ident.data.quality.units import angle_unit, time_unit, units, wrapped
 from msd_ident.data.record import Record
 
 __all__ = [
@@ -83,9 +83,10 @@ class Examined:
 def examine(record: Record) -> Examined:
     """Clean a record, and look for its problems."""
     cleaned = clean(record)
-    findings = [*sampling(record), *removed(record, cleaned)]
-    motion = observe(cleaned.record)
-    findings += [finding for one in CHECKS for finding in one(cleaned.record, motion)]
+    motion, turns = observe(cleaned.record), tuple(wrapped(record))
+    findings = [*sampling(record), *turns, *removed(record, cleaned)]
+    checks = (one for one in CHECKS if one is not units or not turns)
+    findings += [finding for one in checks for finding in one(cleaned.record, motion)]
     order = ("error", "warning", "info")
     findings.sort(key=lambda finding: order.index(finding.severity))
     return Examined(record, cleaned.record, tuple(findings))
