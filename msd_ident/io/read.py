@@ -47,9 +47,10 @@ def read(
         named = str(error) if Path(path).name in str(error) else f"{path}: {error}"
         raise DataError(named) from None
     if record.position.min() == record.position.max():
+        reading = f"{record.position[0]:g} {record.position_unit} in all {record.samples} samples"
         raise DataError(
-            f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "
-            f"{record.samples} samples); expected motion: check the encoder, or choose another --position"
+            f"{path}: it stands still, the position never changes ({reading}); expected motion: check the encoder, or "
+            "choose another --position"
         )
     return record
 
