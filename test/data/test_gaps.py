@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from msd_ident.data.quality import Examined, examine
 from msd_ident.data.record import Record, from_samples
+from msd_ident.errors import DataError
+from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.workflow.preparation import prepare
 
 TIME = 0.004 * np.arange(3750)
@@ -87,3 +90,12 @@ STEPS = np.where(TIME > 3.0, 5.0, 0.0) - np.where(TIME > 9.0, 8.0, 0.0)
 def test_other_records_stay_whole(record: Record) -> None:
     found = examine(record)
     assert found.record.samples == record.samples and not said(found)
+
+
+def test_a_band_limited_force_of_a_part_without_gaps(tmp_path: Path) -> None:
+    """The whole was interpolated before it was cut, and refused whatever the window."""
+    write_csv(without(SWEEP, (6.0, 6.5)), tmp_path / "sweep.csv")
+    with pytest.raises(DataError, match="use --hold linear, or --start and --end for a part without gaps"):
+        read(tmp_path / "sweep.csv", SourceOptions(hold="band_limited"))
+    part = read(tmp_path / "sweep.csv", SourceOptions(hold="band_limited", start=6.5))
+    assert part.samples == 2125 and part.upsampled == 4
