@@ -100,6 +100,7 @@ def _to_json(found: _Contents) -> dict[str, Any]:
         ],
         "position": info.position,
         "force": info.force,
+        "joints": [{"name": one.name, "moves": moves, "options": one.options} for one, moves in info.joints.items()],
         "record": found.numbers,
         "problem": found.problem,
         "findings": [vars(finding) for finding in found.findings],
@@ -147,6 +148,7 @@ def _show_signals(found: _Contents, console: Console) -> None:
     record, info, numbers = found.record, found.info, found.numbers
     if record is None or numbers is None:
         console.print(f"[yellow]not usable as it is[/yellow]: {escape(found.problem)}")
+        _show_joints(info, console)
         return
     size = numbers["encoder_step"]
     step = f"encoder step {size:.4g} {record.position_unit}" if size else "no encoder step to be seen"
@@ -162,6 +164,21 @@ def _show_signals(found: _Contents, console: Console) -> None:
         low, high = float(record.force.min()), float(record.force.max())
         console.print(f"force:    {escape(info.force)}")
         console.print(f"          {record.force.size} samples, {low:.4g} to {high:.4g} {record.force_unit}")
+
+
+def _show_joints(info: BagInfo, console: Console) -> None:
+    """Options to paste for each joint that moves."""
+    from rich.markup import escape
+
+    if not info.joints:
+        return
+    console.print("\noptions for the joints that move (for one that slides: N and m):")
+    for joint, moves in info.joints.items():
+        if moves:
+            console.print(f"  {escape(joint.options)}", soft_wrap=True)
+    resting = [joint.name for joint, moves in info.joints.items() if not moves]
+    if resting:
+        console.print(f"  at rest: {escape(', '.join(resting))}")
 
 
 def _start(start_ns: int) -> str:

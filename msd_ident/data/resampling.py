@@ -45,7 +45,7 @@ def band_limited(record: Record, factor: int = FACTOR) -> Record:
     if not is_even(record.force_time):
         raise DataError(
             f"the force has {record.force.size} samples that are not evenly spaced; expected at least {_FEWEST} even "
-            "ones for a band-limited force: use --hold linear"
+            "ones for a band-limited force: use --hold linear, or --start and --end for a part without gaps"
         )
     from scipy.signal import resample_poly  # imported here: it takes a quarter of a second
 

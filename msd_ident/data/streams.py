@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from msd_ident.data.record import MINIMUM_SAMPLES, FloatArray, Hold, Origin, Record, check_finite
+from msd_ident.data.turns import unwrapped
 from msd_ident.errors import DataError
 
 if TYPE_CHECKING:
@@ -39,7 +40,8 @@ def from_stamps(
     """Record from two streams with absolute stamps, as messages have them.
 
     A live buffer and a bag with the same samples give exactly the same record. Time 0 is the first position stamp. A
-    few late samples are sorted in, and of samples with one stamp the first is kept, both with a note.
+    few late samples are sorted in, of samples with one stamp the first is kept, and a wrapped angle is unwrapped, each
+    with a note.
 
     Args:
         position_ns: (n,) stamps of the positions [ns], in order of arrival.
@@ -56,9 +58,11 @@ def from_stamps(
     ns_x, x = _ordered("position", np.asarray(position_ns, dtype=np.int64), position, 1e-9, found)
     ns_f, f = _ordered("force", np.asarray(force_ns, dtype=np.int64), force, 1e-9, found)
     start = int(ns_x[0])
+    # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
+    time = (ns_x - start) / 1e9
+    x = _unwrapped(time, x, about, found)
     return Record(
-        # Division by 1e9 rounds once, so that rint(time * 1e9) gives the stamp back; a product with 1e-9 does not.
-        time=(ns_x - start) / 1e9,
+        time=time,
         position=x,
         force_time=(ns_f - start) / 1e9,
         force=f,
@@ -91,6 +95,7 @@ def from_seconds(
     found: list[str] = list(notes)
     t_x, x = _ordered("position", np.asarray(position_time, dtype=np.float64), position, 1.0, found)
     t_f, f = _ordered("force", np.asarray(force_time, dtype=np.float64), force, 1.0, found)
+    x = _unwrapped(t_x, x, about, found)
     return Record(
         time=t_x - t_x[0],
         position=x,
@@ -110,6 +115,15 @@ def batch_stamps(first_ns: int, period_ns: int, count: int) -> npt.NDArray[np.in
         count: number of samples.
     """
     return np.asarray(first_ns + period_ns * np.arange(count, dtype=np.int64), dtype=np.int64)
+
+
+def _unwrapped(time: FloatArray, position: FloatArray, about: About, notes: list[str]) -> FloatArray:
+    """The position, unwrapped if it is a wrapped angle; ``notes`` grows."""
+    if about.get("position_unit") != "rad":
+        return position
+    position, note = unwrapped(time, position)
+    notes += [note] if note else []
+    return position
 
 
 Stamps = TypeVar("Stamps", npt.NDArray[np.int64], FloatArray)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 import mmap
 import os
+import shlex
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -78,7 +79,9 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
         return True
     begin = _begin(where)
     if begin.startswith(b"#ROSBAG"):
-        raise DataError(f"{where} is a bag of ROS 1; expected one of ROS 2: convert it with rosbags-convert")
+        folder = where.with_suffix("") if where.suffix and not where.with_suffix("").exists() else f"{where}_ros2"
+        command = f"rosbags-convert --src {shlex.quote(str(where))} --dst {shlex.quote(str(folder))}"
+        raise DataError(f"{where} is a bag of ROS 1; expected one of ROS 2: convert it with {command}")
     return begin.startswith(MAGIC)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 
+from msd_ident.io.number_marks import is_marked_number
+
 _SEPARATORS = (";", "\t", ",")
 
 
@@ -15,18 +17,27 @@ def separator_of(line: str) -> str | None:
 
 def cells_of(line: str) -> tuple[str, ...]:
     """Cells of a line without quotes and white space around them."""
-    separator = separator_of(line)
+    return tuple(cell.strip().strip('"') for cell in split(line, separator_of(line)))
+
+
+def split(line: str, separator: str | None) -> list[str]:
+    """Cells of a line; a separator in quotes separates none.
+
+    Args:
+        line: of text.
+        separator: between the cells, ``None`` for white space.
+    """
     if separator is not None and '"' in line:
-        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
-    return tuple(cell.strip().strip('"') for cell in line.split(separator))
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return line.split(separator)
 
 
 def is_number(text: str) -> bool:
-    """Whether a cell is a number, with a decimal point or comma."""
+    """Whether a cell is a number, with a decimal point or comma, or with thousands separators."""
     try:
         float(text.replace(",", "."))
     except ValueError:
-        return False
+        return is_marked_number(text)
     return True
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.streams import from_seconds
 from msd_ident.errors import DataError, UsageError
-from msd_ident.io import constant_force, even_stamps, runs, units
+from msd_ident.io import constant_force, even_stamps, runs, time_unit, units
 from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
@@ -163,8 +163,9 @@ def _times(
             f"{name}: {lost} lines have no {heading}; expected a time on every line: repair or remove them, or give "
             "the sampling rate with --rate HZ"
         )
-    time, notes = time[there], list[str]()
-    scale = _scale(options.time_scale, units.time_factor(heading), heading, notes)
+    time = time[there]
+    scale, note = time_unit.factor(heading, time, options.time_scale)
+    notes = [note] if note else []
     even = even_stamps.rebuilt(time, None if chosen.counter is None else read[chosen.counter][there])
     if even is not None:
         evidence = "the stamps stay within one rounding of even ones"
@@ -267,11 +268,3 @@ def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArr
     """The lines that have a value."""
     there = ~np.isnan(values)
     return (time, values) if there.all() else (time[there], values[there])
-
-
-def _scale(given: float | None, named: float, column: str, notes: list[str]) -> float:
-    if given is not None:
-        return given
-    if named != 1.0:
-        notes.append(f"column {column} was multiplied by {named:g}, as its unit says.")
-    return named

@@ -19,8 +19,9 @@ import numpy as np
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
 from msd_ident.io import channel_header, units
-from msd_ident.io.cells import cells_of, is_number, joined, separator_of
+from msd_ident.io.cells import cells_of, is_number, joined, separator_of, split
 from msd_ident.io.columns import TIME_NAMES
+from msd_ident.io.number_marks import with_points, without_quotes
 
 #: Larger tables are no experiment, and would fill the memory: ten million lines of three columns fit.
 MOST_MEGABYTES = 500
@@ -105,12 +106,14 @@ class Table:
         return numbers if bool(np.all(np.isfinite(numbers))) else None
 
     def _body(self) -> str:
-        """Text behind the header, decimal commas turned into points."""
+        """Text behind the header, decimal commas turned into points and thousands separators left out."""
         position = 0
         for _ in range(self.layout.first):
             position = self._text.index("\n", position) + 1
         body = self._text[position:]
-        return body.replace(",", ".") if self.layout.decimal_comma else body
+        if self.layout.separator == "," and '"' in body:
+            return without_quotes(body, str(self._path))
+        return with_points(body) if self.layout.decimal_comma else body
 
     def _line_by_line(self, indices: Sequence[int]) -> tuple[FloatArray, ...]:
         width = len(self.layout.header)
@@ -120,7 +123,7 @@ class Table:
             text = _HASHED.sub("NA", line).partition("#")[0].strip(" \r")
             if not text.strip() or text.lstrip().startswith(_COMMENTS):
                 continue
-            cells = text.split(self.layout.separator)
+            cells = split(text, self.layout.separator)
             if len(cells) == width + 1 and not cells[-1].strip():
                 cells.pop()  # a separator at the end of each line
             if len(cells) != width:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from array import array
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,14 @@ import numpy.typing as npt
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import DataError
-from msd_ident.io import runs
+from msd_ident.io import runs, time_unit
 from msd_ident.io.bag import Bag, is_bag, open_bag
 from msd_ident.io.columns import open_columns
 from msd_ident.io.csv_file import choose_columns, choose_time
+from msd_ident.io.joints import Joint, moving_joints
 from msd_ident.io.reader import sources
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.io.topics import Topic
-from msd_ident.io.units import time_factor
 
 _DEFAULTS = SourceOptions()
 
@@ -65,6 +66,7 @@ class BagInfo:
         problem: why position or force cannot be used, empty when they can.
         notes: what was lost or repaired on reading.
         is_table: it has columns and lines, not topics and messages.
+        joints: of a bag whose position nobody named and no topic gives: its joints, and whether each moves.
     """
 
     path: str
@@ -78,6 +80,7 @@ class BagInfo:
     problem: str
     notes: tuple[str, ...]
     is_table: bool = False
+    joints: Mapping[Joint, bool] = field(default_factory=dict)
 
 
 def describe(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -> BagInfo:
@@ -98,12 +101,14 @@ def _describe_bag(bag: Bag, options: SourceOptions) -> BagInfo:
     for message in bag.messages(by_log_time=False):
         times[message.topic].append(message.log_time_ns)
     position = force = problem = ""
+    joints: Mapping[Joint, bool] = {}
     try:
         chosen = sources(bag, options, Counter({name: len(stamps) for name, stamps in times.items()}))
         position = chosen[0].label
         force = chosen[1].label if chosen[1] else "none"
     except DataError as error:
         problem = str(error)
+        joints = {} if options.position else moving_joints(bag)
     first = min((min(stamps) for stamps in times.values()), default=0)
     last = max((max(stamps) for stamps in times.values()), default=0)
     return BagInfo(
@@ -117,6 +122,7 @@ def _describe_bag(bag: Bag, options: SourceOptions) -> BagInfo:
         force=force,
         problem=problem,
         notes=bag.notes,
+        joints=joints,
     )
 
 
@@ -143,7 +149,8 @@ def _describe_table(path: Path, options: SourceOptions) -> BagInfo:
         time_at = choose_time(table, str(path), options)
         if time_at is not None:
             (time,) = table.columns([time_at])
-            time = np.sort(time[np.isfinite(time)]) * (options.time_scale or time_factor(table.header[time_at]))
+            time = time[np.isfinite(time)]
+            time = np.sort(time) * time_unit.factor(table.header[time_at], time, options.time_scale)[0]
         elif options.rate is not None:
             time = np.arange(table.lines) / options.rate
         chosen = choose_columns(table, str(path), options)

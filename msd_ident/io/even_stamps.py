@@ -31,6 +31,8 @@ _BENT_SPAN = 1.5
 _RUNNING, _DRIFT = 401, 0.01
 #: Decimal places that are looked for, from thousands to nanos, and numbers of digits.
 _DECIMALS, _DIGITS = range(3, -10, -1), range(2, 8)
+#: Part of a rounding by which a stamp may be off its multiples.
+_MOST_OFF = 0.01
 #: Part of the period by which a clock may jitter where the rounding is finer than that.
 _JITTER = 0.05
 
@@ -152,6 +154,7 @@ def _tick(time: FloatArray) -> float:
     for decimal in _DECIMALS:
         tick = 10.0**decimal
         places = time / tick
-        if float(np.max(np.abs(places - np.rint(places)))) < 1e-6 * max(1.0, 1e-6 * float(np.max(np.abs(places)))):
+        rounding = 1e-6 * max(1.0, 1e-6 * float(np.max(np.abs(places))))  # of numbers with 15 digits
+        if float(np.max(np.abs(places - np.rint(places)))) < min(rounding, _MOST_OFF):
             return tick
     return 0.0

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import math
 import os
+import shlex
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from msd_ident.data.motion import observe
+from msd_ident.data.record import MINIMUM_SAMPLES, from_samples
 from msd_ident.errors import DataError
-from msd_ident.io.bag import open_bag
+from msd_ident.io.bag import Bag, open_bag
 from msd_ident.io.source_options import SourceOptions
 
 _KIND = "sensor_msgs/msg/JointState"
-#: Messages of a topic that are looked at: drivers may send their joints in turn.
-_LOOKED_AT = 50
+#: Messages of a topic that are looked at: drivers may send their joints in turn, and one may begin late.
+_LOOKED_AT = 1000
 
 
 @dataclass(frozen=True)
@@ -24,21 +31,29 @@ class Joint:
         topic: that it is on.
         name: of the joint.
         has_effort: whether its messages carry an effort.
+        place: in its messages, where another joint has the same name; its name here then ends with it.
     """
 
     topic: str
     name: str
     has_effort: bool
+    place: str = ""
 
     @property
     def position(self) -> str:
         """Where its position is, as ``--position`` takes it."""
-        return f"{self.topic}:position[{self.name}]"
+        return f"{self.topic}:position[{self.place or self.name}]"
 
     @property
     def effort(self) -> str:
         """Where its effort is, as ``--force`` takes it."""
-        return f"{self.topic}:effort[{self.name}]"
+        return f"{self.topic}:effort[{self.place or self.name}]"
+
+    @property
+    def options(self) -> str:
+        """Options to paste: its position, and its effort as force; a free decay where there is none."""
+        force = f"--force {shlex.quote(self.effort)} --force-unit N·m" if self.has_effort else "--force none"
+        return f"{force} --position {shlex.quote(self.position)} --position-unit rad"
 
 
 def source_of(options: SourceOptions, joint: Joint) -> SourceOptions:
@@ -63,21 +78,59 @@ def joints(path: str | os.PathLike[str]) -> tuple[Joint, ...]:
     Raises:
         DataError: it is no bag, or holds no JointState with a name and a position.
     """
+    bag = open_bag(path)
+    found: dict[Joint, bool] = {}
+    for joint, reading in _readings(bag, _LOOKED_AT):
+        found[joint] = found.get(joint, False) or reading.has_effort
+    if not found:
+        there = ", ".join(sorted({topic.type for topic in bag.topics.values()})) or "none"
+        raise DataError(f"{path} holds no joint; expected {_KIND} with names and positions; its types are: {there}")
+    return tuple(replace(joint, has_effort=effort) for joint, effort in found.items())
+
+
+def moving_joints(bag: Bag) -> dict[Joint, bool]:
+    """All joints of an open bag that have a position, and whether each of them moves.
+
+    Args:
+        bag: may hold no joint.
+    """
+    found: dict[Joint, list[_Reading]] = {}
+    for joint, reading in _readings(bag, None):
+        found.setdefault(joint, []).append(reading)
+    return {
+        replace(joint, has_effort=any(one.has_effort for one in readings)): _moves([one.position for one in readings])
+        for joint, readings in found.items()
+    }
+
+
+class _Reading(NamedTuple):
+    """What a message says of a joint."""
+
+    position: float
+    has_effort: bool
+
+
+def _readings(bag: Bag, most: int | None) -> Iterator[tuple[Joint, _Reading]]:
+    """Joints and what the first messages of each topic, all for ``None``, say of them."""
     from msd_ident.io.decode import Decoder  # imported here: a table needs no library for bags
 
-    bag = open_bag(path)
-    topics = [name for name, topic in bag.topics.items() if topic.type == _KIND]
-    found: dict[tuple[str, str], bool] = {}
-    for topic in topics:
+    for topic in [name for name, topic in bag.topics.items() if topic.type == _KIND]:
         decoder = Decoder(bag.topics[topic])
-        for raw in islice(bag.messages([topic]), _LOOKED_AT):
+        for raw in islice(bag.messages([topic]), most):
             message: Any = decoder.decode(raw.data)
             if message is None:
                 continue
             efforts = len(message.effort)
             for index, name in enumerate(message.name[: len(message.position)]):
-                found[topic, name] = found.get((topic, name), False) or index < efforts
-    if not found:
-        there = ", ".join(sorted({topic.type for topic in bag.topics.values()})) or "none"
-        raise DataError(f"{path} holds no joint; expected {_KIND} with names and positions; its types are: {there}")
-    return tuple(Joint(topic, name, effort) for (topic, name), effort in found.items())
+                twice = message.name.count(name) > 1
+                joint = Joint(topic, f"{name} [{index}]", False, str(index)) if twice else Joint(topic, name, False)
+                yield joint, _Reading(float(message.position[index]), index < efforts)
+
+
+def _moves(position: Sequence[float]) -> bool:
+    """Whether positions move more than noise and rounding do; those that come at even times will do."""
+    values = np.array([value for value in position if math.isfinite(value)])
+    if values.size < MINIMUM_SAMPLES or not np.ptp(values):
+        return bool(values.size and np.ptp(values))
+    time = np.arange(float(values.size))
+    return not observe(from_samples(time, np.zeros(values.size), values)).still

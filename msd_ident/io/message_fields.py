@@ -41,6 +41,7 @@ class Field:
         owners: list[Any] = []
         for step in self.steps:
             if step.startswith("["):
+                self._check_once(step[1:-1], owners)
                 index = _index(step[1:-1], here, owners)
                 if index is None:
                     return None
@@ -51,6 +52,16 @@ class Field:
                 if here is None:
                     raise self._missing(step, owners[-1])
         return self._number(here)
+
+    def _check_once(self, name: str, owners: Sequence[Any]) -> None:
+        names = _names(owners)
+        if names.count(name) > 1 and not _is_place(name):
+            field = self.text.rpartition("[")[0]
+            places = " or ".join(f"{field}[{index}]" for index, other in enumerate(names) if other == name)
+            raise DataError(
+                f"joint {name} stands {names.count(name)} times in a message; expected once: take one by its place, "
+                f"{places}"
+            )
 
     def _number(self, found: Any) -> float | None:
         if isinstance(found, (float, int, np.number)):
@@ -99,7 +110,7 @@ def _index(key: str, values: Any, owners: Sequence[Any]) -> int | None:
     """Place of a key in an array, ``None`` when it is not in this message."""
     if not isinstance(values, _ARRAYS):
         return None
-    if key.lstrip("-").isdigit():
+    if _is_place(key):
         index = int(key)
     else:
         names = _names(owners)
@@ -107,6 +118,10 @@ def _index(key: str, values: Any, owners: Sequence[Any]) -> int | None:
             return None
         index = list(names).index(key)
     return index if -len(values) <= index < len(values) else None
+
+
+def _is_place(key: str) -> bool:
+    return key.lstrip("-").isdigit()
 
 
 def _names(owners: Sequence[Any]) -> Sequence[str]:

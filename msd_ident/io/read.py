@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from msd_ident.data.record import Record
-from msd_ident.data.resampling import band_limited
+from msd_ident.data.resampling import band_limited, is_even
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import runs
 from msd_ident.io.bag import is_bag
@@ -38,18 +38,22 @@ def read(
     """
     try:
         record = _read_bag(path, options, on_progress) if is_bag(path) else read_table(path, options)
-        if options.hold == "band_limited" and not options.no_force:
-            record = band_limited(record)
+        interpolate = options.hold == "band_limited" and not options.no_force
+        if interpolate and is_even(record.force_time):  # of the whole: the force beyond a window tells its ends
+            record, interpolate = band_limited(record), False
         if options.start is not None or options.end is not None:
             record = record.cut(*options.window)
+        if interpolate:
+            record = band_limited(record)
     except DataError as error:
         # Who reads several paths must see which one it is about.
         named = str(error) if Path(path).name in str(error) else f"{path}: {error}"
         raise DataError(named) from None
     if record.position.min() == record.position.max():
+        reading = f"{record.position[0]:g} {record.position_unit} in all {record.samples} samples"
         raise DataError(
-            f"{path}: the position never changes ({record.position[0]:g} {record.position_unit} in all "
-            f"{record.samples} samples); expected motion: check the encoder, or choose another --position"
+            f"{path}: it stands still, the position never changes ({reading}); expected motion: check the encoder, or "
+            "choose another --position"
         )
     return record
 

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 
 from msd_ident.errors import DataError, UsageError
 
+#: A pound as a force [N].
+_POUND, _POUNDS = 4.4482216152605, ("lb", "lbs", "lbf")
 #: Ending of a heading → unit of the record and factor to it.
 _LENGTH = {
     "m": ("m", 1.0),
     "cm": ("m", 1e-2),
     "mm": ("m", 1e-3),
     "um": ("m", 1e-6),
+    "ft": ("m", 0.3048),
     "in": ("m", 0.0254),
     "inch": ("m", 0.0254),
     "rad": ("rad", 1.0),
@@ -25,6 +28,8 @@ _LENGTH = {
     "°": ("rad", math.pi / 180),
     "degree": ("rad", math.pi / 180),
     "degrees": ("rad", math.pi / 180),
+    "rev": ("rad", 2.0 * math.pi),
+    "turns": ("rad", 2.0 * math.pi),
     "count": ("count", 1.0),
     "counts": ("count", 1.0),
     "ticks": ("count", 1.0),
@@ -38,15 +43,32 @@ _FORCE = {
     "mv": ("V", 1e-3),
     "a": ("A", 1.0),
     "ma": ("A", 1e-3),
+    "dan": ("N", 10.0),
+    "kgf": ("N", 9.80665),
+    "ncm": ("N·m", 1e-2),
+    "nmm": ("N·m", 1e-3),
+    "mnm": ("N·m", 1e-3),
+    "knm": ("N·m", 1e3),
+    **{pound: ("N", _POUND) for pound in _POUNDS},
+    **{name: ("N·m", 0.0254 * _POUND) for pound in _POUNDS for name in (f"{pound}in", f"in{pound}")},
+    **{name: ("N·m", 0.3048 * _POUND) for pound in _POUNDS for name in (f"{pound}ft", f"ft{pound}")},
+    "ozf": ("N", _POUND / 16),
+    **{name: ("N·m", 0.0254 * _POUND / 16) for name in ("ozfin", "ozin", "inozf", "inoz")},
 }
-_TIME = {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_TIME = {
+    **dict.fromkeys(("s", "sec", "secs", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "msec"), 1e-3),
+    **dict.fromkeys(("us", "usec"), 1e-6),
+    **dict.fromkeys(("ns", "nsec"), 1e-9),
+}
 #: Units in brackets that are none of a position or force.
 _OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa", "mps", "dps", "rpm", "rps"}
 _SYMBOLS = {*_LENGTH, *_FORCE, *_TIME, *_OTHER}
 #: Symbols that are one only in a product: as words alone they are names, such as a least value.
-_IN_PRODUCTS = {"min", "h", "km", "ft"}
+_IN_PRODUCTS = {"min", "h", "km"}
 _RATES = ("/", "^", "**", "²", "³", "⁻")
 _IN_BRACKETS = re.compile(r"\s*[\[(]\s*([^\[\]()]*[^\[\]()\s:,])\s*[\])]$")
+_BEHIND_COMMA = re.compile(r"\s*,\s*([^,]*[^,\s])$")
 _ENDING = re.compile(r"(?:_|\s*/\s*)([A-Za-z]+)$")
 #: Signs of a product in a unit: N·m, N*m, N-m, N.m, N m.
 _PRODUCT = re.compile(r"[·⋅*.\s-]")
@@ -173,6 +195,11 @@ def time_factor(column: str) -> float:
     return _TIME.get(unit(column)[0], 1.0)
 
 
+def has_time_unit(column: str) -> bool:
+    """Whether a heading ends with a unit of time."""
+    return unit(column)[0] in _TIME
+
+
 def is_time(text: str) -> bool:
     """Whether a text, with brackets around it or without, is a unit of time."""
     return _plain(text.strip().strip("()[]")) in _TIME
@@ -209,9 +236,16 @@ def _plain(written: str) -> str:
 
 
 def _in_brackets(column: str) -> re.Match[str] | None:
-    """What stands in brackets at the end of a heading; with a digit at its end, only a power: it may be a channel."""
+    """What stands in brackets at the end of a heading; with a digit at its end, only a power: it may be a channel.
+
+    A known unit behind a comma stands for one in brackets: ``Position, mm``.
+    """
     found = _IN_BRACKETS.search(column)
-    return found if found and (not found.group(1)[-1].isdecimal() or _is_power(found.group(1))) else None
+    if found is None:
+        found = _BEHIND_COMMA.search(column)
+        if found is None or not (_is_other(_plain(found.group(1)), found.group(1)) or _is_power(found.group(1))):
+            return None
+    return found if not found.group(1)[-1].isdecimal() or _is_power(found.group(1)) else None
 
 
 def _is_power(text: str) -> bool:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
+import shlex
 from pathlib import Path
 
 import pytest
-from bagmaker import START_NS, Message, encoder_messages, make_bag, stamps, step_experiment, storage
+from bagmaker import JOINTS, START_NS, Message, encoder_messages, joints, make_bag, stamps, step_experiment, storage
 
 from msd_ident.cli import main
 
@@ -66,6 +68,44 @@ def test_a_bag_without_the_signals_is_described_with_the_reason(tmp_path: Path, 
     code, out, _ = info(tmp_path / "bag", "--force", "none")
     assert code == 0
     assert "force:    none, a free decay" in out
+
+
+def arm(folder: Path, names: tuple[str, ...] = ("upper arm", "tool", "rail")) -> Path:
+    """A bag of joint states: one that swings, one that rests, one that swings and has no effort."""
+    swing = [0.4 * math.sin(0.05 * i) for i in range(400)]
+    messages = [
+        ("/joint_states", JOINTS, joints(ns, (x, 0.3, -x), names, (2.0 * x, 0.0)), ns)
+        for ns, x in zip(stamps(400), swing, strict=True)
+    ]
+    return make_bag(folder, messages)
+
+
+def test_options_to_paste_for_each_joint_that_moves(tmp_path: Path, info) -> None:
+    bag = arm(tmp_path / "arm")
+    code, out, _ = info(bag)
+    assert code == 0 and "not usable as it is" in out
+    pasted = [line.strip() for line in out.splitlines() if line.strip().startswith("--force")]
+    assert pasted == [
+        "--force '/joint_states:effort[upper arm]' --force-unit N·m --position '/joint_states:position[upper arm]' "
+        "--position-unit rad",
+        "--force none --position '/joint_states:position[rail]' --position-unit rad",
+    ]
+    assert "at rest: tool" in out
+    for line in pasted:
+        code, out, err = info(bag, *shlex.split(line))
+        assert (code, err) == (0, "") and "400 samples in 0.399 s" in out and "at rest" not in out
+    found = json.loads(info(bag, "--json", "-")[1])
+    assert [(one["name"], one["moves"]) for one in found["joints"]] == [
+        ("upper arm", True), ("tool", False), ("rail", True)
+    ]  # fmt: skip
+    assert found["joints"][0]["options"] == pasted[0]
+    assert json.loads(info(make_bag(tmp_path / "rig", step_experiment()), "--json", "-")[1])["joints"] == []
+
+
+def test_joints_of_one_name_are_named_by_their_place(tmp_path: Path, info) -> None:
+    _, out, _ = info(arm(tmp_path / "arm", ("arm", "tool", "arm")))
+    assert "--force '/joint_states:effort[0]' --force-unit N·m --position '/joint_states:position[0]'" in out
+    assert "--force none --position '/joint_states:position[2]'" in out
 
 
 def test_json_holds_everything(tmp_path: Path, info) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from msd_ident.data.record import from_samples
 from msd_ident.errors import DataError, MsdError, UsageError
-from msd_ident.io import SourceOptions, read, write_csv
+from msd_ident.io import SourceOptions, describe, read, write_csv
 
 ROWS = [(i / 100, 1.5 * (i > 5), 0.001 * i * i) for i in range(40)]
 
@@ -93,6 +93,7 @@ def test_columns_scales_and_units_by_option(tmp_path: Path) -> None:
         *((unit, "rad", np.pi / 180) for unit in ("deg", "degree", "degrees", "Deg", "°")),
         *(("mm", "m", 1e-3), ("cm", "m", 1e-2), ("um", "m", 1e-6), ("µm", "m", 1e-6), ("μm", "m", 1e-6)),
         *(("in", "m", 0.0254), ("mrad", "rad", 1e-3), ("radians", "rad", 1.0), ("counts", "count", 1.0)),
+        *(("ft", "m", 0.3048), ("rev", "rad", 2 * np.pi)),
     ],
 )
 def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
@@ -110,11 +111,33 @@ def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
     np.testing.assert_array_equal(both.position, named.position)
 
 
-@pytest.mark.parametrize(("unit", "of_record", "factor"), [("kN", "N", 1e3), ("mV", "V", 1e-3), ("Nm", "N·m", 1.0)])
+@pytest.mark.parametrize(
+    ("unit", "of_record", "factor"),
+    [
+        *(("kN", "N", 1e3), ("mV", "V", 1e-3), ("Nm", "N·m", 1.0), ("N·cm", "N·m", 0.01), ("daN", "N", 10.0)),
+        *((unit, "N", 4.4482216152605) for unit in ("lbf", "lb")),
+        *((unit, "N·m", 0.1129848290276167) for unit in ("lb-in", "in·lbf", "lbf in")),
+        *((unit, "N·m", 1.3558179483314004) for unit in ("ft-lb", "lbf·ft", "ft.lbs")),
+        *(("oz-in", "N·m", 0.00706155181422604), ("kgf", "N", 9.80665)),
+    ],
+)
 def test_a_force_unit_converts_alike(tmp_path: Path, unit: str, of_record: str, factor: float) -> None:
-    record = read_text(tmp_path, table(header="time,force,position"), force_unit=unit)
-    assert record.force_unit == of_record
-    np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+    given = read_text(tmp_path, table(header="time,force,position"), force_unit=unit)
+    named = read_text(tmp_path, table(header=f"time,force ({unit}),position"))
+    for record in (given, named):
+        assert record.force_unit == of_record
+        np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+
+
+def test_units_behind_a_comma_in_quoted_headings(tmp_path: Path) -> None:
+    """``"Position, mm"`` was a name without a unit, and not found as position."""
+    head = '"Time, ms","Force, kN","Position, mm"\n'
+    record = read_text(tmp_path, head + "".join(f"{1e3 * t},{f / 1e3},{1e3 * x}\n" for t, f, x in ROWS))
+    for found, true in zip((record.time, record.force, record.position), np.array(ROWS).T, strict=True):
+        np.testing.assert_allclose(found, true, rtol=1e-12)
+    other = '"Time, s","Force, N","Velocity, m/s"\n' + table().split("\n", 1)[1]
+    with pytest.raises(DataError, match="column Velocity, m/s is in m/s; expected a length"):
+        read_text(tmp_path, other, position="velocity")
 
 
 @pytest.mark.parametrize(
@@ -350,3 +373,73 @@ def test_measured_files(shared_data: Path) -> None:
     assert (axis.samples, axis.force_unit, axis.duration) == (24841, "N", pytest.approx(24.84))
     with pytest.raises(DataError, match="the columns are: time_s, control_effort_v, encoder_counts"):
         read(shared_data / "ecp210" / "step_1.csv")
+
+
+def quoted(*rows: tuple[str, ...]) -> str:
+    return "\n".join(",".join(f'"{cell}"' for cell in row) for row in rows) + "\n"
+
+
+def marked(value: float, decimal: str, thousands: str) -> str:
+    """A number with three decimals and these marks."""
+    return f"{value:,.3f}".translate({ord("."): decimal, ord(","): thousands})
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal", "thousands"),
+    [(",", ".", ","), (",", ",", "."), (",", ",", ""), (";", ",", "."), (";", ",", ""), (",", ".", "")],
+)
+def test_quoted_numbers_with_decimal_commas_and_thousands(
+    tmp_path: Path, separator: str, decimal: str, thousands: str
+) -> None:
+    """``"0,010","5.980,000"`` was split at every comma."""
+    rows = [(1000.0 * t, 1e3 * f, 1e6 * x) for t, f, x in ROWS]
+    lines = ['"Time (ms)","Force (mN)","Position (um)"'.replace(",", separator)]
+    lines += [separator.join(f'"{marked(value, decimal, thousands)}"' for value in row) for row in rows]
+    record = read_text(tmp_path, "\n".join(lines))
+    t, f, x = np.array(ROWS).T
+    for found, true in ((record.time, t), (record.force, f), (record.position, x)):
+        np.testing.assert_allclose(found, true, rtol=1e-12)
+
+
+def test_text_with_commas_in_quotes_is_one_cell(tmp_path: Path) -> None:
+    rows = [(t, f, x, '"on, steady"') for t, f, x in ROWS]
+    record = read_text(tmp_path, table(header="time_s,force_n,position_m,state", rows=rows))
+    np.testing.assert_array_equal(record.position, np.array(ROWS)[:, 2])
+
+
+def test_a_comma_that_may_be_either_is_refused(tmp_path: Path) -> None:
+    rows = [(str(i), f"{i + 1},500", "2") for i in range(30)]
+    with pytest.raises(DataError, match='cells like "1,500", whose comma may be decimal or separate thousands'):
+        read_text(tmp_path, quoted(("time_s", "force_n", "position_m"), *rows))
+
+
+@pytest.mark.parametrize(
+    ("first", "step", "factor", "said"),
+    [
+        (1724354446163542502, 10_000_000, 1e-9, "nanoseconds, which gives 100 Hz"),
+        (1724354446163542, 10_000, 1e-6, "microseconds, which gives 100 Hz"),
+        (1724354446163, 10, 1e-3, "milliseconds, which gives 100 Hz"),
+        (0, 10_000_000, 1e-9, "nanoseconds, which gives 100 Hz"),
+        (0, 1_000, 1e-6, "microseconds, which gives 1000 Hz"),
+    ],
+)
+def test_whole_stamps_without_a_unit_are_taken_for_what_they_can_be(
+    tmp_path: Path, first: int, step: int, factor: float, said: str
+) -> None:
+    """Taken as seconds, the stamps of a clock in nanoseconds gave a mass of 1e18 kg."""
+    text = table(header="timestamp,force,position", rows=[(first + i * step, f, x) for i, (_, f, x) in enumerate(ROWS)])
+    record = read_text(tmp_path, text)
+    np.testing.assert_allclose(record.time, step * factor * np.arange(40), atol=1e-6)
+    assert record.notes == (
+        f"column timestamp has whole numbers and no unit: they are taken as {said}; if they are not, use --time-scale.",
+    )
+    assert read_text(tmp_path, text, time_scale=1.0 / step).notes == ()
+    assert describe(tmp_path / "data.csv").duration == pytest.approx(record.duration)
+
+
+@pytest.mark.parametrize("step", [1, 10, 100, 0.01, 10_000.5])
+def test_other_stamps_stay_seconds(tmp_path: Path, step: float) -> None:
+    rows = [(i * step, f, x) for i, (_, f, x) in enumerate(ROWS)]
+    record = read_text(tmp_path, table(header="time,force,position", rows=rows))
+    np.testing.assert_allclose(record.time, step * np.arange(40), rtol=1e-12)
+    assert record.notes == ()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +28,8 @@ from bagmaker import (
     storage,
     wrench,
 )
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import Stores, get_typestore
 
 from msd_ident.data.record import Origin
 from msd_ident.errors import DataError, MsdError, UsageError
@@ -352,6 +357,39 @@ def test_paths_that_are_no_bag(tmp_path: Path, name: str, content: bytes | None,
         read(path)
     for word in [name, *words]:
         assert word in str(refused.value)
+
+
+def test_the_command_that_converts_a_bag_of_ros_1_works(tmp_path: Path) -> None:
+    path = tmp_path / "old rig.bag"
+    store = get_typestore(Stores.ROS1_NOETIC)
+    types = store.types
+    with Writer(path) as bag:
+        connection = bag.add_connection("/joint_states", JOINTS, typestore=store)
+        for i in range(50):
+            stamp = types["builtin_interfaces/msg/Time"](1_700_000_000, i * 10_000_000)
+            header = types["std_msgs/msg/Header"](i, stamp, "")
+            message = types[JOINTS](header, ["cart"], np.array([0.001 * i * i]), np.zeros(0), np.array([1.5]))
+            bag.write(connection, 1_700_000_000 * 10**9 + i * 10**7, store.serialize_ros1(message, JOINTS))
+    with pytest.raises(DataError) as refused:
+        read(path)
+    _, _, said = str(refused.value).partition("convert it with ")
+    command, *words = shlex.split(said)
+    assert words == ["--src", str(path), "--dst", str(tmp_path / "old rig")]
+    subprocess.run([str(Path(sys.executable).parent / command), *words], check=True)
+    record = read(tmp_path / "old rig", SourceOptions(position="/joint_states", force="/joint_states"))
+    np.testing.assert_allclose(record.position, 0.001 * np.arange(50.0) ** 2)
+
+
+def test_a_joint_that_stands_twice_in_a_message_is_refused(tmp_path: Path) -> None:
+    """The first of the two was taken in silence."""
+    messages = [("/joint_states", JOINTS, joints(ns, (0.1 * i, -i), ("arm", "arm"), (1.0, 2.0)), ns)
+                for i, ns in enumerate(stamps())]  # fmt: skip
+    options = SourceOptions(position="/joint_states:position[arm]", force="/joint_states:effort[arm]")
+    line = refusal(tmp_path / "bag", messages, options)
+    assert "joint arm stands 2 times in a message; expected once" in line
+    assert "take one by its place, position[0] or position[1]" in line
+    by_place = SourceOptions(position="/joint_states:position[1]", force="/joint_states:effort[1]")
+    assert read(tmp_path / "bag", by_place).force[0] == 2.0
 
 
 def test_a_folder_without_storage(tmp_path: Path) -> None:

@@ -19,9 +19,10 @@ from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
 from msd_ident.data.quality.excitation import excitation
 from msd_ident.data.quality.feedback import feedback, steered
 from msd_ident.data.quality.finding import Check, Finding
+from msd_ident.data.quality.gaps import continuous, left_out
 from msd_ident.data.quality.relation import relation
 from msd_ident.data.quality.sampling import missing_in, missing_samples, sampling
-from msd_ident.data.quality.units import angle_unit, time_unit, units
+from msd_ident.data.quality.units import angle_unit, time_unit, units, wrapped
 from msd_ident.data.record import Record
 
 __all__ = [
@@ -66,7 +67,7 @@ class Examined:
 
     Attributes:
         given: as it came.
-        record: without what no motion makes (``clean``).
+        record: without what no motion makes (``clean``), and without what a long gap parts from the rest.
         findings: all of them, the worst first.
     """
 
@@ -81,11 +82,13 @@ class Examined:
 
 
 def examine(record: Record) -> Examined:
-    """Clean a record, and look for its problems."""
-    cleaned = clean(record)
-    findings = [*sampling(record), *removed(record, cleaned)]
-    motion = observe(cleaned.record)
-    findings += [finding for one in CHECKS for finding in one(cleaned.record, motion)]
+    """Choose the part of a record that has no long gap, clean it, and look for its problems."""
+    part = continuous(record)
+    cleaned = clean(part.record)
+    motion, turns = observe(cleaned.record), tuple(wrapped(record))
+    findings = [*sampling(record), *left_out(part), *turns, *removed(part.record, cleaned)]
+    checks = (one for one in CHECKS if one is not units or not turns)
+    findings += [finding for one in checks for finding in one(cleaned.record, motion)]
     order = ("error", "warning", "info")
     findings.sort(key=lambda finding: order.index(finding.severity))
     return Examined(record, cleaned.record, tuple(findings))

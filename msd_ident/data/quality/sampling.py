@@ -50,11 +50,12 @@ def _gaps(record: Record, intervals: FloatArray, period: float) -> Iterator[Find
     share = missing / (missing + record.samples)
     where = f"the longest {intervals[longest]:.4g} s at {record.time[longest]:.3f} s"
     count = f"{gaps.size} gap, {where}" if gaps.size == 1 else f"{gaps.size} gaps, {where}"
+    digits = 2 if share < 0.99 else 4
     small = share < 1e-3 and intervals[longest] < SHORT_GAP * period
     yield Finding(
         "info" if small else "warning",
         "missing_samples",
-        f"{missing} of {missing + record.samples} samples ({100 * share:.2g} %) are missing ({count}): "
+        f"{missing} of {missing + record.samples} samples ({100 * share:.{digits}g} %) are missing ({count}): "
         "look for lost messages",
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 from msd_ident.data.motion import Motion, turning_points
 from msd_ident.data.quality.finding import Finding, warning
 from msd_ident.data.record import Record
+from msd_ident.data.turns import TURN, wraps
 
 #: Spans of the position [m] and mass [kg] beyond which a rig on a table is measured in another unit.
 _FARTHEST, _NEAREST = 3.0, 1e-4
@@ -17,6 +18,18 @@ _LIGHTEST = 1e-3
 #: Span of an angle [rad], four turns, beyond which hardly a spring or gravity swings anything to and fro; fewest
 #: turning points that show it, and the least swing between them in parts of the span.
 _WIDEST, _SWINGS, _SWING = 8.0 * math.pi, 4, 0.1
+#: By unit of the position: length after which it may be wrapped, what that is, and what to do. Most counters of a turn
+#: or of a chip have a power of two.
+_WRAPS = {
+    "m": (
+        (360.0, "is it an angle in degrees that is wrapped at one turn", "If so, use --position-unit deg"),
+        (TURN, "is it an angle in radians that is wrapped at one turn", "If so, use --position-unit rad"),
+    ),
+    "count": tuple(
+        (2.0**bits, "is it a counter that overflows", "If so, unwrap it before (numpy.unwrap with this period)")
+        for bits in range(8, 33)
+    ),
+}
 #: Sampling periods [s] beyond which no encoder is read.
 _SHORTEST, _LONGEST = 2e-6, 0.5
 
@@ -57,6 +70,18 @@ def angle_unit(record: Record, motion: Motion) -> Iterator[Finding]:
             f"the position spans {motion.span:.4g} rad, {motion.span / (2.0 * math.pi):.0f} turns, and swings to and "
             "fro under one force: is it in degrees? If so, use --position-unit deg",
         )
+
+
+def wrapped(record: Record) -> Iterator[Finding]:
+    """An angle that is wrapped at one turn, or a counter that overflows, and is not known to be one."""
+    for turn, what, advice in _WRAPS.get(record.position_unit, ()):
+        jumps = wraps(record.time, record.position, turn)
+        if jumps.size:
+            yield warning(
+                "wrong_unit",
+                f"the position jumps by {turn:.4g} {record.position_unit} between two samples ({jumps.size} times, the "
+                f"first at {record.time[jumps[0] + 1]:.3f} s) and goes on with the same speed: {what}? {advice}",
+            )
 
 
 def time_unit(record: Record, motion: Motion) -> Iterator[Finding]:

@@ -219,8 +219,8 @@ class Effect(Law):
 
     @classmethod
     def moving_as(cls, other: Effect, model: Model) -> Effect | None:
-        """This law in the place of an effect of a fitted model whose motion it gives where inertia carries little of the
-        force; None where it never does.
+        """This law in the place of an effect of a fitted model, whose motion it gives where the mass carries little of
+        the force; None where it never does.
 
         Args:
             other: an effect of the model, of another cause.
