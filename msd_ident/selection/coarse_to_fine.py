@@ -15,7 +15,7 @@ from msd_ident.residuals.adequacy import judge
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.cause_assessment import noted
 from msd_ident.selection.equal_motion import equal_motion
-from msd_ident.selection.evidence import scale_from
+from msd_ident.selection.evidence import log_evidence, scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import FAR, REACH, refine
@@ -114,14 +114,15 @@ def _leaving_less(ahead: Ranking) -> list[Hypothesis]:
 
 
 def _as_good(first: Search, ahead: Ranking) -> list[Hypothesis]:
-    """Sets that lack a cause of the leading one and leave hardly more, also those that are no explanation on the part.
+    """The likeliest sets that lack a cause of the leading one and leave hardly more, also those that are no explanation
+    on the part.
 
     A further cause may explain little there beside the error of a law: on all data the set may leave only noise.
     """
-    best = ahead.best
+    best, scale = ahead.best, first.scale()
     rivals = [one for one in first.sets.values() if one.chi < (1.0 + NOISE_ERROR) * best.chi]
     rivals = [one for one in rivals if len(one.causes) <= len(best.causes) + 1 and not best.causes <= one.causes]
-    return sorted(rivals, key=lambda one: one.chi)[:KEPT]
+    return sorted(rivals, key=lambda one: -log_evidence(one, scale))[:KEPT]
 
 
 def _simpler(ahead: Ranking) -> list[Hypothesis]:

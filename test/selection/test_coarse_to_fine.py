@@ -82,17 +82,27 @@ def test_sets_that_leave_far_less_than_the_leading_one_are_judged_on_all_samples
     assert asked(1000.0, ("coulomb_friction",)) == []
 
 
-def test_sets_without_a_leading_cause_that_leave_hardly_more_are_judged_on_all_samples() -> None:
-    """Also those that are no explanation on the part; with the leading causes and others, they are no rivals."""
-    chi = {
-        ("stribeck_friction",): 100.0,
-        ("coulomb_friction",): 600.0,
-        ("coulomb_friction", "time_offset"): 104.0,
-        ("stribeck_friction", "time_offset"): 99.0,
-        ("coulomb_friction", "cogging", "time_offset"): 90.0,
-        ("coulomb_friction", "actuator_lag"): 111.0,
+def test_sets_without_a_leading_cause_that_leave_hardly_more_are_judged_on_all_samples(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The likeliest of them, also if they are no explanation on the part; sets with all leading causes are no rivals."""
+    rated = {
+        ("stribeck_friction",): (100.0, 0.0),
+        ("coulomb_friction",): (600.0, -5.0),
+        ("coulomb_friction", "time_offset"): (104.0, -1.0),
+        ("stribeck_friction", "time_offset"): (99.0, -2.0),
+        ("coulomb_friction", "cogging", "time_offset"): (90.0, -9.0),
+        ("actuator_lag", "coulomb_friction"): (109.0, -3.0),
+        ("cogging", "force_dead_zone"): (101.0, -30.0),
+        ("cogging", "coulomb_friction"): (102.0, -20.0),
+        ("coulomb_friction", "second_mode"): (111.0, -1.0),
     }
-    sets = {frozenset(one): SimpleNamespace(causes=frozenset(one), chi=left) for one, left in chi.items()}
-    best = sets[frozenset({"stribeck_friction"})]
-    asked = coarse_to_fine._as_good(cast(Any, SimpleNamespace(sets=sets)), cast(Any, SimpleNamespace(best=best)))
-    assert [one.causes for one in asked] == [{"coulomb_friction", "time_offset"}]
+    sets = {frozenset(one): SimpleNamespace(causes=frozenset(one), chi=left) for one, (left, _) in rated.items()}
+    evidence = {frozenset(one): value for one, (_, value) in rated.items()}
+    monkeypatch.setattr(coarse_to_fine, "log_evidence", lambda one, scale: evidence[one.causes])
+    first = cast(Any, SimpleNamespace(sets=sets, scale=lambda: None))
+    ahead = cast(Any, SimpleNamespace(best=sets[frozenset({"stribeck_friction"})]))
+    asked = [sorted(one.causes) for one in coarse_to_fine._as_good(first, ahead)]
+    assert asked == [
+        ["coulomb_friction", "time_offset"], ["actuator_lag", "coulomb_friction"], ["cogging", "coulomb_friction"],
+    ]  # fmt: skip
