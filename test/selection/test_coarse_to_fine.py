@@ -85,7 +85,7 @@ def test_sets_that_leave_far_less_than_the_leading_one_are_judged_on_all_samples
 def test_sets_without_a_leading_cause_that_leave_hardly_more_are_judged_on_all_samples(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The likeliest of them, also if they are no explanation on the part; sets with all leading causes are no rivals."""
+    """The likeliest of them, also if they are no explanation on the part; with all leading causes it is no rival."""
     rated = {
         ("stribeck_friction",): (100.0, 0.0),
         ("coulomb_friction",): (600.0, -5.0),
