@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,6 +14,7 @@ from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import Weighting
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.formulation import formulate
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.posing import build
 from msd_ident.estimate.problem import Initial, Nuisance, Problem
@@ -147,8 +149,14 @@ class Experiment:
 
     @cached_property
     def _ranges(self) -> dict[str, tuple[float, float]]:
-        """What the samples can resolve of the parameters of all laws."""
-        return resolution.of_laws(LIBRARY, self.scales)
+        """What the samples can resolve of the parameters of all laws, and of the mass.
+
+        A mass so light that the speed follows the force within a twentieth of a sample is as good as none. It is not
+        sought: each simulation with it takes hundreds of steps a sample.
+        """
+        periods = (min(record.period, _force_period(record)) for record in self.records)
+        lightest = MOST_OF * TENTH * min(periods) * self.base.damping
+        return {**resolution.of_laws(LIBRARY, self.scales), "mass": (lightest, math.inf)}
 
     @cached_property
     def typical(self) -> Magnitudes:
@@ -186,6 +194,11 @@ class Experiment:
     @cached_property
     def _posed(self) -> dict[tuple[tuple[str, ...], frozenset[str], tuple[float, ...]], Weighting]:
         return {}
+
+
+def _force_period(record: Record) -> float:
+    """Usual time [s] between two samples of the force; infinite where there is one."""
+    return float(np.median(np.diff(record.force_time))) if record.force_time.size > 1 else math.inf
 
 
 def formulated(
