@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from msd_ident import parallel
-from msd_ident.data.quality import Finding, steered
+from msd_ident.data.quality import Finding, force_unknown, steered
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
 from msd_ident.diagnosis.choice import chosen
@@ -123,7 +123,8 @@ def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis
         ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
     else:
         ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    return _conclude(task, experiment, _Search(base, replace(ranking, steered=task.steered), shared), progress)
+    ranking = replace(ranking, steered=task.steered, pushed_unseen=force_unknown(task.findings))
+    return _conclude(task, experiment, _Search(base, ranking, shared), progress)
 
 
 def prepare(task: Task) -> Experiment:

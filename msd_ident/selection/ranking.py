@@ -96,6 +96,7 @@ class Ranking:
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
         steered: whether a controller computes the force from the readings. It brings the cart to the same places, so
             nothing tells a law that pushes back at a place from what holds the cart there: none is certain.
+        pushed_unseen: whether the cart moves before the force is known: no cause is certain.
     """
 
     sets: tuple[Hypothesis, ...]
@@ -114,6 +115,7 @@ class Ranking:
     foretold: bool = False
     rich: bool = False
     steered: bool = False
+    pushed_unseen: bool = False
 
     @property
     def best(self) -> Hypothesis:
@@ -186,6 +188,8 @@ class Ranking:
         if self.best.causes in self.leaves:
             own = [law for law in self.best.causes if by_name(law).cause() == kind]
             found = min(found, *(self._greatest(self.best.causes, law) for law in own), 1.0)
+        if self.pushed_unseen:
+            found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):
             return found
         return min(found, probability_at(self.limit(kind)))

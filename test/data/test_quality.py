@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from msd_ident.data.quality import Finding, check, encoder_step, missing_in, missing_samples, noise_floor
+from msd_ident.data.quality import Finding, check, encoder_step, force_unknown, missing_in, missing_samples, noise_floor
 from msd_ident.data.record import FloatArray, Record, from_samples
 from msd_ident.io import SourceOptions, read
 from msd_sim.api import simulate
@@ -358,6 +358,17 @@ def test_clocks_apart_are_told(shift: float, words: str) -> None:
     finding = only(replace(record, force_time=record.force_time + shift))
     assert finding.code == "clocks_apart"
     assert words in finding.sentence
+
+
+def test_motion_before_the_first_sample_of_the_force_is_told() -> None:
+    """A command that was sent again and again, and recorded from its second message on."""
+    record = experiment()
+    known = record.force_time > 1.5
+    late = replace(record, force_time=record.force_time[known], force=record.force[known] + 10.0)
+    (finding,) = [one for one in check(late) if one.code == "force_unknown"]
+    comes = late.force_time[0] - late.time[0]
+    assert f"moves before the first sample of the force, which comes at {comes:.3f} s" in finding.sentence
+    assert force_unknown([finding]) and not force_unknown(check(record))
 
 
 def test_a_force_for_half_of_the_time_is_told() -> None:

@@ -124,6 +124,15 @@ def test_without_copies_of_a_poor_experiment_no_cause_is_certain(fitted: dict[fr
     assert unsure.of_cause("coulomb_friction") == pytest.approx(0.6), "never surer than before"
 
 
+def test_no_cause_is_certain_where_the_cart_moves_before_the_force_is_known(
+    fitted: dict[frozenset[str], Hypothesis],
+) -> None:
+    found = replace(ranking(fitted, both=0.98, rub=0.01, nothing=0.01), pushed_unseen=True)
+    assert found.of_cause("coulomb_friction") == pytest.approx(0.9) == found.of_cause("quadratic_drag")
+    unsure = replace(ranking(fitted, rub=0.6, nothing=0.4), pushed_unseen=True)
+    assert unsure.of_cause("coulomb_friction") == pytest.approx(0.6), "never surer than before"
+
+
 def test_a_set_that_was_not_checked_says_why(fitted: dict[frozenset[str], Hypothesis]) -> None:
     named = ranking(fitted, rub=0.98, nothing=0.02)
     matrix = Calibration((row(PEAK, peak=8),), {}, {})

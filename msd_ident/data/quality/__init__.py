@@ -14,7 +14,7 @@ from msd_ident.data.motion import observe
 from msd_ident.data.noise import encoder_step, noise_floor
 from msd_ident.data.quality.begin import begins_pushed, rest_before, rests_under_force, since_before
 from msd_ident.data.quality.cleaning import clean, removed
-from msd_ident.data.quality.clocks import clocks
+from msd_ident.data.quality.clocks import clocks, force_unknown
 from msd_ident.data.quality.encoder import frozen_encoder, rate, resolution
 from msd_ident.data.quality.excitation import excitation
 from msd_ident.data.quality.feedback import feedback, steered
@@ -33,6 +33,7 @@ __all__ = [
     "clean",
     "encoder_step",
     "examine",
+    "force_unknown",
     "missing_in",
     "missing_samples",
     "noise_floor",
