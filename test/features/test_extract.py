@@ -84,6 +84,18 @@ def test_step_at_the_first_sample_counts_and_so_does_one_before_which_nothing_wa
     assert extract(sparse).standard_form == extract(begun).standard_form
 
 
+def test_the_end_of_a_short_push_is_no_step_for_a_cart_that_moves_late() -> None:
+    """A pulse of 0.2 s, and a cart that answers it 0.5 s after its begin: it went where the pulse pushed."""
+    time = np.arange(4000) / 1000.0
+    force = 3.0 * ((time >= 1.0) & (time < 1.2))
+    since = np.maximum(time - 1.5, 0.0)
+    moved = 0.19 * (1.0 - np.exp(-6.0 * since) * (1.0 + 6.0 * since))
+    assert extract(from_samples(time, force, moved)).standard_form is None
+    at_once = np.append(moved[290:], np.full(290, moved[-1]))  # the same way, 10 ms after the end of the pulse
+    form = extract(from_samples(time, force, at_once)).standard_form
+    assert form is not None and form.static_gain is not None
+
+
 def test_window_that_begins_in_mid_swing_has_no_step_at_its_start() -> None:
     record = step_record(0.0769).window(0.65, 8.5)
     assert [round(r.onset, 3) for r in extract(record).responses] == [4.5]
