@@ -84,14 +84,15 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
         fitted: the fit; it gives the model and the zero of each record.
         noise: standard deviation of a reading [m].
     """
-    said = []
+    said, mass = [], fitted.quantities["mass"]
     for record, initial in zip(records, fitted.initial, strict=True):
         for push in pushes(record, fitted.model, noise, initial.zero):
             where = f" of {record.name}" if len(records) > 1 else ""
+            size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if mass.known else "an impulse that is"
             said.append(
-                f"Something pushed the cart at {push.time:.3f} s{where} with about {push.impulse:.3g} "
-                f"{record.force_unit}·s that are in no signal: a bump or a collision. It makes the "
-                "parameters wrong: exclude this part with --start or --end, or repeat the record."
+                f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump or a "
+                "collision. It makes the parameters wrong: exclude this part with --start or --end, or repeat the "
+                "record."
             )
     return tuple(said)
 

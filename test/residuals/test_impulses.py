@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -70,3 +71,6 @@ def test_the_record_is_named_where_there_are_several() -> None:
     assert said.startswith("Something pushed the cart at 2.4") and " s of second with about 0." in said
     (alone,) = sentences([bad], replace(both, initial=both.initial[1:]), NOISE)
     assert " of second" not in alone
+    open_ = {**both.quantities, "mass": replace(both.quantities["mass"], std=math.nan)}
+    (unknown,) = sentences([bad], replace(both, initial=both.initial[1:], quantities=open_), NOISE)
+    assert " s with an impulse that is in no signal: a bump" in unknown, "without a mass its size is not known"
