@@ -292,6 +292,6 @@ def _read_text(path: Path) -> str:
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     controls = sum(data[:1000].count(code) for code in range(32)) - sum(data[:1000].count(c) for c in b"\t\n\r\f")
     if (b"\0" in data[:1000] or controls > 0.02 * len(data[:1000])) and not wide:
-        raise DataError(f"{path} is not text; expected a CSV file: is it another kind of file?")
+        raise DataError(f"{path} is not text; expected a CSV file, a MAT file or a bag: export it as one of these")
     text = data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

@@ -25,8 +25,8 @@ def sampling(record: Record) -> Iterator[Finding]:
     if fast and slow:
         yield warning(
             "two_rates",
-            f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one publisher alone "
-            "sends the position",
+            f"two sampling rates are mixed: {1 / fast:.4g} Hz and {1 / slow:.4g} Hz: check that one source alone gives "
+            "the position, at one rate",
         )
     period = slow or record.period
     yield from _gaps(record, intervals, period)
