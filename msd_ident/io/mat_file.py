@@ -54,8 +54,8 @@ class MatFile:
         if not self._vectors:
             raise DataError(
                 f"{path} holds no vector of numbers; expected variables with a number for each sample, such as time, "
-                "force and position: save them with MATLAB's save, and of objects (timeseries, table) the vectors, as in "
-                "t = ts.Time; x = ts.Data; save('run.mat', 't', 'x')"
+                "force and position: save them with MATLAB's save, and of objects (timeseries, table) the vectors, as "
+                "in t = ts.Time; x = ts.Data; save('run.mat', 't', 'x')"
             )
 
     @property
