@@ -152,10 +152,12 @@ class Experiment:
         """What the samples can resolve of the parameters of all laws, and of the mass.
 
         A mass so light that the speed follows the force within a twentieth of a sample is as good as none. It is not
-        sought: each simulation with it takes hundreds of steps a sample.
+        sought: each simulation with it takes hundreds of steps a sample. The damping is that of the base model, but no
+        more than the largest force over the top speed: where the base model lacks much, its damping is no one's.
         """
         periods = (min(record.period, _force_period(record)) for record in self.records)
-        lightest = MOST_OF * TENTH * min(periods) * self.base.damping
+        damping = min(self.base.damping, self.scales.force / max(self.scales.speed, 1e-300))
+        lightest = MOST_OF * TENTH * min(periods) * damping
         return {**resolution.of_laws(LIBRARY, self.scales), "mass": (lightest, math.inf)}
 
     @cached_property
