@@ -2,8 +2,9 @@
 
 The ROS wheels and colcon lie in a Python environment of their own without msd_ident and msd_interfaces, so that only
 what colcon built can be found. It is made once, below ``build/``, and anew when what it holds changes: of hard links to
-what ``make setup`` installed. So is what the compiler makes of the messages, most of a build; what it made of the same
-sources in ``make setup`` is taken.
+what ``make setup`` installed. So is what the generators and the compiler make of the messages, most of a build; what
+they made of the same messages in ``make setup`` is taken, but for the headers of C++, by which a generator is seen to
+run under colcon.
 """
 
 from __future__ import annotations
@@ -105,6 +106,9 @@ def workspace(colcon: Path) -> Path:
     if not note.exists() or note.read_text() != made_of:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
+        for made in _compiled().glob("rosidl_*"):
+            if made.is_dir() and made.name not in MADE_AGAIN:
+                shutil.copytree(made, folder / "build" / "msd_ident" / "msd_interfaces" / made.name)
         note.write_text(made_of)
     for name in ("src", "home"):
         shutil.rmtree(folder / name, ignore_errors=True)
@@ -121,6 +125,9 @@ def workspace(colcon: Path) -> Path:
     (folder / "compiler").chmod(0o755)
     return folder
 
+
+#: Folders that are not taken from the setup's build.
+MADE_AGAIN = ("rosidl_cmake", "rosidl_generator_cpp")
 
 #: Takes an object of the setup's build, with what it depends on, where both generated the same source. Nobody runs the
 #: other messages fast: what would be optimised is not, after all other options.
