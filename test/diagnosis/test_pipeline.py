@@ -232,7 +232,8 @@ def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_m
     assert found.heldout.better and found.calibration is not None
 
 
-def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
+def test_what_a_controller_does_is_not_taken_for_a_stop(asking_about: Callable[..., None]) -> None:
+    asking_about("end_stop", "cubic_spring", "backlash", "coulomb_friction")
     record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
     loop = warning("closed_loop", "the force follows the readings")
     (sure,), (unsure,) = (diagnose_records(Task((record,), findings=found)).causes for found in ((), (loop,)))
