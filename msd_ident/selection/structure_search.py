@@ -108,13 +108,12 @@ class Search:
         if self.carries_nothing:
             return self.ranking()
         if not self.at_floor(leader):
-            self._fit(pairs(self.experiment, self.sets, self.ranking()), 0.36, 0.4)
-            leader = self._leader()
-        if not self.at_floor(leader):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self.neighbours.rippled) if causes]
-            self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.4, 0.55)
+            self._fit([pair for causes in companions for pair in self.neighbours.grown(causes)], 0.35, 0.55)
+        if not self.at_floor(self._leader()):
+            self._fit(pairs(self.experiment, self.sets, self.ranking()), 0.55, 0.6)
         if not self.at_floor(self._leader()):
             # A cause may explain nothing until another one is there.
             alone = explaining(self.experiment, self.sets)
