@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,7 +13,6 @@ from msd_ident.estimate import resolution
 from msd_ident.estimate.broyden import Weighting
 from msd_ident.estimate.effort import A_SWING, FEWEST_READINGS
 from msd_ident.estimate.formulation import formulate
-from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.estimate.parameter_units import Magnitudes, magnitudes
 from msd_ident.estimate.posing import build
 from msd_ident.estimate.problem import Initial, Nuisance, Problem
@@ -149,16 +147,8 @@ class Experiment:
 
     @cached_property
     def _ranges(self) -> dict[str, tuple[float, float]]:
-        """What the samples can resolve of the parameters of all laws, and of the mass.
-
-        A mass so light that the speed follows the force within a twentieth of a sample is as good as none. It is not
-        sought: each simulation with it takes hundreds of steps a sample. The damping is that of the base model, but no
-        more than the largest force over the top speed: where the base model lacks much, its damping is no one's.
-        """
-        periods = (min(record.period, _force_period(record)) for record in self.records)
-        damping = min(self.base.damping, self.scales.force / max(self.scales.speed, 1e-300))
-        lightest = MOST_OF * TENTH * min(periods) * damping
-        return {**resolution.of_laws(LIBRARY, self.scales), "mass": (lightest, math.inf)}
+        """What the samples can resolve of the parameters of all laws."""
+        return resolution.of_laws(LIBRARY, self.scales)
 
     @cached_property
     def typical(self) -> Magnitudes:
@@ -196,11 +186,6 @@ class Experiment:
     @cached_property
     def _posed(self) -> dict[tuple[tuple[str, ...], frozenset[str], tuple[float, ...]], Weighting]:
         return {}
-
-
-def _force_period(record: Record) -> float:
-    """Usual time [s] between two samples of the force; infinite where there is one."""
-    return float(np.median(np.diff(record.force_time))) if record.force_time.size > 1 else math.inf
 
 
 def formulated(

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from setrigs import BASE, pushed, rubbing
@@ -122,16 +121,3 @@ def test_of_two_laws_with_one_parameter_each_has_its_own_range() -> None:
     lower = experiment.problem(BASE + by_name("curved_stiffness_drift")(0.0, 0.0, 0.0))
     place = lower.names.index("stiffness_drift_rate")
     assert math.isclose(lower.lower[place], -lower.upper[place]), "its other terms hold the stiffness above zero"
-
-
-def test_a_mass_that_samples_cannot_see_is_not_sought() -> None:
-    """Its time constant m/b is below a twentieth of a sample, with a damping that the force and the speed allow."""
-    whole = pushed()
-    scales = whole.scales
-    for experiment in (whole, whole.thinned(200)):
-        for damping, counted in ((2.0, 2.0), (1e6, scales.force / scales.speed)):
-            damped = replace(experiment, base=experiment.base.with_values({"damping": damping}))
-            problem = damped.problem(damped.base)
-            lightest = 0.05 * damped.records[0].period * counted
-            assert damped._ranges["mass"][0] == pytest.approx(lightest, rel=0.1)
-            assert problem.lower[problem.names.index("mass")] >= damped._ranges["mass"][0]
