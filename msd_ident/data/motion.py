@@ -37,6 +37,7 @@ class Motion:
         floor: standard deviation of the measurement noise.
         force_span: highest minus lowest force while the position was recorded.
         half_period: median time between turning points [s], 0 when there are fewer than four.
+        onset: when the cart leaves its first place [s]; NaN when it does not begin at rest and without force.
         early: time by which the motion begins before the force first changes [s]; NaN when that cannot be said,
             as when the record does not begin at rest and without force.
         late: time by which it begins after a force step [s]; NaN likewise.
@@ -51,6 +52,7 @@ class Motion:
     floor: float
     force_span: float
     half_period: float
+    onset: float
     early: float
     late: float
     held: int
@@ -81,7 +83,7 @@ def observe(record: Record) -> Motion:
     span = float(np.ptp(position))
     turns = turning_points(position, max(12 * floor, 3.5 * step, 0.02 * span))
     half_period = float(np.median(np.diff(record.time[turns]))) if turns.size >= 4 else 0.0
-    early, late = _onset(record, max(6 * floor, 2.5 * step, 0.02 * span), floor, step)
+    onset, early, late = _onset(record, max(6 * floor, 2.5 * step, 0.02 * span), floor, step)
     held, held_size = _held(position, step)
     return Motion(
         span=span,
@@ -90,6 +92,7 @@ def observe(record: Record) -> Motion:
         floor=floor,
         force_span=_force_span(record),
         half_period=half_period,
+        onset=onset,
         early=early,
         late=late,
         held=held,
@@ -132,17 +135,17 @@ def _force_span(record: Record) -> float:
     return float(np.ptp(np.concatenate([before, record.force[inside]])))
 
 
-def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple[float, float]:
-    """Times by which the motion begins before the force changes and after a force step; NaN where unknown."""
+def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple[float, float, float]:
+    """When the motion begins, and by which time before the force changes and after a force step; NaN where unknown."""
     moved = np.flatnonzero(np.abs(record.position - np.median(record.position[:5])) > threshold)
     span = _force_span(record)
     at_start = float(record.force_at(record.time[:1])[0])
     # A force that acts from the first sample on may have set the cart in motion by itself.
     if not moved.size or moved[0] < 10 or abs(at_start) > 0.005 * span or span == 0:
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     begin = record.position[: moved[0] // 2]
     if np.std(begin) > 2 * floor + step:
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     onset = float(record.time[moved[0]])
     change = np.abs(record.force - at_start)
     inside = record.force_time > record.time[0]
@@ -151,7 +154,7 @@ def _onset(record: Record, threshold: float, floor: float, step: float) -> tuple
     stepped = record.force_time[inside & (change > 0.6 * span)]
     # Only a step, from little to much at once, says when the cart must move; a ramp may have to overcome friction.
     sudden = stepped.size and first.size and stepped[0] - first[0] < 2 * record.period
-    return early, (onset - float(stepped[0]) if sudden else math.nan)
+    return onset, early, (onset - float(stepped[0]) if sudden else math.nan)
 
 
 def _held(position: FloatArray, step: float) -> tuple[int, int]:

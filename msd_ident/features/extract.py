@@ -101,7 +101,9 @@ def _left_out(record: Record, steps: Sequence[Onset], responses: Sequence[Respon
     skipped = sum(onset.time > begin and onset.time not in counted for onset in steps)
     if not skipped:
         return ()
-    return (f"{skipped} force step{'s' if skipped > 1 else ''} left out: no rest before, or too little motion after.",)
+    return (
+        f"{skipped} force step{'s' if skipped > 1 else ''} left out: no rest before, or too little motion soon after.",
+    )
 
 
 def _step_route(responses: tuple[Response, ...]) -> str:

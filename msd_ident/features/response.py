@@ -79,7 +79,7 @@ def step_response(record: Record, onset: Onset, noise: Noise, earlier: Response 
     time, position = record.time[inside], record.position[inside]
     still = _at_rest(record, onset, noise, float(np.ptp(position)))
     initial = _initial(record, onset, noise) if earlier is None else earlier.steady_state
-    if earlier is None and not (still and _moves_soon(record, onset, position)):
+    if earlier is None and not (still and _moves_soon(record, onset, time, position)):
         return None
     turns = _after_start(extremes(time, position, noise.floor), time)
     settled = settled_value(position, noise)
@@ -136,7 +136,7 @@ def _at_rest(record: Record, onset: Onset, noise: Noise, swing: float) -> bool:
     return is_quiet(before, noise) or float(np.ptp(before)) <= 0.003 * swing
 
 
-def _moves_soon(record: Record, onset: Onset, position: FloatArray) -> bool:
+def _moves_soon(record: Record, onset: Onset, time: FloatArray, position: FloatArray) -> bool:
     """Whether the cart moves sooner after a step than the level before had lasted.
 
     Else it may answer the step to that level: the end of a short push is not what moves a cart that comes late.
@@ -144,8 +144,7 @@ def _moves_soon(record: Record, onset: Onset, position: FloatArray) -> bool:
     if onset.before.start <= record.time[0]:
         return True
     away = np.abs(position - position[0]) > _AWAY * float(np.ptp(position))
-    delay = float(np.argmax(away)) * record.period
-    return delay < onset.before.end - onset.before.start
+    return float(time[np.argmax(away)]) - onset.time < onset.before.end - onset.before.start
 
 
 def _last_before(record: Record, onset: Onset) -> FloatArray:

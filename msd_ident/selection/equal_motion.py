@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, Effect
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import NoiseScale
@@ -20,7 +19,7 @@ def equal_motion(
     """Laws of a set, each with a law of another cause that gives the same motion in its place.
 
     The difference of the two motions, or of what the two leave where both were fitted, is less than what the set leaves
-    above the noise, or so small that it is expected to change the log likelihood by less than a ``TENTH`` of a nat.
+    above the noise, or so small that the records are not expected to show it (``NoiseScale.unseen``).
 
     Args:
         fitted: the set.
@@ -29,7 +28,7 @@ def equal_motion(
         scale: of the likelihood.
     """
     others = ((effect, law.moving_as(effect, fitted.model)) for effect in fitted.model.effects for law in LIBRARY)
-    most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + 2.0 * TENTH * scale.spread(fitted.chi)
+    most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + scale.unseen(fitted.chi)
     return {
         effect.name: other.name
         for effect, other in others

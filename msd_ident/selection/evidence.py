@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE
+from msd_ident.estimate.levels import MOST_OF, NATURAL_RANGE, TENTH
 from msd_ident.model.effects import by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR, Readings
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
@@ -82,6 +82,17 @@ class NoiseScale:
     def spread(self, chi: float) -> float:
         """Variance v of a model's error along its features, in units of the noise's."""
         return self._at_motion + max(chi - self.noise, 0.0) / self.shapes
+
+    def unseen(self, chi: float) -> float:
+        """Chi² of a difference d between two motions that records of this length are not expected to show.
+
+        With the variance v of what the better one leaves, d²/(2 v) is the log likelihood ratio [nats] that is expected:
+        less than ``TENTH``.
+
+        Args:
+            chi: sum of squares that the better one leaves.
+        """
+        return 2.0 * TENTH * self.spread(chi)
 
     @property
     def _at_motion(self) -> float:

@@ -117,15 +117,11 @@ def _ceilings(
 
 
 def _same_motion(one: Hypothesis, other: Hypothesis, scale: NoiseScale) -> bool:
-    """Whether two sets of as many causes give the same motion.
-
-    With the difference d of their motions, in units of the noise, and the variance v of what they leave, d²/(2 v) is
-    the log likelihood ratio [nats] that records of this length are expected to show: less than ``TENTH``.
-    """
+    """Whether two sets of as many causes give the same motion, as far as the records show it (``unseen``)."""
     if len(one.causes) != len(other.causes):
         return False
     between = one.state.residual - other.state.residual
-    return bool(between @ between < 2.0 * TENTH * scale.spread(min(one.chi, other.chi)))
+    return bool(between @ between < scale.unseen(min(one.chi, other.chi)))
 
 
 def _beyond(simple: Causes, same: Sequence[Causes], values: Mapping[Causes, float]) -> float:

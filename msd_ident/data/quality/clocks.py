@@ -20,14 +20,15 @@ def force_unknown(findings: Iterable[Finding]) -> bool:
 
 def clocks(record: Record, motion: Motion) -> Iterator[Finding]:
     """Findings on motion before its cause or long after it, and on a force known for a part of the record only."""
-    known = float(record.force_time[0] - record.time[0])
-    if motion.early > max(2 * record.period, 0.002) and known > record.period and _moves_before(record, motion):
+    soon = max(2 * record.period, 0.002)
+    if record.force_time[0] - motion.onset > soon:
         yield warning(
             _UNKNOWN,
-            f"the cart moves before the first sample of the force, which comes at {known:.3f} s: what moved it is not "
-            "known, so no cause is certain; record the force from before the motion on",
+            "the cart moves before the first sample of the force, which comes at "
+            f"{record.force_time[0] - record.time[0]:.3f} s: what moved it is not known, so no cause is certain; "
+            "record the force from before the motion on",
         )
-    elif motion.early > max(2 * record.period, 0.002):
+    elif motion.early > soon:
         yield warning(
             "clocks_apart",
             f"the cart moves {motion.early:.3f} s before the force first changes: the clocks of force and encoder "
@@ -50,9 +51,3 @@ def clocks(record: Record, motion: Motion) -> Iterator[Finding]:
                 f"the force {where} the position by {lack:.3f} s of {record.duration:.3f} s: use the part where both "
                 "are recorded",
             )
-
-
-def _moves_before(record: Record, motion: Motion) -> bool:
-    """Whether the first sample of the force comes after the motion's begin, which is ``early`` before it changes."""
-    levels = np.abs(record.force) > 0.005 * motion.force_span
-    return bool(np.any(levels)) and float(record.force_time[np.argmax(levels)]) - motion.early < record.force_time[0]
