@@ -87,15 +87,6 @@ def stepped(effect: str, parameter: str, size: float) -> Diagnosis:
 
 
 @cache
-def stepped_and_checked() -> Diagnosis:
-    """What that step and the experiment to do after it tell of the rig with a bent gain."""
-    first, rig = stepped("force_gain_nonlinearity", "gain_slope", 0.006), Rig(**BENT)
-    rig.runs = 1
-    second = rig.play(checked().profile, LIMITS).record
-    return once.diagnosed([*first.records, second], earlier=first)
-
-
-@cache
 def checked() -> Proposal:
     """What to do after one step of the rig with a bent gain."""
     diagnosis = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
@@ -108,11 +99,11 @@ def checked() -> Proposal:
 def share(monkeypatch: pytest.MonkeyPatch) -> None:
     """Investigations of the rig with a bent gain take its first diagnosis, and what to do then, from the others."""
     first = stepped("force_gain_nonlinearity", "gain_slope", 0.006)
-    known, diagnose = (None, first), pipeline.diagnose
+    diagnose = pipeline.diagnose
 
     def diagnosed(records: Sequence[Record], options: pipeline.Options, *, earlier: Diagnosis | None) -> Diagnosis:
-        shared = any(earlier is one for one in known) and options == pipeline.Options()
-        return once.diagnosed(records, earlier=earlier) if shared else diagnose(records, options, earlier=earlier)
+        fresh = earlier is None and options == pipeline.Options()
+        return once.diagnosed(records) if fresh else diagnose(records, options, earlier=earlier)
 
     def next_of(diagnosis: Diagnosis, limits: Limits) -> Proposal | None:
         return checked() if diagnosis is first and limits == LIMITS else check(diagnosis, limits)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from once import MEASURED as RUBBING
 from once import diagnosed
 
 from bench.real.rigs import RIGS
@@ -39,12 +38,12 @@ MEASURED = (
 )
 
 
-def never_worse(record: Record, friction_known: bool, *, copied: bool = False, asked: tuple[str, ...] = ()) -> None:
+def never_worse(record: Record, friction_known: bool, copied: bool = False) -> None:
     """Compare both, and the base model with a fit of mass, damping and stiffness alone.
 
     Copies of a poor experiment change probabilities and seldom the model.
     """
-    identified, found = identify([record]), diagnosed([record], copied=copied, asked=asked)
+    identified, found = identify([record]), diagnosed([record], copied=copied)
     causes = {cause.name for cause in found.causes}
     effects = set(identified.refined.model.effect_names)
     assert not friction_known or effects <= causes
@@ -75,6 +74,4 @@ def test_on_measured_rigs(shared_data: Path, name: str) -> None:
     (rig,) = (rig for rig in RIGS if rig.name == name)
     if not (shared_data / rig.path).is_file():
         pytest.skip(f"no {rig.path} among the measured data")
-    quick = name == "step_1"
-    record = read(shared_data / rig.path, rig.options)
-    never_worse(record, friction_known=False, copied=not quick, asked=RUBBING if quick else ())
+    never_worse(read(shared_data / rig.path, rig.options), friction_known=False, copied=name != "step_1")

@@ -6,7 +6,6 @@ is ``make blind``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -74,28 +73,12 @@ def test_hidden_cause_is_named_and_nothing_else(case: Case) -> None:
     assert found.heldout_floors < 1.5
 
 
-def rivals(*names: str) -> pytest.MarkDecorator:
-    """Some causes, about which alone a search asks; ``long`` is the same of the whole library."""
-    whole = pytest.param((), marks=pytest.mark.long)
-    return pytest.mark.parametrize("asked", [names, whole], ids=["rivals", "whole library"])
+def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction() -> None:
+    assert outcome(FAINT_PEAK).exact
 
 
-@rivals("stribeck_friction", "coulomb_friction", "end_stop", "cubic_spring", "quadratic_drag")
-def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction(
-    asked: tuple[str, ...], asking_about: Callable[..., None]
-) -> None:
-    if asked:
-        asking_about(*asked)
-    assert run(FAINT_PEAK).exact
-
-
-@rivals("position_dependent_friction", "cogging", "coulomb_friction", "stribeck_friction", "cubic_spring", "hysteresis")
-def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less(
-    asked: tuple[str, ...], asking_about: Callable[..., None]
-) -> None:
-    if asked:
-        asking_about(*asked)
-    assert run(LATE_MINIMUM).exact
+def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less() -> None:
+    assert outcome(LATE_MINIMUM).exact
 
 
 @pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)

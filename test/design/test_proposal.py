@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from designrigs import BENT, LIMITS, Rig, checked, stepped, stepped_and_checked
+from designrigs import BENT, LIMITS, Rig, checked, stepped
 
 from msd_ident.data.record import Record
 from msd_ident.design import (
@@ -28,6 +28,7 @@ from msd_ident.design.prediction import Grid
 from msd_ident.design.proposal import _closest_pair, _hardest, _sentence
 from msd_ident.design.rival_refits import Refitted
 from msd_ident.errors import UsageError
+from msd_ident.workflow import pipeline
 
 pytestmark = pytest.mark.xdist_group("bent gain")
 
@@ -41,7 +42,9 @@ def proposal() -> Proposal:
 def test_what_hides_behind_a_perfect_fit_is_looked_for_and_found(proposal: Proposal) -> None:
     assert "force_gain_nonlinearity" in proposal.names
     assert proposal.decided[proposal.names.index("force_gain_nonlinearity")] > 0.9
-    together = stepped_and_checked()
+    rig = Rig(**BENT)
+    first = stepped("force_gain_nonlinearity", "gain_slope", 0.006).records[0]
+    together = pipeline.diagnose([first, rig.play(proposal.profile, LIMITS).record])
     assert [cause.name for cause in together.causes] == ["force_gain_nonlinearity"]
     assert together.verdict == "explained"
 

@@ -15,8 +15,7 @@ from msd_ident.selection import replication
 from msd_ident.workflow import pipeline
 
 
-def test_one_step_tells_coulomb_friction_and_shows_that_it_does(asking_about: Callable[..., None]) -> None:
-    asking_about("coulomb_friction", "stribeck_friction", "quadratic_drag")
+def test_one_step_tells_coulomb_friction_and_shows_that_it_does() -> None:
     found = pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)])
     assert [cause.name for cause in found.causes] == ["coulomb_friction"]
     assert found.calibration is not None

@@ -75,7 +75,7 @@ def test_a_breakaway_that_rest_leaves_open_stays_above_the_sliding_friction(aski
     """Below it nothing would tell of it: a rival that is Coulomb friction under another name can be parted by no
     experiment.
     """
-    asking_about("coulomb_friction", "stribeck_friction")
+    asking_about("coulomb_friction", "stribeck_friction", "position_dependent_friction")
     spec = lottery.draw(5023, "coulomb_friction", True, "step").spec
     rest = {key: value for key, value in spec.items() if key != "experiment"}
     at, force = np.array([0.0, 0.3]), np.array([0.0, float(spec["experiment"]["force"])])
