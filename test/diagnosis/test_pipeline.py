@@ -225,6 +225,14 @@ def test_friction_that_a_short_push_shows_is_named_although_the_cart_rests_for_m
     assert found.heldout.better and found.calibration is not None
 
 
+def test_no_cause_is_certain_where_the_cart_moves_before_the_force_is_known(asking_about: Callable[..., None]) -> None:
+    asking_about("end_stop", "cubic_spring", "coulomb_friction")
+    record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
+    late = warning("force_unknown", "the cart moves before the first sample of the force")
+    (sure,), (unsure,) = (diagnose_records(Task((record,), findings=found)).causes for found in ((), (late,)))
+    assert sure.probability > 0.99 and unsure.probability == pytest.approx(0.9)
+
+
 def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
     record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
     loop = warning("closed_loop", "the force follows the readings")

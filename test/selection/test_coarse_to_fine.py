@@ -106,3 +106,24 @@ def test_sets_without_a_leading_cause_that_leave_hardly_more_are_judged_on_all_s
     assert asked == [
         ["coulomb_friction", "time_offset"], ["actuator_lag", "coulomb_friction"], ["cogging", "coulomb_friction"],
     ]  # fmt: skip
+
+
+def test_such_sets_are_fitted_to_all_samples(
+    monkeypatch: pytest.MonkeyPatch, asking_about: Callable[..., None]
+) -> None:
+    asking_about("end_stop", "coulomb_friction", "quadratic_drag")
+    record, rival = swept(), frozenset({"quadratic_drag"})
+    fitted: set[frozenset[str]] = set()
+    refine = coarse_to_fine.refine
+
+    def noted(experiment: Any, causes: frozenset[str], *start: Any) -> Any:
+        if experiment.records[0].samples == record.samples:
+            fitted.add(causes)
+        return refine(experiment, causes, *start)
+
+    monkeypatch.setattr(coarse_to_fine, "refine", noted)
+    for asked in (False, True):
+        fitted.clear()
+        monkeypatch.setattr(coarse_to_fine, "_as_good", lambda first, ahead, asked=asked: [first.sets[rival]] * asked)
+        pipeline.diagnose([record])
+        assert (rival in fitted) == asked
