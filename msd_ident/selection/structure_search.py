@@ -21,13 +21,7 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
-from msd_ident.selection.hypothesis import (
-    COULOMB,
-    HOLDING_COULOMB,
-    Causes,
-    Hypothesis,
-    causes_that_fit,
-)
+from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
 from msd_ident.selection.ordering import rank
@@ -108,6 +102,9 @@ class Search:
         if self.carries_nothing:
             return self.ranking()
         if not self.at_floor(leader):
+            # What a set leaves may be another form of its laws, before it is a cause more.
+            self._fit(self.neighbours.reformed(leader.causes), 0.35, 0.36)
+        if not self.at_floor(leader := self._leader()):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
             companions = [causes for causes in (*fronts, frozenset({COULOMB}), self.neighbours.rippled) if causes]

@@ -346,3 +346,24 @@ def test_friction_beside_a_simple_law_is_fitted_together_with_the_forms_of_it() 
     assert len(asked) == 2, "the stop with buffers leaves only noise"
     beside = {frozenset({name, "coulomb_friction"}) for name in ("end_stop", "force_gain_nonlinearity")}
     assert asked[1] >= beside | {frozenset({"buffered_stop"})}
+
+
+def test_other_forms_of_the_leading_laws_are_fitted_before_a_cause_is_added() -> None:
+    """A stop with a damper beside Coulomb friction was explained as a stop with none beside a second mode."""
+    data = steps()
+    stop, buffers, rubs = EndStop(2e-3, 500.0), BufferedStop(0.0, 2e-3, 500.0, 5.0), CoulombFriction(0.1)
+    search = Search(data, lambda fitted: "buffered_stop" in fitted.causes, lambda stage, part, cause: None)
+    asked: list[set[frozenset[str]]] = []
+    found = [BASE + stop, BASE + stop + rubs, BASE + buffers + rubs]
+
+    def fit(wanted: Iterable[frozenset[str]], start: float, end: float) -> bool:
+        one = fitted(data, found[len(asked)], (9e6, 3e4, 840.0)[len(asked)])
+        search.sets[one.causes] = one
+        asked.append(set(wanted))
+        return True
+
+    search._fit = fit  # type: ignore[method-assign]
+    search._walk = search.ranking  # type: ignore[method-assign]
+    search.run(fitted(data, BASE, 9e7))
+    assert len(asked) == 3, "no pair is asked for where the other form leaves only noise"
+    assert asked[2] >= {frozenset({name, "coulomb_friction"}) for name in ("buffered_stop", "damped_stop")}
