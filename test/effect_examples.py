@@ -25,6 +25,10 @@ EXAMPLES: dict[str, dict[str, float]] = {
         "cogging_amplitude": 0.3, "cogging_pitch": 0.02, "cogging_phase": 0.4, "harmonic_amplitude": 0.2,
         "harmonic_phase": 0.9,
     },
+    "constraint_stop": {
+        "buffer_centre": 0.001, "buffer_reach": 0.017, "buffer_stiffness": 1e3, "buffer_damping": 10.0,
+        "constraint_share": 0.9,
+    },
     "coulomb_friction": {"coulomb_force": 0.3},
     "cubic_spring": {"cubic_stiffness": 2e5},
     "curved_stiffness_drift": {

@@ -106,10 +106,11 @@ def _one_stop(made: Elements, plan: Plan, effect: Effect) -> None:
 
 
 def _buffers(made: Elements, plan: Plan, effect: Effect) -> None:
-    # A limit pushes and never pulls, as a buffer does.
+    # A limit pushes and never pulls, as a buffer does; its impedance is the part of all other forces that it takes.
     centre, stiffness, reach = _knee(effect)
-    (damping,) = (getattr(effect, one.name) for one in effect.parameters if one.name not in (effect.knee or ()))
+    damping, *share = (getattr(effect, one.name) for one in effect.parameters if one.name not in (effect.knee or ()))
     _limit(made, plan, (centre - reach, centre + reach), stiffness, damping)
+    made.joint["solimplimit"] = _impedance(max([ADDED, *share]))
 
 
 def _knee(effect: Effect) -> tuple[float, float, float]:
@@ -174,6 +175,7 @@ NATIVE: dict[str, tuple[Callable[[Elements, Plan, Effect], None], str]] = {
     PLAY: (_play, "a tendon whose spring has a dead band (springlength)"),
     roles.STOPS: (_stops, "range, with solreflimit from the stop's stiffness"),
     roles.ONE_STOP: (_one_stop, "one end of range, with solreflimit from the stop's stiffness"),
+    roles.CONSTRAINT: (_buffers, "range, with solreflimit and solimplimit"),
     roles.BUFFERS: (_buffers, "range, with solreflimit from the buffers' stiffness and damping"),
     roles.CONSTANT: (_constant, "springref, or the bias of an actuator"),
     LAG: (_lag, "dyntype filter of the actuator"),

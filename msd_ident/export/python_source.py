@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from msd_ident.export import laws
 from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
 from msd_ident.model import Model
+from msd_ident.model.effects import Effect
 from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
 
 #: Parts of the structure (``Effect.structure``) that the file has.
@@ -48,10 +51,18 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "HELD": held(plan.model, "level"),
         "FRICTION": laws.one(effects, "friction", "0.0"),
         "BREAKAWAY": laws.one(effects, "breakaway", "0.0"),
+        "MOVED": laws.chained(effects, "contact", "net", "force"),
+        "RESTED": _at_rest(effects),
         "READING": laws.chained(effects, "reading", "x", "x"),
         "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if any(e.asks_drive() for e in effects) else "",
         "FORCES": "".join(f"    total -= {one}\n" for one in calls),
     }
+
+
+def _at_rest(effects: Sequence[Effect]) -> str:
+    """Expression of the net force, of which a contact holds its part where direction is 0."""
+    rested = laws.chained(effects, "contact_at_rest", "net", "total")
+    return "total" if rested == "total" else f"{rested} if direction == 0 else total"
 
 
 def _names(model: Model, role: str) -> tuple[str, ...]:

@@ -31,9 +31,9 @@ PLAIN: dict[str, Callable[[float], float]] = {
 }
 #: Effects that msd_sim does not have as such, which have a test of their own, here or in their file.
 APART = {
-    "bouc_wen", "buffered_stop", "curved_stiffness_drift", "drive_hysteresis", "eccentricity_harmonic",
-    "fading_damping", "gain_drift", "growing_damping", "modulated_disturbance", "position_dependent_damping",
-    "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
+    "bouc_wen", "buffered_stop", "constraint_stop", "curved_stiffness_drift", "drive_hysteresis",
+    "eccentricity_harmonic", "fading_damping", "gain_drift", "growing_damping", "modulated_disturbance",
+    "position_dependent_damping", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
 }  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.
 THEIRS = [name for name in sorted(set(EXAMPLES) - set(PLAIN) - APART) if RIG.get(name, (name,))[0] in THEIR_EFFECTS]

@@ -43,6 +43,8 @@ class Effect(Law):
     - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
       name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
       in which ``direction`` is 0;
+    - ``contact(...)`` [N]: what a contact leaves of the ``net`` force on the cart, dry friction included, while it
+      moves; ``contact_at_rest(...)`` [N]: what dry friction has to hold of the net force of all else at rest;
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
     - ``reading(...)`` [m]: what the sensor makes of x.
 

@@ -21,6 +21,23 @@ if TYPE_CHECKING:
 _MIDDLE = 0.01
 
 
+def off_the_middle(model: Model, centre: float, reach: float) -> str:
+    """A sentence: what stops are the same as whose middle is off the relaxed spring; empty where it is not.
+
+    Args:
+        model: with the stops.
+        centre: their middle, from the relaxed spring [m].
+        reach: their distance from the middle [m].
+    """
+    beside = model.stiffness > 0.0 and "force_offset" not in model.effect_names
+    if not beside or abs(centre) < _MIDDLE * reach:
+        return ""
+    return (
+        "End stops whose middle is off the relaxed spring are the same as stops about it beside a force offset of "
+        "k·xc: read the encoder with the spring relaxed to tell them apart."
+    )
+
+
 @dataclass(frozen=True)
 class BufferedStop(Effect):
     """ks·d + cs·d' at a depth d beyond xc + xs or xc - xs, where that pushes: a buffer lets go, it does not pull.
@@ -73,13 +90,7 @@ class BufferedStop(Effect):
 
     def same_as(self, model: Model) -> str:
         """Stops about the relaxed spring beside a force offset, where the stops' middle is off it."""
-        beside = model.stiffness > 0.0 and "force_offset" not in model.effect_names
-        if not beside or abs(self.buffer_centre) < _MIDDLE * self.buffer_reach:
-            return ""
-        return (
-            "End stops whose middle is off the relaxed spring are the same as stops about it beside a force offset of "
-            "k·xc: read the encoder with the spring relaxed to tell them apart."
-        )
+        return off_the_middle(model, self.buffer_centre, self.buffer_reach)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, cast
 from msd_ident.model.declarations import PLACE, Harmonic, Parameter
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u")
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u", "net")
 
 #: Those of a force law that make it depend on more than the place.
 _NOT_PLACE = frozenset(ARGUMENTS) - {"x"}
@@ -30,7 +30,17 @@ VELOCITY_LAG = "velocity lag"
 RUBS, DRAGS, SOFTENS, HARDENS = "rubs", "drags", "softens", "hardens"
 
 #: Kinds of law that an effect may have, see ``Effect``.
-KINDS = ("constant", "disturbance", "force", "friction", "breakaway", "input_map", "reading")
+KINDS = (
+    "constant",
+    "disturbance",
+    "force",
+    "friction",
+    "breakaway",
+    "contact",
+    "contact_at_rest",
+    "input_map",
+    "reading",
+)
 
 
 class Law:

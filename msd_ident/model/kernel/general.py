@@ -135,7 +135,7 @@ def _cruise(run, j, segments, progress, path):
         last = beside(world, p, w, _pushed(drive, left, half * half), drive.start + left)
         # Position and velocity go on smoothly, so only the force can have jumped.
         a0 = a + _jump(segments, j) * world.lightness
-        if world.active & laws.DRIVEN_BITS:  # the drive may go on or off as the segment begins
+        if world.active & laws.JUMPING_BITS:  # the drive may go on or off as the segment begins
             a0 = acceleration_at(Phase(run.world, spring, drive, left, s), 0.0, Place(x, v, y, u))
         turning = quick and near_turn(left, v, a0)
         fifth = turning or left > longest4
@@ -192,7 +192,7 @@ def _jumped(run, segments, j, progress):
     """The state as segment j begins, of which only the acceleration may have jumped."""
     x, v, a, y, u, c = progress.state
     a += _jump(segments, j) / run.m
-    if run.world.cart.active & laws.DRIVEN_BITS:
+    if run.world.cart.active & laws.JUMPING_BITS:
         phase = Phase(run.world, piece_of(run.spring, progress.i), _drive(segments, j), segments.length[j], progress.s)
         a = acceleration_at(phase, 0.0, Place(x, v, y, u))
     return State(x, v, a, y, u, c)

@@ -48,10 +48,11 @@ for _effect in LIBRARY:
 
 #: Effects whose laws leave the motion piecewise linear: the exact path carries them.
 EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_linear)
-#: Effects with a dry friction law, and effects whose law turns at v = 0.
-DRY_BITS, READING_BITS, MAP_BITS = (
+#: Effects with a dry friction law, with a contact that takes part of all other forces, with a reading, with a map of
+#: the command.
+DRY_BITS, CONTACT_BITS, READING_BITS, MAP_BITS = (
     sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws())
-    for kind in ("friction", "reading", "input_map")
+    for kind in ("friction", "contact", "reading", "input_map")
 )
 #: Effects that make another force of the same command at another time.
 TIMED_MAP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "input_map" in effect.laws() and not effect.steady)
@@ -60,6 +61,8 @@ TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or eff
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
 #: Effects whose force depends on whether any is commanded.
 DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
+#: Effects beside which a jump of the force is no jump of the acceleration by that force alone.
+JUMPING_BITS = DRIVEN_BITS | CONTACT_BITS
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
@@ -189,6 +192,8 @@ force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, l
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
+contact = _dispatcher("contact", "net, x, v", "net", "=")
+contact_at_rest = _dispatcher("contact_at_rest", "net, x", "net", "=")
 input_map = _dispatcher("input_map", "t, u", "u", "=")
 reading = _dispatcher("reading", "t, x", "x", "=")
 remember = _remember()

@@ -83,6 +83,8 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
     if world[0] & laws.DRY_BITS:
         net -= s * laws.friction(world[0], p, w, x, s * v, piece[3] + piece[2] * x)
+    if world[0] & laws.CONTACT_BITS:
+        net = laws.contact(world[0], p, w, net, x, v)
     return net * world[1]
 
 
@@ -97,11 +99,14 @@ def second_acceleration(world, x, v, y, u):
 
 @lean
 def forces_at(phase, t, place):
-    """``net_force`` as a call of its own, for places where speed does not matter."""
+    """What dry friction has to hold [N] of a cart at rest: ``net_force``, and what a contact makes of it."""
     world, piece, drive, _, s = phase
     cart, p, w, _ = world
     x, v, y, u = place
-    return net_force(cart, p, w, piece.elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
+    net = net_force(cart, p, w, piece.elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
+    if cart.active & laws.CONTACT_BITS:
+        return laws.contact_at_rest(cart.active, p, w, net, x)
+    return net
 
 
 @lean

@@ -1,0 +1,70 @@
+"""Stops that take part of all other forces, against MuJoCo and scipy and against the buffers that take none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from effect_examples import DAMPING, MASS, STIFFNESS, plant, record
+from scipy.integrate import solve_ivp
+
+from msd_ident.model import Simulator
+from msd_ident.model.effects.buffered_stop import BufferedStop
+from msd_ident.model.effects.constraint_stop import ConstraintStop
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+
+
+@pytest.mark.parametrize(("centre", "share"), [(0.004, 0.9), (-0.004, 0.3)])
+def test_in_contact_only_a_part_of_all_other_forces_is_left(centre: float, share: float) -> None:
+    measured = record(rate=500.0, duration=1.5)
+    stop = ConstraintStop(centre, 0.012, 4e3, 20.0, share)
+
+    def slope(t: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        off = x - centre
+        side, depth = np.sign(off), abs(off) - 0.012
+        force = measured.force[np.searchsorted(measured.force_time, t, side="right") - 1]
+        others = force - DAMPING * v - STIFFNESS * x
+        push = max(4e3 * depth + 20.0 * side * v + share * side * others, 0.0) if depth > 0.0 else 0.0
+        return [v, (others - side * push) / MASS]
+
+    found = Simulator(plant() + stop, measured).positions((plant() + stop).values)
+    state, expected = [0.0, 0.0], [0.0]
+    for begin, end in zip(measured.time[:-1], measured.time[1:], strict=True):
+        run = solve_ivp(slope, (begin, end - 1e-12), state, rtol=1e-8, atol=1e-13, max_step=2e-4)
+        state = run.y[:, -1].tolist()
+        expected.append(state[0])
+    assert np.max(np.abs(found - expected)) < 3e-5 * np.ptp(expected)
+    assert np.max(np.abs(np.array(expected) - centre)) > 0.0125, "both stops are to be hit"
+
+
+def test_without_a_part_of_the_other_forces_it_is_a_buffered_stop() -> None:
+    measured = record()
+    same, simple = plant() + ConstraintStop(0.001, 0.014, 5e3, 9.0, 0.0), plant() + BufferedStop(0.001, 0.014, 5e3, 9.0)
+    expected = Simulator(simple, measured).positions(simple.values)
+    found = Simulator(same, measured).positions(same.values)
+    assert np.max(np.abs(found - expected)) < 1e-6 * np.ptp(expected)
+
+
+def test_dry_friction_holds_in_the_stop_what_it_holds_of_its_part() -> None:
+    """At rest the stop is as stiff as ks/(1 - r): 0.2 mm deep it pushes with 2 N, of which k·x is 0.5 N."""
+    stop = ConstraintStop(0.0, 0.001, 1e3, 0.0, 0.9)
+    net = stop.contact_at_rest(3.0 - 1e3 * 2e-4, 0.0012, *stop.values[:3], 0.9)
+    assert net == pytest.approx(3.0 - 1e4 * 2e-4)
+    assert stop.contact_at_rest(3.0, 0.0009, *stop.values[:3], 0.9) == 3.0
+
+
+def test_a_mass_at_rest_in_the_stop_stays_there() -> None:
+    """Whatever direction it came from: friction and the stop balance any push between 1.9 and 2.1 N."""
+    stop, friction = ConstraintStop(0.0, 0.001, 1e4, 5.0, 0.9), CoulombFriction(0.4)
+    measured = record(rate=500.0, duration=3.0)
+    model = plant() + stop + friction
+    moved = Simulator(model, measured).positions(model.values)
+    rest = np.flatnonzero(np.abs(np.diff(moved)) == 0.0)
+    assert rest.size > 50, "friction is to hold the mass somewhere"
+    deep = moved[rest][np.abs(moved[rest]) > 0.001]
+    assert deep.size, "and in the stop"
+    held = measured.force[np.searchsorted(measured.force_time, measured.time[rest] + 1e-9, side="right") - 1]
+    inside = np.abs(moved[rest]) > 0.001
+    carried = 1e5 * (np.abs(moved[rest]) - 0.001)[inside]
+    others = (np.sign(moved[rest]) * held - STIFFNESS * np.abs(moved[rest]))[inside]
+    assert np.all(np.abs(others - carried) <= 0.4 + 1e-6)
