@@ -65,7 +65,7 @@ PositionUnitOption = Annotated[
 HoldOption = Annotated[
     str,
     source_option(
-        help="force between its samples: zero (held), linear, band_limited; auto: inferred from a table's data"
+        help="force between its samples: zero (held), linear, band_limited, centred; auto: inferred from a table's data"
     ),
 ]
 StartOption = Annotated[float | None, source_option(help="start of the part to use, in seconds")]

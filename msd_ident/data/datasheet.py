@@ -30,7 +30,7 @@ class DataSheet:
         step_delay_s: from the first force step to the first motion seen; negative where the cart moves first, NaN where
             the record does not say. Inertia has its part in it: it is no clock offset, but bounds one.
         position_unit, force_unit: of the record.
-        force_hold: how the force goes on between its samples: ``zero``, ``linear`` or ``band_limited``.
+        force_hold: how the force goes on between its samples: ``zero``, ``linear``, ``band_limited`` or ``centred``.
         origin_s: instant of the record from which laws of time count it.
     """
 
@@ -78,6 +78,6 @@ def data_sheet(record: Record) -> DataSheet:
         step_delay_s=-motion.early if early else motion.late,
         position_unit=record.position_unit,
         force_unit=record.force_unit,
-        force_hold="band_limited" if record.upsampled > 1 else record.hold,
+        force_hold="band_limited" if record.upsampled > 1 else "centred" if record.centred else record.hold,
         origin_s=record.origin,
     )

@@ -64,6 +64,20 @@ def band_limited(record: Record, factor: int = FACTOR) -> Record:
     )
 
 
+def centred(record: Record) -> Record:
+    """The record with each force value held from half a sample before its stamp to half a sample after it.
+
+    A simulation that steps velocity first and position with the new velocity (semi-implicit Euler, one step a sample)
+    makes such motions, and a sensor that averages about its stamp.
+
+    Args:
+        record: with a force on stamps of its own sampling.
+    """
+    time = record.force_time
+    gaps = np.diff(time, prepend=2.0 * time[0] - time[1]) if time.size > 1 else np.zeros(1)
+    return replace(record, force_time=time - 0.5 * gaps, hold="zero", hold_known=True, centred=True)
+
+
 def _raised(force: FloatArray) -> FloatArray:
     """Values (n,) whose straight lines have the mean of the smooth force: less a twelfth of the second difference."""
     bend = np.zeros(force.size)

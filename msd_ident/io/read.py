@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from msd_ident.data.record import Record
-from msd_ident.data.resampling import band_limited, is_even
+from msd_ident.data.resampling import band_limited, centred, is_even
 from msd_ident.errors import DataError, UsageError
 from msd_ident.io import runs
 from msd_ident.io.bag import is_bag
@@ -45,6 +45,8 @@ def read(
             record = record.cut(*options.window)
         if interpolate:
             record = band_limited(record)
+        if options.hold == "centred" and not options.no_force:
+            record = centred(record)
     except DataError as error:
         # Who reads several paths must see which one it is about.
         named = str(error) if Path(path).name in str(error) else f"{path}: {error}"

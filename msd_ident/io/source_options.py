@@ -11,7 +11,7 @@ from msd_ident.errors import UsageError
 from msd_ident.io import units
 
 #: Words for ``SourceOptions.hold``.
-HOLDS = ("auto", "zero", "linear", "band_limited")
+HOLDS = ("auto", "zero", "linear", "band_limited", "centred")
 
 #: Value of ``force`` for a free decay.
 NO_FORCE = "none"
@@ -38,8 +38,8 @@ class SourceOptions:
             is in N, N·m, V or A where it is a multiple of one (``kN``).
         position_unit: the same for the position: ``m``, ``rad``, ``count``; ``mm`` becomes m, ``deg`` becomes rad.
         hold: how the force goes on between its samples: ``zero`` (held), ``linear``, ``band_limited`` (no faster than
-            its samples tell), or ``auto``: held for topics, asked of the data for a table's force on the position's
-            stamps.
+            its samples tell), ``centred`` (held from half a sample before its stamp), or ``auto``: held for topics,
+            asked of the data for a table's force on the position's stamps.
         start: begin of the part to use [s from the first position sample]; ``None`` for all.
         end: end of that part [s].
 
@@ -56,7 +56,7 @@ class SourceOptions:
     time_scale: float | None = None
     force_unit: str = ""
     position_unit: str = ""
-    hold: Literal["auto", "zero", "linear", "band_limited"] = "auto"
+    hold: Literal["auto", "zero", "linear", "band_limited", "centred"] = "auto"
     start: float | None = None
     end: float | None = None
     rate: float | None = None

@@ -18,15 +18,16 @@ import numpy as np
 
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
-from msd_ident.data.resampling import band_limited, is_even
+from msd_ident.data.resampling import band_limited, centred, is_even
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects.law import DELAY
 
-#: What may be chosen, the simplest first.
+#: What may be chosen, the simplest first; and of a command, where a diagnosed model has it act half a sample early.
 CANDIDATES = ("zero", "linear", "band_limited")
+OF_COMMANDS = ("zero", "centred")
 #: Part of the force samples that must differ from the one before: a force that seldom changes is a command, and held.
 _DENSE = 0.1
 #: Samples that are compared: the part of the record in which the force changes most.
@@ -38,7 +39,10 @@ _FEWEST = 200
 #: lead by 363 to 1069.
 _DECISIVE = 60.0
 
-_WORDS = {"zero": "held", "linear": "linear", "band_limited": "band-limited"}
+_WORDS = {
+    "zero": "held", "linear": "linear", "band_limited": "band-limited",
+    "centred": "held from half a sample before its stamp to half a sample after it",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class HoldChoice:
     """How the force goes on between its samples, and how sure that is.
 
     Attributes:
-        hold: ``zero``, ``linear`` or ``band_limited``.
+        hold: ``zero``, ``linear``, ``band_limited`` or ``centred``.
         log_likelihood: hold → log-likelihood of the model's residual, less that of the best.
         see: hold → standard error of estimate of the model in the part that was compared, in the position unit.
     """
@@ -75,15 +79,20 @@ class HoldChoice:
             if hold != self.hold and hold not in self.tied
         )
         reason = f": the log-likelihood ratio of the model's residual is {against}" if against else ""
-        return f"{chosen}{reason}; if you know it, use --hold zero, linear or band_limited."
+        if self.hold == "centred":
+            reason += "; a simulation whose steps are as long as the samples does so (semi-implicit Euler)"
+        return f"{chosen}{reason}; if you know it, use --hold zero, linear, band_limited or centred."
 
 
 def is_open(record: Record) -> bool:
     """Whether the record leaves open how its force goes on, and can be asked."""
-    sampled_with_it = record.samples >= _FEWEST and bool(np.all(np.isin(record.time, record.force_time)))
-    if record.hold_known or not sampled_with_it:
-        return False
-    return float(np.mean(np.diff(record.force) != 0.0)) >= _DENSE
+    return may_lead(record) and float(np.mean(np.diff(record.force) != 0.0)) >= _DENSE
+
+
+def may_lead(record: Record) -> bool:
+    """Whether the stamps of the record's force, those of the positions, may be half a sample late."""
+    shared = record.samples >= _FEWEST and bool(np.all(np.isin(record.time, record.force_time)))
+    return shared and not record.hold_known
 
 
 def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
@@ -98,7 +107,12 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
     return compared(records, (model, model + DryFriction(TENTH**2 * largest)))
 
 
-def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
+def compared(
+    records: Sequence[Record],
+    models: Sequence[Model],
+    holds: Sequence[str] = CANDIDATES,
+    decisive: float = _DECISIVE,
+) -> HoldChoice:
     """Compare the holds, each with the one of these models that makes it likeliest.
 
     A model is searched for with the first hold. The others move its motion by half a sample, so their fits begin there.
@@ -106,11 +120,13 @@ def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
     Args:
         records: as in ``choose_hold``.
         models: to be fitted; their values are starting values.
+        holds: to be compared, the simplest first.
+        decisive: log-likelihood by which another hold must lead a simpler one.
     """
     parts = tuple(_busiest(record) for record in records)
     likely, errors = {}, {}
     fits: list[FitResult] = []
-    for hold in CANDIDATES:
+    for hold in holds:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
         held = [with_hold(part, hold) for part in parts]
@@ -118,9 +134,9 @@ def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
         fits = near or [fit(one, held) for one in models]
         likely[hold], errors[hold] = max((sum(map(log_likelihood, one.residuals)), one.see) for one in fits)
     best = max(likely.values())
-    chosen = "zero"
+    chosen = holds[0]
     for hold, value in likely.items():
-        if value > likely[chosen] + _DECISIVE:
+        if value > likely[chosen] + decisive:
             chosen = hold
     return HoldChoice(chosen, {hold: value - best for hold, value in likely.items()}, errors)
 
@@ -142,13 +158,15 @@ def with_hold(record: Record, hold: str) -> Record:
 
     Args:
         record: the record.
-        hold: ``zero``, ``linear`` or ``band_limited``.
+        hold: ``zero``, ``linear``, ``band_limited`` or ``centred``.
 
     Raises:
         DataError: a band-limited force has too few samples, or uneven ones.
     """
     if hold == "band_limited":
         return band_limited(record)
+    if hold == "centred":
+        return centred(record)
     return replace(record, hold="linear" if hold == "linear" else "zero", hold_known=True)
 
 

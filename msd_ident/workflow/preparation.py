@@ -94,7 +94,7 @@ def prepare(records: Sequence[Record]) -> Prepared:
     )
     warnings += tuple(finding.sentence for finding in holds if finding.severity == "warning")
     rests = tuple(_rest_before(one, used, form) for one, used in zip(understood, records, strict=True))
-    unheld = usable if holds else ()
+    unheld = usable if any(map(force_hold.may_lead, usable)) else ()
     return Prepared(given, records, findings + holds, features, form, warnings, rests, turned, unheld)
 
 
@@ -139,23 +139,28 @@ def held_otherwise(prepared: Prepared, model: Model) -> Prepared | None:
     """
     if not prepared.unheld or not force_hold.stands_for_a_hold(model, prepared.records):
         return None
-    asked = tuple(record for record in prepared.unheld if force_hold.is_open(record))
     prompt = replace(model, effects=tuple(effect for effect in model.effects if effect.structure != DELAY))
-    finding = _told(choice := force_hold.compared(asked, (prompt,)))
-    before = next(one for one in prepared.findings if one.code == finding.code)
-    records = _with(choice, prepared.unheld)
-    if all(
-        np.array_equal(one.force, now.force) and one.hold == now.hold
-        for one, now in zip(records, prepared.records, strict=True)
-    ):
+    opens = force_hold.is_open if any(map(force_hold.is_open, prepared.unheld)) else force_hold.may_lead
+    asked = tuple(filter(opens, prepared.unheld))
+    if opens is force_hold.is_open:
+        choice = force_hold.compared(asked, (prompt,))
+    else:
+        choice = force_hold.compared(asked, (prompt,), force_hold.OF_COMMANDS, decisive=0.0)
+    finding = _told(choice)
+    records = tuple(force_hold.with_hold(one, choice.hold) if opens(one) else one for one in prepared.unheld)
+    if all(_same_force(one, now) for one, now in zip(records, prepared.records, strict=True)):
         return None
-    warnings = tuple(one for one in prepared.warnings if one != before.sentence)
-    return replace(
-        prepared,
-        records=records,
-        findings=tuple(finding if one is before else one for one in prepared.findings),
-        warnings=(*warnings, *((finding.sentence,) if finding.severity == "warning" else ())),
-    )
+    before = next((one for one in prepared.findings if one.code == finding.code), None)
+    warnings = [one for one in prepared.warnings if before is None or one != before.sentence]
+    warnings += [finding.sentence] if finding.severity == "warning" else []
+    findings = [one for one in prepared.findings if one is not before]
+    return replace(prepared, records=records, findings=(*findings, finding), warnings=tuple(warnings))
+
+
+def _same_force(one: Record, other: Record) -> bool:
+    """Whether the force of two records is the same at all times."""
+    same = np.array_equal(one.force, other.force) and np.array_equal(one.force_time, other.force_time)
+    return same and one.hold == other.hold
 
 
 def _with(choice: force_hold.HoldChoice, records: tuple[Record, ...]) -> tuple[Record, ...]:

@@ -229,9 +229,14 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
     """
     _check_units(saved, records)
     hold = saved.force_hold
-    asked = [force_hold.with_hold(r, hold) if hold and force_hold.is_open(r) else r for r in records]
+    asked = [force_hold.with_hold(r, hold) if hold and _is_asked(r, hold) else r for r in records]
     prepared = _turned_as_saved(prepare(asked), saved)
     return _on_its_clock(prepared, saved)
+
+
+def _is_asked(record: Record, hold: str) -> bool:
+    """Whether the record leaves open what the saved model's records decided."""
+    return force_hold.may_lead(record) if hold == "centred" else force_hold.is_open(record)
 
 
 def _on_its_clock(prepared: Prepared, saved: SavedModel) -> Prepared:
