@@ -18,8 +18,9 @@ from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
 
-_FORCE_NAMES = ("force",)
-_POSITION_NAMES = ("position",)
+#: Headings that are taken without being named, the first that is there.
+_FORCE_NAMES = ("force", "torque")
+_POSITION_NAMES = ("position", "angle")
 #: Columns that an error message names; a measurement program's file may have hundreds.
 _MOST_NAMES = 30
 
@@ -116,11 +117,18 @@ def choose_columns(table: Columns, name: str, options: SourceOptions) -> Chosen:
 
 
 def _signals(table: Columns, name: str, options: SourceOptions) -> tuple[int | None, int]:
-    position = _column(table.header, name, options.position, _POSITION_NAMES, "--position COLUMN")
+    called = _first_of(_POSITION_NAMES, table.header)
+    position = _column(table.header, name, options.position, called, "--position COLUMN")
     if options.no_force:
         return None, position
     hint = "--force COLUMN, or --force none for a free decay"
-    return _column(table.header, name, options.force, _FORCE_NAMES, hint), position
+    return _column(table.header, name, options.force, _first_of(_FORCE_NAMES, table.header), hint), position
+
+
+def _first_of(names: Sequence[str], header: Sequence[str]) -> tuple[str]:
+    """The first of the names that a heading has; the very first where none has any."""
+    stems = [units.stem(column) for column in header]
+    return (next((name for name in names if name in stems), names[0]),)
 
 
 def choose_time(table: Columns, name: str, options: SourceOptions) -> int | None:

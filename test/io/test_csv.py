@@ -211,6 +211,16 @@ def test_units_in_a_line_of_their_own(tmp_path: Path) -> None:
     assert record.position.tolist() == plain.position.tolist()
 
 
+def test_a_joints_torque_and_angle_need_no_option(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(header="time_s,torque_nm,angle_deg"))
+    assert (record.force_unit, record.position_unit) == ("N·m", "rad")
+    np.testing.assert_allclose(record.position, np.radians(np.array(ROWS)[:, 2]))
+    both = table(header="time_s,force_n,position_m,torque_nm,angle_deg", rows=[(*r, 0, 0) for r in ROWS])
+    assert read_text(tmp_path, both).force_unit == "N", "force and position go first"
+    with pytest.raises(DataError, match="has no column called position; the columns are: time_s, torque_nm, shaft_deg"):
+        read_text(tmp_path, table(header="time_s,torque_nm,shaft_deg"))
+
+
 def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:
     bare = table().split("\n", 1)[1]
     record = read_text(tmp_path, bare, time="1", force="2", position="3")
