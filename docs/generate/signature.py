@@ -61,7 +61,7 @@ def example(effect: type[Effect]) -> Effect:
     guess = effect.guess(_record(), PLANT)[0]
     neutral = dict(effect.neutral)
     values = dict(zip((p.name for p in effect.parameters), guess.values, strict=True))
-    return effect.from_values({n: v * (_STRONGER if neutral.get(n) == 0.0 else 1.0) for n, v in values.items()})
+    return effect.within_bounds(*(v * (_STRONGER if neutral.get(n) == 0.0 else 1.0) for n, v in values.items()))
 
 
 def lacking(model: Model) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -138,6 +138,12 @@ class Law:
         return any("driven" in arguments(law) for law in cls.laws().values())
 
     @classmethod
+    def asks_speed(cls) -> bool:
+        """Whether its force or friction depends on how fast the cart is, and not on its direction alone."""
+        acting = [law for kind, law in cls.laws().items() if kind in ("force", "friction", "contact")]
+        return any({"v", "speed", "lagged_v"} & set(arguments(law)) for law in acting)
+
+    @classmethod
     def cause(cls) -> str:
         """Name of the cause that acts where this law does."""
         return cls.form_of or cls.name

@@ -12,7 +12,8 @@ import math
 
 from msd_ident.model.kernel.compiled import lean
 from msd_ident.model.kernel.groups import Line, Place, State
-from msd_ident.model.kernel.rk import breakaway, forces_at, held, step5, step_to
+from msd_ident.model.kernel.methods import step_to
+from msd_ident.model.kernel.rk import breakaway, forces_at, held, step5
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
@@ -26,12 +27,12 @@ def turn(phase, step):
 
     Returns (length, state), v up to what is left of the search.
     """
-    fifth, t, h, start, end = step
+    method, t, h, start, end = step
     s = phase.s
     low, high = 0.0, h
     tau = _cubic_root(h, s * start.v, s * start.a, s * end.v, s * end.a)
     for _ in range(_SEARCHES):
-        there, _, _ = step_to(fifth, phase, t, tau, start)
+        there, _, _ = step_to(method, phase, t, tau, start)
         if s * there.v > 0.0:
             low = tau
         else:
@@ -77,7 +78,7 @@ def slowest(h, v0, a0, v1, a1):
 @lean
 def knee(phase, step, edge):
     """The step that ends with x = edge, which the one given passes; returned as by ``turn``."""
-    fifth, t, h, start, end = step
+    method, t, h, start, end = step
     s, x, v = phase.s, start.x, start.v
     low, high = 0.0, h
     if s * (x - edge) >= 0.0:
@@ -88,7 +89,7 @@ def knee(phase, step, edge):
     if not low < tau < high:
         tau = h * (edge - x) / (end.x - x)
     for _ in range(_SEARCHES):
-        there, _, _ = step_to(fifth, phase, t, tau, start)
+        there, _, _ = step_to(method, phase, t, tau, start)
         if s * (there.x - edge) < 0.0:
             low = tau
         else:

@@ -23,6 +23,9 @@ from msd_ident.model.kernel.spring import piece
 EVENTS = 200
 #: Rate of the plant times length of a segment beyond which it is not walked by series.
 STIFF = 300.0
+#: The same beyond which a matrix of its own takes less time than the pieces of a series.
+SEVERAL = 8.0
+_NONE, _TURNED, _CROSSED = 0, 1, 2
 
 
 @lean
@@ -135,6 +138,59 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
+def _calm_leap(s, low, high, left, plant, motion, line, c):
+    """(whether a motion goes on in direction s without any event, where it is then), by a matrix of its own.
+
+    With more damping than makes it swing, the velocity under a constant force is the sum of two exponentials, which is
+    zero once at most. Under another force it has no dip where it does not slow down first and speed up again.
+    """
+    m, b, k = plant
+    if b * b < 4.0 * m * abs(k):
+        return False, motion
+    row = c[linear.TERMS :]
+    linear.propagator(row, plant, left, line.decay, c)
+    there = linear.propagate(row, motion, line)
+    x, v = there
+    calm = s * v > 0.0 and low <= x <= high
+    if calm and (line.r != 0.0 or line.e != 0.0):
+        begins = line.f + line.e - k * motion.x - b * motion.v
+        ends = line.f + line.r * left + line.e * math.exp(-line.decay * left) - k * x - b * v
+        calm = s * begins >= 0.0 or s * ends <= 0.0
+    return calm, there
+
+
+@lean
+def _first_event(s, edge, left, plant, motion, line, c):
+    """(event or ``_NONE``, its time, motion then), by halving the time: for a plant too stiff for series."""
+    row = c[linear.TERMS :]
+    linear.propagator(row, plant, left, line.decay, c)
+    there, until, found = linear.propagate(row, motion, line), left, _NONE
+    for event in (_TURNED, _CROSSED):
+        if not (s * there.v <= 0.0 if event == _TURNED else s * (there.x - edge) > 0.0):
+            continue
+        low, found = 0.0, event
+        while until - low > 1e-14 * left:
+            middle = 0.5 * (low + until)
+            linear.propagator(row, plant, middle, line.decay, c)
+            now = linear.propagate(row, motion, line)
+            if s * now.v <= 0.0 if event == _TURNED else s * (now.x - edge) > 0.0:
+                until, there = middle, now
+            else:
+                low = middle
+    return found, until, there
+
+
+@lean
+def _settle(x, t, i, axis, line):
+    """(direction, piece of the spring) in which a cart goes on that comes to rest at x, t after the segment began."""
+    net = line.f + line.r * t - axis.constant - axis.spring.lines[1, i] - axis.spring.lines[0, i] * x
+    if line.e != 0.0:
+        net += line.e * math.exp(-line.decay * t)
+    s = 0 if abs(net) <= axis.hold else (1 if net > 0.0 else -1)
+    return s, piece(axis.spring.edges, x, s)
+
+
+@lean
 def walk(h, going, axis, line, c):
     """One segment of length h [s] under the force ``line``, from event to event; ``c``: room for a series.
 
@@ -164,15 +220,30 @@ def walk(h, going, axis, line, c):
             continue
         plant = Linear(m, b, springs[i])
         fastest = linear.fastest_rate(plant)
+        push = f_now - constant - intercepts[i] - s * kinetic
+        line_now = Line(push, r, e_now, rate)
+        if fastest * left > SEVERAL:
+            calm, there = _calm_leap(s, edges[i], edges[i + 1], left, plant, Motion(x, v), line_now, c)
+            if calm:
+                x, v = there
+                break
+        edge = edges[i + 1] if s > 0 else edges[i]
         if fastest * left > STIFF:
-            return Going(x, v, s, i), left
+            if b * b < 4.0 * m * abs(plant.k):
+                return Going(x, v, s, i), left
+            event, until, (x, v) = _first_event(s, edge, left, plant, Motion(x, v), line_now, c)
+            t = h if until >= left else t + until
+            if event == _CROSSED:
+                x, v, i = edge, v if s * v > 0.0 else 0.0, i + s
+            elif event == _TURNED:
+                v = 0.0
+                s, i = _settle(x, t, i, axis, line)
+            continue
         fastest = max(fastest, rate)
         d = min(left, linear.LONGEST / fastest)
-        push = f_now - constant - intercepts[i] - s * kinetic
-        series = linear.series(c, linear.terms_for(fastest * d), plant, Motion(x, v), Line(push, r, e_now, rate))
+        series = linear.series(c, linear.terms_for(fastest * d), plant, Motion(x, v), line_now)
         turn = first_turn(series, d, s, v, r != 0.0 or e_now != 0.0)
         until = min(turn, d)
-        edge = edges[i + 1] if s > 0 else edges[i]
         x1 = linear.position(series, until)
         if s * (x1 - edge) > 0.0:
             until = fall_through(series, until, edge, s)
@@ -187,11 +258,7 @@ def walk(h, going, axis, line, c):
             if turn > d:
                 v = linear.velocity(series, until)
             else:
-                net = f + r * t - constant - intercepts[i] - springs[i] * x
-                if e != 0.0:
-                    net += e * math.exp(-decay * t)
-                s = 0 if abs(net) <= hold else (1 if net > 0.0 else -1)
-                i = piece(edges, x, s)
+                s, i = _settle(x, t, i, axis, line)
         if not abs(x) < math.inf:
             break
     return Going(x, v, s, i), 0.0
@@ -205,7 +272,7 @@ def drift(h, motion, plant, line, c):
     own = linear.fastest_rate(plant)
     while t < h:
         left = h - t
-        if own * left > STIFF:
+        if own * left > SEVERAL:
             return motion, left
         e_now = e * math.exp(-decay * t)
         if abs(e_now) < 1e-18 * abs(f):

@@ -15,6 +15,7 @@ import math
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.adams import PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean
+from msd_ident.model.kernel.exponential import is_stiff
 from msd_ident.model.kernel.groups import (
     Drive,
     Longest,
@@ -256,9 +257,9 @@ def general(run, segments, motion, path):
     progress = Progress(state, s, i, longest, budget)
     while True:
         sliding = progress.s != 0.0 or not run.eventful
-        if sliding:
+        if sliding and not is_stiff(run.world.cart, length[j]):
             j, progress = _cruise(run, j, segments, progress, path)
-        elif not run.restless:
+        elif not sliding and not run.restless:
             j, progress = _held(run, j, segments, progress, path)
         if j == length.size:
             break

@@ -243,9 +243,9 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A step of length h [s], begun t [s] into the segment, of fifth order or of fourth, from start to end."""
+    """A step of length h [s] by a method of ``methods``, begun t [s] into the segment, from start to end."""
 
-    fifth: bool
+    method: int
     t: float
     h: float
     start: State

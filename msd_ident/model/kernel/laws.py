@@ -59,6 +59,8 @@ TIMED_MAP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "input_map" in ef
 TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or effect.memory)
 #: Effects whose force may change quickly just after a turn.
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
+#: Effects whose force changes with the speed in another way than damping does.
+SPEED_BITS = sum(BIT[e.name] for e in LIBRARY if e.asks_speed())
 #: Effects whose force depends on whether any is commanded.
 DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects beside which a jump of the force is no jump of the acceleration by that force alone.

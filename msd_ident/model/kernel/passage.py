@@ -1,7 +1,7 @@
 """One segment of the general path, from event to event.
 
-It is one step of fourth order where that is accurate enough, else steps of fifth order of even lengths. Names: see
-``rk``.
+It is one step of fourth order where that is accurate enough, else steps of fifth order of even lengths, or exponential
+ones where damping stops the mass at once. Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -14,8 +14,10 @@ import math
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import inlined, joined, lean
 from msd_ident.model.kernel.events import knee, rest, slowest, turn
+from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff
 from msd_ident.model.kernel.groups import Elastic, Longest, Phase, Piece, Place, Progress, State, Step
-from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at, step5, step_to
+from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, FOURTH, step_to
+from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at
 from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
@@ -72,7 +74,7 @@ def _first_event(phase, step):
 
     ``_AGAIN``: the step begins at rest and ends beyond its next turn; a shorter one must be tried.
     """
-    fifth, t, h, start, end = step
+    method, t, h, start, end = step
     s = phase.s
     event = _NONE
     if start.v == 0.0 and not s * end.v > 0.0:
@@ -81,18 +83,18 @@ def _first_event(phase, step):
     beyond = s * (end.x - edge) > 0.0
     if s * end.v > 0.0 and s * start.a < 0.0 and s * end.a > 0.0:
         dip = slowest(h, s * start.v, s * start.a, s * end.v, s * end.a)
-        there, _, _ = step_to(fifth, phase, t, dip, start)
+        there, _, _ = step_to(method, phase, t, dip, start)
         if s * there.v <= 0.0:
             h, end = dip, there
             beyond = s * (end.x - edge) > 0.0
     if not (s * end.v > 0.0 or beyond):
         event = _TURN
-        h, there = turn(phase, Step(fifth, t, h, start, end))
+        h, there = turn(phase, Step(method, t, h, start, end))
         end = State(there.x, 0.0, there.a, there.y, there.u, there.c)
         beyond = s * (end.x - edge) > 0.0
     if beyond:
         event = _KNEE
-        h, there = knee(phase, Step(fifth, t, h, start, end), edge)
+        h, there = knee(phase, Step(method, t, h, start, end), edge)
         v = there.v if s * there.v > 0.0 else 0.0
         end = State(edge, v, there.a, there.y, there.u, there.c)
     return event, h, end
@@ -102,23 +104,28 @@ def _first_event(phase, step):
 def _attempt(run, phase, t, longest, start):
     """(step towards the end of the segment, its error in parts of what is allowed)."""
     left, allowed = phase.length - t, run.tolerances
-    fifth = left > longest.fourth or (run.quick and near_turn(left, start.v, start.a))
-    if fifth:
-        h = left if left <= longest.fifth else left / math.ceil(left / longest.fifth)
-        end, error_x, error_v = step5(phase, t, h, start)
-        return Step(fifth, t, h, start, end), max(error_x / allowed.x5, error_v / allowed.v5)
-    end, error_x, error_v = step_to(fifth, phase, t, left, start)
-    return Step(fifth, t, left, start, end), max(error_x / allowed.x4, error_v / allowed.v4)
+    method, h = FOURTH, left
+    if is_stiff(run.world.cart, left):
+        method = EXPONENTIAL
+    elif left > longest.fourth or (run.quick and near_turn(left, start.v, start.a)):
+        method = EXPONENTIAL if becomes_stiff(phase, t, left, start) else FIFTH
+    if method != FOURTH and left > longest.fifth:
+        h = left / math.ceil(left / longest.fifth)
+    end, error_x, error_v = step_to(method, phase, t, h, start)
+    step = Step(method, t, h, start, end)
+    if method == FIFTH:
+        return step, max(error_x / allowed.x5, error_v / allowed.v5)
+    return step, max(error_x / allowed.x4, error_v / allowed.v4)
 
 
 @joined
 def _adapt(step, error, longest):
-    """The longest steps that either method may take next."""
+    """The longest steps that either method may take next; exponential ones are limited as those of fifth order."""
     fourth, fifth = longest
     if not error <= 1.0:
         shorter = step.h * (max(0.2, 0.9 * error**-0.2) if error < 1e12 else 0.2)
-        return Longest(fourth, shorter) if step.fifth else Longest(shorter, fifth)
-    if step.fifth:
+        return Longest(shorter, fifth) if step.method == FOURTH else Longest(fourth, shorter)
+    if step.method != FOURTH:
         fourth *= RETRY
         if error < 0.02:
             fifth = max(fifth, 2.0 * step.h)

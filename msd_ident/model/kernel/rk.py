@@ -209,18 +209,3 @@ def _difference(speeds, accelerations, h):
         error_x += _E[j] * speeds[j]
         error_v += _E[j] * accelerations[j]
     return h * abs(error_x), h * abs(error_v)
-
-
-@lean
-def step_to(fifth, phase, t, h, start):
-    """A step of either method, for the search of events."""
-    if fifth:
-        return step5(phase, t, h, start)
-    world, spring, drive, _, s = phase
-    cart, p, w, _ = world
-    x, v, a, y, u, c = start
-    middle, last = outer(cart, p, w, drive, t + 0.5 * h), outer(cart, p, w, drive, t + h)
-    x, v, a, y, u, c, error_x, error_v = step4(
-        cart, p, w, spring.elastic, drive, middle, last, s, t, h, x, v, a, y, u, c
-    )
-    return State(x, v, a, y, u, c), error_x, error_v
