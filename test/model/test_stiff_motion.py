@@ -61,7 +61,7 @@ def implicit(model: Model, record: Record) -> np.ndarray:
 @pytest.mark.parametrize("name", [*LAWS, "second_mode"])
 def test_the_motion_is_that_of_an_implicit_method(name: str, ratio: float) -> None:
     values = LAWS.get(name, {"second_mass": 1e-4, "second_stiffness": 0.05, "second_damping": 1e-3})
-    model, record = plant(ratio) + by_name(name).from_values(values), jumping(PERIOD * np.arange(12))
+    model, record = plant(ratio) + by_name(name).from_values(values), jumping(PERIOD * np.arange(20))
     found, expected = Simulator(model, record).positions(model.values), implicit(model, record)
     assert np.max(np.abs(found - expected)) < 2e-6 * np.ptp(expected)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from msd_ident.model.kernel import linear
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
-from msd_ident.model.kernel.groups import Glide, Going, Line, Linear, Motion
+from msd_ident.model.kernel.groups import Glide, Going, Line, Linear, Motion, Slide
 from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
 from msd_ident.model.kernel.spring import piece
 
@@ -25,7 +25,7 @@ EVENTS = 200
 STIFF = 300.0
 #: The same beyond which a matrix of its own takes less time than the pieces of a series.
 SEVERAL = 8.0
-_NONE, _TURNED, _CROSSED = 0, 1, 2
+_NONE, _TURNED, _CROSSED, _UNKNOWN = 0, 1, 2, 3
 
 
 @lean
@@ -138,46 +138,72 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
-def _calm_leap(s, low, high, left, plant, motion, line, c):
-    """(whether a motion goes on in direction s without any event, where it is then), by a matrix of its own.
+def _calm(slide, left, motion, line, there):
+    """Whether a heavily damped motion went on in its direction, on its piece of the spring, without any event.
 
-    With more damping than makes it swing, the velocity under a constant force is the sum of two exponentials, which is
-    zero once at most. Under another force it has no dip where it does not slow down first and speed up again.
+    Its velocity under a constant force is the sum of two exponentials, which is zero once at most. Under another force
+    it has no dip where it does not slow down first and speed up again.
     """
-    m, b, k = plant
-    if b * b < 4.0 * m * abs(k):
-        return False, motion
-    row = c[linear.TERMS :]
-    linear.propagator(row, plant, left, line.decay, c)
-    there = linear.propagate(row, motion, line)
-    x, v = there
-    calm = s * v > 0.0 and low <= x <= high
-    if calm and (line.r != 0.0 or line.e != 0.0):
-        begins = line.f + line.e - k * motion.x - b * motion.v
-        ends = line.f + line.r * left + line.e * math.exp(-line.decay * left) - k * x - b * v
-        calm = s * begins >= 0.0 or s * ends <= 0.0
-    return calm, there
+    s, low, high, (_, b, k) = slide
+    if not (s * there.v > 0.0 and low <= there.x <= high):
+        return False
+    if line.r == 0.0 and line.e == 0.0:
+        return True
+    begins = line.f + line.e - k * motion.x - b * motion.v
+    ends = line.f + line.r * left + line.e * math.exp(-line.decay * left) - k * there.x - b * there.v
+    return s * begins >= 0.0 or s * ends <= 0.0
 
 
 @lean
-def _first_event(s, edge, left, plant, motion, line, c):
-    """(event or ``_NONE``, its time, motion then), by halving the time: for a plant too stiff for series."""
+def _by_matrix(slide, left, motion, line, c):
+    """(event, its time, motion then) of a motion with more damping than makes it swing, by a matrix of its own.
+
+    An event is located by halving the time where series would take too many pieces; else it is ``_UNKNOWN``.
+    """
+    s, low, high, plant = slide
+    rate = plant.b / plant.m
     row = c[linear.TERMS :]
+    if plant.b * rate < 4.0 * abs(plant.k):
+        return _UNKNOWN, left, motion
     linear.propagator(row, plant, left, line.decay, c)
     there, until, found = linear.propagate(row, motion, line), left, _NONE
+    if _calm(slide, left, motion, line, there):
+        return _NONE, left, there
+    if rate * left <= STIFF:
+        return _UNKNOWN, left, motion
+    edge = high if s > 0 else low
     for event in (_TURNED, _CROSSED):
         if not (s * there.v <= 0.0 if event == _TURNED else s * (there.x - edge) > 0.0):
             continue
-        low, found = 0.0, event
-        while until - low > 1e-14 * left:
-            middle = 0.5 * (low + until)
+        begun, found = 0.0, event
+        while until - begun > 1e-14 * left:
+            middle = 0.5 * (begun + until)
             linear.propagator(row, plant, middle, line.decay, c)
             now = linear.propagate(row, motion, line)
             if s * now.v <= 0.0 if event == _TURNED else s * (now.x - edge) > 0.0:
                 until, there = middle, now
             else:
-                low = middle
+                begun = middle
     return found, until, there
+
+
+@lean
+def _by_series(slide, left, motion, line, c):
+    """(event, its time, motion then), the time that of one piece of a series at most."""
+    s, low, high, plant = slide
+    fastest = max(linear.fastest_rate(plant), line.decay)
+    d = min(left, linear.LONGEST / fastest)
+    series = linear.series(c, linear.terms_for(fastest * d), plant, motion, line)
+    turn = first_turn(series, d, s, motion.v, line.r != 0.0 or line.e != 0.0)
+    until = min(turn, d)
+    edge = high if s > 0 else low
+    x = linear.position(series, until)
+    if s * (x - edge) > 0.0:
+        until = fall_through(series, until, edge, s)
+        return _CROSSED, until, Motion(edge, linear.velocity(series, until))
+    if turn > d:
+        return _NONE, until, Motion(x, linear.velocity(series, until))
+    return _TURNED, until, Motion(x, 0.0)
 
 
 @lean
@@ -218,47 +244,25 @@ def walk(h, going, axis, line, c):
             s = _way_out(wait, net + e_now, r, e_now, rate)
             i = piece(edges, x, s)
             continue
-        plant = Linear(m, b, springs[i])
-        fastest = linear.fastest_rate(plant)
-        push = f_now - constant - intercepts[i] - s * kinetic
-        line_now = Line(push, r, e_now, rate)
-        if fastest * left > SEVERAL:
-            calm, there = _calm_leap(s, edges[i], edges[i + 1], left, plant, Motion(x, v), line_now, c)
-            if calm:
-                x, v = there
-                break
-        edge = edges[i + 1] if s > 0 else edges[i]
-        if fastest * left > STIFF:
-            if b * b < 4.0 * m * abs(plant.k):
+        plant, motion = Linear(m, b, springs[i]), Motion(x, v)
+        slide = Slide(s, edges[i], edges[i + 1], plant)
+        push = Line(f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
+        event, until, there = _UNKNOWN, left, motion
+        reach = linear.fastest_rate(plant) * left
+        if reach > SEVERAL:
+            event, until, there = _by_matrix(slide, left, motion, push, c)
+        if event == _UNKNOWN:
+            if reach > STIFF:
                 return Going(x, v, s, i), left
-            event, until, (x, v) = _first_event(s, edge, left, plant, Motion(x, v), line_now, c)
-            t = h if until >= left else t + until
-            if event == _CROSSED:
-                x, v, i = edge, v if s * v > 0.0 else 0.0, i + s
-            elif event == _TURNED:
-                v = 0.0
-                s, i = _settle(x, t, i, axis, line)
-            continue
-        fastest = max(fastest, rate)
-        d = min(left, linear.LONGEST / fastest)
-        series = linear.series(c, linear.terms_for(fastest * d), plant, Motion(x, v), line_now)
-        turn = first_turn(series, d, s, v, r != 0.0 or e_now != 0.0)
-        until = min(turn, d)
-        x1 = linear.position(series, until)
-        if s * (x1 - edge) > 0.0:
-            until = fall_through(series, until, edge, s)
-            x, v = edge, linear.velocity(series, until)
-            if s * v <= 0.0:
-                v = 0.0
+            event, until, there = _by_series(slide, left, motion, push, c)
+        t = h if until >= left else t + until
+        x, v = there
+        if event == _CROSSED:
+            x, v = edges[i + 1] if s > 0 else edges[i], v if s * v > 0.0 else 0.0
             i += s
-            t += until
-        else:
-            x, v = x1, 0.0
-            t = h if until >= left else t + until
-            if turn > d:
-                v = linear.velocity(series, until)
-            else:
-                s, i = _settle(x, t, i, axis, line)
+        elif event == _TURNED:
+            v = 0.0
+            s, i = _settle(x, t, i, axis, line)
         if not abs(x) < math.inf:
             break
     return Going(x, v, s, i), 0.0

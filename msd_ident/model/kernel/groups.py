@@ -121,6 +121,15 @@ class Axis(NamedTuple):
     eventful: bool
 
 
+class Slide(NamedTuple):
+    """A motion of the exact path in direction ``s`` on a piece of the spring, from ``low`` to ``high`` [m]."""
+
+    s: int
+    low: float
+    high: float
+    plant: Linear
+
+
 class Glide(NamedTuple):
     """A stretch without events on the exact path.
 
