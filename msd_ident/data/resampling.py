@@ -71,10 +71,10 @@ def centred(record: Record) -> Record:
     makes such motions, and a sensor that averages about its stamp.
 
     Args:
-        record: with a force on stamps of its own sampling.
+        record: the record. Where force values lie further apart than samples, half a sample is that of the positions.
     """
-    time = record.force_time
-    gaps = np.diff(time, prepend=2.0 * time[0] - time[1]) if time.size > 1 else np.zeros(1)
+    time, period = record.force_time, float(np.median(np.diff(record.time)))
+    gaps = np.minimum(np.diff(time, prepend=-np.inf), period)
     return replace(record, force_time=time - 0.5 * gaps, hold="zero", hold_known=True, centred=True)
 
 

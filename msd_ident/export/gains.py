@@ -25,7 +25,7 @@ _SUPPORT = {
     roles.DISTURBANCE: Support("cannot", "gains know no time"),
     SECOND_MASS: Support("cannot", "gains know one mass"),
     PLAY: Support("cannot", "gains know no play"),
-    **dict.fromkeys((roles.STOPS, roles.ONE_STOP, roles.BUFFERS), _STOP),
+    **dict.fromkeys((roles.STOPS, roles.ONE_STOP, roles.BUFFERS, roles.CONSTRAINT), _STOP),
 }
 
 

@@ -137,8 +137,8 @@ def chained(effects: Iterable[Effect], kind: str, given: str, of: str) -> str:
 
     Args:
         effects: of a model.
-        kind: ``input_map`` or ``reading``.
-        given: the argument of the laws that is the value: ``u`` or ``x``.
+        kind: ``input_map``, ``reading``, ``contact`` or ``contact_at_rest``.
+        given: the argument of the laws that is the value: ``u``, ``x`` or ``net``.
         of: expression of the value.
     """
     for effect in effects:

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import ClassVar
 
 from msd_ident.data.record import FloatArray
-from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay
+from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, roles
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState, Target
 from msd_ident.export.templates import filled
+from msd_ident.model import Model
 from msd_ident.model.effects import Effect
 
 
@@ -35,6 +36,12 @@ class MujocoTarget(Target):
     def supports(self, effect: type[Effect]) -> Support:
         """How this target carries an effect."""
         return mujoco_elements.supports(effect)
+
+    def support(self, effect: Effect, model: Model) -> Support:
+        """How this target carries this effect of this model."""
+        if roles.role(type(effect)) == roles.CONSTRAINT and any("friction" in one.laws() for one in model.effects):
+            return Support("approximated", "in contact, the callback file's dry friction acts whole; mujoco-xml has it")
+        return super().support(effect, model)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

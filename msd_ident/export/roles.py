@@ -17,7 +17,7 @@ from msd_ident.model.effects.law import AT_ZERO, BOTH, OUTSIDE
 FRICTION, CONSTANT, GAIN = "friction", "constant", "gain"
 #: Stops that push and never pull: a spring on either side, on one side, a spring and a damper with a force of its own.
 STOPS, ONE_STOP, BUFFERS = "stops", "one stop", "buffers"
-#: The same that take part of all other forces.
+#: Stops that push, and take a part of all other forces.
 CONSTRAINT = "constraint"
 #: Forces c·x², c·x³ and c·v·|v|, of the one parameter c.
 SQUARE, CUBE, DRAG = "square of the position", "cube of the position", "square of the speed"

@@ -18,7 +18,8 @@ from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
 from msd_ident.writing import writing_to
 
-#: Headings that are taken without being named, the first that is there.
+#: Headings that are taken without being named, the first that is there; those of a joint only with their unit, as a
+#: number without one is taken for newtons and metres.
 _FORCE_NAMES = ("force", "torque")
 _POSITION_NAMES = ("position", "angle")
 #: Columns that an error message names; a measurement program's file may have hundreds.
@@ -126,8 +127,8 @@ def _signals(table: Columns, name: str, options: SourceOptions) -> tuple[int | N
 
 
 def _first_of(names: Sequence[str], header: Sequence[str]) -> tuple[str]:
-    """The first of the names that a heading has; the very first where none has any."""
-    stems = [units.stem(column) for column in header]
+    """The first of the names that a heading has, a further one beside its unit; the very first where none has any."""
+    stems = [units.stem(column) for column in header if units.unit(column)[0] or units.stem(column) == names[0]]
     return (next((name for name in names if name in stems), names[0]),)
 
 

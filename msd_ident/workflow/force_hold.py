@@ -1,4 +1,4 @@
-"""The force between its samples: held, linear or band-limited, decided by the data.
+"""The force between its samples: held, linear, band-limited or centred, decided by the data.
 
 A table with a force on the position's stamps does not say whether a converter held that force (a command) or a sensor
 read one that is smooth in between. A wrong answer acts like a delay of half a sample. The same model is fitted with
@@ -62,6 +62,8 @@ class HoldChoice:
     @property
     def tied(self) -> tuple[str, ...]:
         """Holds that the data does not tell from the chosen one, which is the simplest of them."""
+        if self.hold == "centred":  # a diagnosed model leads by half a sample already
+            return ()
         own = self.log_likelihood[self.hold]
         others = {hold: value for hold, value in self.log_likelihood.items() if hold != self.hold}
         return tuple(hold for hold, value in others.items() if value > own - _DECISIVE)

@@ -105,6 +105,20 @@ def test_dry_friction_is_exact_at_the_records_own_step(law: str, beside: str, tm
     assert np.sqrt(np.mean((got - ours) ** 2)) < 5e-4 * np.sqrt(np.mean((ours - without) ** 2))
 
 
+def test_a_limit_that_takes_part_of_all_forces_is_exact_in_mujoco_but_beside_the_callbacks_friction() -> None:
+    """The constraint would have to know the callback's friction: 0.35 % off where friction holds in the limit."""
+    limit = effect_examples.example("constraint_stop")
+    rubbing = effect_examples.model("coulomb_friction")
+    assert BY_NAME["mujoco"].support(limit, effect_examples.plant()).kind == "exact"
+    assert BY_NAME["mujoco"].support(limit, rubbing).kind == "approximated"
+    assert BY_NAME["mujoco-xml"].support(limit, rubbing).kind == "exact"
+
+
+def test_gains_send_the_reference_away_from_every_kind_of_stop() -> None:
+    stops = ("end_stop", "one_sided_stop", "buffered_stop", "constraint_stop")
+    assert {BY_NAME["gains"].supports(by_name(name)).how for name in stops} == {"keep the reference away from the stop"}
+
+
 @pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicitfast"])
 def test_the_callback_holds_at_rest_and_gives_the_constraint_back(integrator: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")

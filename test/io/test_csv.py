@@ -219,6 +219,8 @@ def test_a_joints_torque_and_angle_need_no_option(tmp_path: Path) -> None:
     assert read_text(tmp_path, both).force_unit == "N", "force and position go first"
     with pytest.raises(DataError, match="has no column called position; the columns are: time_s, torque_nm, shaft_deg"):
         read_text(tmp_path, table(header="time_s,torque_nm,shaft_deg"))
+    with pytest.raises(DataError, match="has no column called position"):  # not as metres
+        read_text(tmp_path, table(header="time_s,torque_nm,angle"))
 
 
 def test_columns_without_a_header_have_numbers(tmp_path: Path) -> None:

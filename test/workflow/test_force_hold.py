@@ -11,7 +11,7 @@ import pytest
 from scipy.signal import chirp
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.data.resampling import band_limited
+from msd_ident.data.resampling import band_limited, centred
 from msd_ident.errors import DataError, UsageError
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
@@ -249,6 +249,13 @@ def test_another_delay_is_a_cause(early: float, asking_about: Callable[..., None
     assert [cause.name for cause in found.causes] == ["time_offset"] and found.verdict == "explained"
     assert found.extended.model.effect("time_offset").values[0] == pytest.approx(-early * 0.002, rel=0.02)
     assert not [one for one in found.findings if one.code == "force_hold"]
+
+
+def test_a_sparse_command_leads_by_half_a_sample_of_the_position() -> None:
+    """Not by half of the time since the command before."""
+    time = 0.01 * np.arange(500)
+    record = replace(from_samples(time, time, time), force_time=np.array([0.0, 1.0, 4.0]), force=np.ones(3))
+    np.testing.assert_allclose(centred(record).force_time, [-0.005, 0.995, 3.995])
 
 
 def test_a_known_hold_is_not_asked(tmp_path: Path, asking_about: Callable[..., None]) -> None:

@@ -31,8 +31,8 @@ class Effect(Law):
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
     motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
-    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), a commanded force ``u`` [N], any parameter of the
-    effect or of the plant, any of its ``memory``.
+    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), a commanded force ``u`` [N], the ``net``
+    force [N], any parameter of the effect or of the plant, any of its ``memory``.
     Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 

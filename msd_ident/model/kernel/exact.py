@@ -25,7 +25,7 @@ EVENTS = 200
 STIFF = 300.0
 #: The same beyond which a matrix of its own takes less time than the pieces of a series.
 SEVERAL = 8.0
-_NONE, _TURNED, _CROSSED, _UNKNOWN = 0, 1, 2, 3
+_NONE, _TURNED, _CROSSED, _UNKNOWN, _SLOWEST = 0, 1, 2, 3, 4
 
 
 @lean
@@ -138,52 +138,72 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
-def _calm(slide, left, motion, line, there):
-    """Whether a heavily damped motion went on in its direction, on its piece of the spring, without any event.
+def _net(plant, motion, line, t):
+    """Force [N] on the mass by spring, damper and ``line`` at a time t."""
+    push = line.f + line.r * t
+    if line.e != 0.0:
+        push += line.e * math.exp(-line.decay * t)
+    return push - plant.k * motion.x - plant.b * motion.v
 
-    Its velocity under a constant force is the sum of two exponentials, which is zero once at most. Under another force
-    it has no dip where it does not slow down first and speed up again.
-    """
-    s, low, high, (_, b, k) = slide
-    if not (s * there.v > 0.0 and low <= there.x <= high):
-        return False
-    if line.r == 0.0 and line.e == 0.0:
-        return True
-    begins = line.f + line.e - k * motion.x - b * motion.v
-    ends = line.f + line.r * left + line.e * math.exp(-line.decay * left) - k * there.x - b * there.v
-    return s * begins >= 0.0 or s * ends <= 0.0
+
+@lean
+def _leapt(plant, t, motion, line, c):
+    """Motion after a time t [s], by a matrix of its own."""
+    row = c[linear.TERMS :]
+    linear.propagator(row, plant, t, line.decay, c)
+    return linear.propagate(row, motion, line)
+
+
+@lean
+def _halved(event, slide, until, there, motion, line, c):
+    """(time, motion) of the first instant at which it is there: the slowest of a dip, v = 0, or the edge."""
+    s, low, high, plant = slide
+    begun, edge, shortest = 0.0, high if s > 0 else low, 1e-14 * until
+    while until - begun > shortest:
+        middle = 0.5 * (begun + until)
+        now = _leapt(plant, middle, motion, line, c)
+        if event == _SLOWEST:
+            reached = s * _net(plant, now, line, middle) >= 0.0
+        elif event == _TURNED:
+            reached = s * now.v <= 0.0
+        else:
+            reached = s * (now.x - edge) > 0.0
+        if reached:
+            until, there = middle, now
+        else:
+            begun = middle
+    return until, there
 
 
 @lean
 def _by_matrix(slide, left, motion, line, c):
     """(event, its time, motion then) of a motion with more damping than makes it swing, by a matrix of its own.
 
-    An event is located by halving the time where series would take too many pieces; else it is ``_UNKNOWN``.
+    Its velocity under a constant force is the sum of two exponentials, which is zero once at most. Under another force
+    it may stop in between where it slows down first and speeds up again. An event is located by halving the time where
+    series would take too many pieces; else it is ``_UNKNOWN``.
     """
     s, low, high, plant = slide
     rate = plant.b / plant.m
-    row = c[linear.TERMS :]
     if plant.b * rate < 4.0 * abs(plant.k):
         return _UNKNOWN, left, motion
-    linear.propagator(row, plant, left, line.decay, c)
-    there, until, found = linear.propagate(row, motion, line), left, _NONE
-    if _calm(slide, left, motion, line, there):
+    there, until, found = _leapt(plant, left, motion, line, c), left, _NONE
+    changing = line.r != 0.0 or line.e != 0.0
+    dips = changing and s * _net(plant, motion, line, 0.0) < 0.0 and s * _net(plant, there, line, left) > 0.0
+    if s * there.v > 0.0 and low <= there.x <= high and not dips:
         return _NONE, left, there
     if rate * left <= STIFF:
         return _UNKNOWN, left, motion
-    edge = high if s > 0 else low
-    for event in (_TURNED, _CROSSED):
-        if not (s * there.v <= 0.0 if event == _TURNED else s * (there.x - edge) > 0.0):
-            continue
-        begun, found = 0.0, event
-        while until - begun > 1e-14 * left:
-            middle = 0.5 * (begun + until)
-            linear.propagator(row, plant, middle, line.decay, c)
-            now = linear.propagate(row, motion, line)
-            if s * now.v <= 0.0 if event == _TURNED else s * (now.x - edge) > 0.0:
-                until, there = middle, now
-            else:
-                begun = middle
+    if dips and s * there.v > 0.0:
+        slow, slowest = _halved(_SLOWEST, slide, left, there, motion, line, c)
+        if s * slowest.v <= 0.0:
+            until, there = slow, slowest
+    if s * there.v <= 0.0:
+        until, there = _halved(_TURNED, slide, until, there, motion, line, c)
+        found = _TURNED
+    if s * (there.x - (high if s > 0 else low)) > 0.0:
+        until, there = _halved(_CROSSED, slide, until, there, motion, line, c)
+        found = _CROSSED
     return found, until, there
 
 

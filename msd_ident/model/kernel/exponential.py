@@ -34,6 +34,8 @@ _LEAST = 0.1
 #: library's laws differ by less than 1e-6 of their size from those of many explicit steps.
 _BETTER = 0.05
 _SERIES = 1.0
+#: Most of it by which an error of the velocity is let be larger.
+_FADED = 10.0
 
 
 @lean
@@ -88,38 +90,63 @@ def _decays(z):
 
 
 @lean
+def _faded(force, decay, rate, h):
+    """(x, v) that an acceleration force·exp(-decay t) adds in a time h to a velocity that fades at this rate."""
+    if force == 0.0:
+        return 0.0, 0.0
+    lost, stopped = -math.expm1(-decay * h), -math.expm1(-rate * h)
+    v = force * (stopped - lost) / (rate - decay)
+    return (force * lost / decay - v) / rate, v
+
+
+@lean
+def _transient(phase, t, rate):
+    """Acceleration by the lagged part of the force as the step begins, which is solved apart; 0 where it is not."""
+    _, _, _, e, decay = phase.drive
+    if e == 0.0 or abs(rate - decay) < 0.01 * rate:
+        return 0.0
+    return e * math.exp(-decay * t) * phase.world.cart.lightness
+
+
+@lean
 def step_exponential(phase, t, h, start):
     """(state, error of position [m], of velocity [m/s]) of one exponential step.
 
-    A second mass, which no damping of the cart stops, moves by a parabola of its acceleration.
+    A second mass, which no damping of the cart stops, moves by a parabola of its acceleration. An error of the velocity
+    fades within 1/r, so that only a part of it is one of the motion.
     """
     x, v, _, y, u, c = start
-    cart = phase.world.cart
+    cart, decay = phase.world.cart, phase.drive.decay
     rate = _rate(phase, t, start)
-    g0, half, square = start.a + rate * v, 0.5 * h, h * h
+    lagged = _transient(phase, t, rate)
+    g0, half, square = start.a + rate * v - lagged, 0.5 * h, h * h
     e, p1, p2, p3, p4 = _decays(0.5 * rate * h)
-    xn, vn = x + half * (p1 * v + half * p2 * g0), e * v + half * p1 * g0
+    fade_x, fade_v = _faded(lagged, decay, rate, half)
+    xn, vn = x + half * (p1 * v + half * p2 * g0) + fade_x, e * v + half * p1 * g0 + fade_v
     yn, un = y + half * (u + 0.25 * h * c), u + half * c
-    change = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - g0
+    left = lagged * math.exp(-decay * half)
+    change = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left - g0
     cm = second_acceleration(cart, xn, vn, yn, un)
     xn, vn = xn + half * half * p3 * change, vn + half * p2 * change
     yn, un = yn + square * (cm - c) / 24.0, un + 0.25 * h * (cm - c)
-    gm = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn
+    gm = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left
     cm = second_acceleration(cart, xn, vn, yn, un)
     e, p1, p2, p3, p4 = _decays(rate * h)
-    plain_x, plain_v = x + h * (p1 * v + h * p2 * g0), e * v + h * p1 * g0
+    fade_x, fade_v = _faded(lagged, decay, rate, h)
+    plain_x, plain_v = x + h * (p1 * v + h * p2 * g0) + fade_x, e * v + h * p1 * g0 + fade_v
     change = 2.0 * (gm - g0)
     line_x, line_v = plain_x + square * p3 * change, plain_v + h * p2 * change
     line_y, line_u = y + h * u + square * (c + 2.0 * cm) / 6.0, u + h * cm
-    g1 = acceleration_at(phase, t + h, Place(line_x, line_v, line_y, line_u)) + rate * line_v
+    left = lagged * math.exp(-decay * h)
+    g1 = acceleration_at(phase, t + h, Place(line_x, line_v, line_y, line_u)) + rate * line_v - left
     c1 = second_acceleration(cart, line_x, line_v, line_y, line_u)
     slope, bend = 4.0 * gm - 3.0 * g0 - g1, 4.0 * (g0 + g1) - 8.0 * gm
     x1, v1 = plain_x + square * (p3 * slope + p4 * bend), plain_v + h * (p2 * slope + p3 * bend)
     y1, u1 = line_y, u + h * (c + 4.0 * cm + c1) / 6.0
     a1 = acceleration_at(phase, t + h, Place(x1, v1, y1, u1))
-    amiss = abs(a1 + rate * v1 - g1)
+    amiss = abs(a1 + rate * v1 - left - g1)
     error_x = _BETTER * abs(x1 - line_x) + square * abs(4.0 * p4 - p3) * amiss
-    error_v = _BETTER * abs(v1 - line_v) + h * abs(4.0 * p3 - p2) * amiss
+    error_v = (_BETTER * abs(v1 - line_v) + h * abs(4.0 * p3 - p2) * amiss) / min(max(rate * h, 1.0), _FADED)
     end_c = second_acceleration(cart, x1, v1, y1, u1)
     late = h * (_BETTER * abs(c - 2.0 * cm + c1) + abs(end_c - c1)) / 6.0
     return State(x1, v1, a1, y1, u1, end_c), error_x + h * late, error_v + late

@@ -255,7 +255,7 @@ def general(run, segments, motion, path):
     state, s, i = _begin(run, _drive(segments, j), length[j], motion)
     longest, budget = Longest(2.0 * length[0], 2.0 * length[0]), STEPS + STEPS_A_SEGMENT * length.size
     progress = Progress(state, s, i, longest, budget)
-    while True:
+    while j < length.size:
         sliding = progress.s != 0.0 or not run.eventful
         if sliding and not is_stiff(run.world.cart, length[j]):
             j, progress = _cruise(run, j, segments, progress, path)

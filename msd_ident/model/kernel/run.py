@@ -13,6 +13,7 @@ from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_M
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean, plain
 from msd_ident.model.kernel.exact import exact
+from msd_ident.model.kernel.exponential import STIFF
 from msd_ident.model.kernel.general import general, run_of
 from msd_ident.model.kernel.groups import Axis, Cart, Command, Linear, Motion, Path, Segments, Spring, World
 from msd_ident.model.kernel.rk import STAGES
@@ -234,4 +235,7 @@ def _scales(plant, time, largest, motion):
     far = max(far, abs(v) / rate)
     if far == 0.0:
         far = max(abs(x), 1e-12)
-    return Motion(far, far * rate)
+    fast, sample = far * rate, (time[-1] - time[0]) / (time.size - 1)
+    if b / m * sample > STIFF:  # it goes on by a part of a sample's way
+        far = max(far, 0.3 * fast * sample)
+    return Motion(far, fast)
