@@ -138,32 +138,34 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
-def _net(plant, motion, line, t):
-    """Force [N] on the mass by spring, damper and ``line`` at a time t."""
-    push = line.f + line.r * t
-    if line.e != 0.0:
-        push += line.e * math.exp(-line.decay * t)
-    return push - plant.k * motion.x - plant.b * motion.v
+def _net(slide, motion, t):
+    """Force [N] on the mass of a slide, a time t [s] after it began, in its direction."""
+    _, b, k = slide.plant
+    f, r, e, decay = slide.line
+    push = f + r * t
+    if e != 0.0:
+        push += e * math.exp(-decay * t)
+    return slide.s * (push - k * motion.x - b * motion.v)
 
 
 @lean
-def _leapt(plant, t, motion, line, c):
+def _leapt(slide, t, c):
     """Motion after a time t [s], by a matrix of its own."""
     row = c[linear.TERMS :]
-    linear.propagator(row, plant, t, line.decay, c)
-    return linear.propagate(row, motion, line)
+    linear.propagator(row, slide.plant, t, slide.line.decay, c)
+    return linear.propagate(row, slide.motion, slide.line)
 
 
 @lean
-def _halved(event, slide, until, there, motion, line, c):
+def _halved(event, slide, until, c):
     """(time, motion) of the first instant at which it is there: the slowest of a dip, v = 0, or the edge."""
-    s, low, high, plant = slide
-    begun, edge, shortest = 0.0, high if s > 0 else low, 1e-14 * until
+    s, begun, shortest = slide.s, 0.0, 1e-14 * until
+    edge, there = slide.high if s > 0 else slide.low, _leapt(slide, until, c)
     while until - begun > shortest:
         middle = 0.5 * (begun + until)
-        now = _leapt(plant, middle, motion, line, c)
+        now = _leapt(slide, middle, c)
         if event == _SLOWEST:
-            reached = s * _net(plant, now, line, middle) >= 0.0
+            reached = _net(slide, now, middle) >= 0.0
         elif event == _TURNED:
             reached = s * now.v <= 0.0
         else:
@@ -176,41 +178,41 @@ def _halved(event, slide, until, there, motion, line, c):
 
 
 @lean
-def _by_matrix(slide, left, motion, line, c):
+def _by_matrix(slide, left, c):
     """(event, its time, motion then) of a motion with more damping than makes it swing, by a matrix of its own.
 
     Its velocity under a constant force is the sum of two exponentials, which is zero once at most. Under another force
     it may stop in between where it slows down first and speeds up again. An event is located by halving the time where
     series would take too many pieces; else it is ``_UNKNOWN``.
     """
-    s, low, high, plant = slide
+    s, low, high, plant, motion, line = slide
     rate = plant.b / plant.m
     if plant.b * rate < 4.0 * abs(plant.k):
         return _UNKNOWN, left, motion
-    there, until, found = _leapt(plant, left, motion, line, c), left, _NONE
+    there, until, found = _leapt(slide, left, c), left, _NONE
     changing = line.r != 0.0 or line.e != 0.0
-    dips = changing and s * _net(plant, motion, line, 0.0) < 0.0 and s * _net(plant, there, line, left) > 0.0
+    dips = changing and _net(slide, motion, 0.0) < 0.0 and _net(slide, there, left) > 0.0
     if s * there.v > 0.0 and low <= there.x <= high and not dips:
         return _NONE, left, there
     if rate * left <= STIFF:
         return _UNKNOWN, left, motion
     if dips and s * there.v > 0.0:
-        slow, slowest = _halved(_SLOWEST, slide, left, there, motion, line, c)
+        slow, slowest = _halved(_SLOWEST, slide, left, c)
         if s * slowest.v <= 0.0:
             until, there = slow, slowest
     if s * there.v <= 0.0:
-        until, there = _halved(_TURNED, slide, until, there, motion, line, c)
+        until, there = _halved(_TURNED, slide, until, c)
         found = _TURNED
     if s * (there.x - (high if s > 0 else low)) > 0.0:
-        until, there = _halved(_CROSSED, slide, until, there, motion, line, c)
+        until, there = _halved(_CROSSED, slide, until, c)
         found = _CROSSED
     return found, until, there
 
 
 @lean
-def _by_series(slide, left, motion, line, c):
+def _by_series(slide, left, c):
     """(event, its time, motion then), the time that of one piece of a series at most."""
-    s, low, high, plant = slide
+    s, low, high, plant, motion, line = slide
     fastest = max(linear.fastest_rate(plant), line.decay)
     d = min(left, linear.LONGEST / fastest)
     series = linear.series(c, linear.terms_for(fastest * d), plant, motion, line)
@@ -265,16 +267,16 @@ def walk(h, going, axis, line, c):
             i = piece(edges, x, s)
             continue
         plant, motion = Linear(m, b, springs[i]), Motion(x, v)
-        slide = Slide(s, edges[i], edges[i + 1], plant)
         push = Line(f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
+        slide = Slide(s, edges[i], edges[i + 1], plant, motion, push)
         event, until, there = _UNKNOWN, left, motion
         reach = linear.fastest_rate(plant) * left
         if reach > SEVERAL:
-            event, until, there = _by_matrix(slide, left, motion, push, c)
+            event, until, there = _by_matrix(slide, left, c)
         if event == _UNKNOWN:
             if reach > STIFF:
                 return Going(x, v, s, i), left
-            event, until, there = _by_series(slide, left, motion, push, c)
+            event, until, there = _by_series(slide, left, c)
         t = h if until >= left else t + until
         x, v = there
         if event == _CROSSED:

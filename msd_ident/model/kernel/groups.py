@@ -122,12 +122,14 @@ class Axis(NamedTuple):
 
 
 class Slide(NamedTuple):
-    """A motion of the exact path in direction ``s`` on a piece of the spring, from ``low`` to ``high`` [m]."""
+    """A motion of the exact path under ``line`` in direction ``s``, on the piece of the spring from low to high [m]."""
 
     s: int
     low: float
     high: float
     plant: Linear
+    motion: Motion
+    line: Line
 
 
 class Glide(NamedTuple):
