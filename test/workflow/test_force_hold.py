@@ -230,7 +230,7 @@ def stepped(early: float = 0.0) -> Record:
 
 
 def test_a_step_of_the_integrator_is_no_delay(asking_about: Callable[..., None]) -> None:
-    """MuJoCo's and Gazebo's joints had a time offset of half a step with > 99.9 %, and a mass of 0.3 % too little."""
+    """MuJoCo's clean joints had a time offset of half a step with > 99.9 %, and a mass of 0.3 % too little."""
     asking_about("coulomb_friction", "time_offset", "actuator_lag")
     found = pipeline.diagnose([stepped()])
     assert found.verdict == "adequate" and not found.causes
