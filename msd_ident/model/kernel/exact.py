@@ -16,16 +16,12 @@ import numpy as np
 from msd_ident.model.kernel import linear
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, making
 from msd_ident.model.kernel.groups import Glide, Going, Line, Linear, Motion, Slide
-from msd_ident.model.kernel.roots import fall_through, first_exit, first_turn
+from msd_ident.model.kernel.roots import first_exit
+from msd_ident.model.kernel.slide import CROSSED, SEVERAL, STIFF, TURNED, UNKNOWN, by_matrix, by_series
 from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
 EVENTS = 200
-#: Rate of the plant times length of a segment beyond which it is not walked by series.
-STIFF = 300.0
-#: The same beyond which a matrix of its own takes less time than the pieces of a series.
-SEVERAL = 8.0
-_NONE, _TURNED, _CROSSED, _UNKNOWN, _SLOWEST = 0, 1, 2, 3, 4
 
 
 @lean
@@ -138,97 +134,6 @@ def _way_out(wait, net, r, e, rate):
 
 
 @lean
-def _net(slide, motion, t):
-    """Force [N] on the mass of a slide, a time t [s] after it began, in its direction."""
-    _, b, k = slide.plant
-    f, r, e, decay = slide.line
-    push = f + r * t
-    if e != 0.0:
-        push += e * math.exp(-decay * t)
-    return slide.s * (push - k * motion.x - b * motion.v)
-
-
-@lean
-def _leapt(slide, t, c):
-    """Motion after a time t [s], by a matrix of its own."""
-    row = c[linear.TERMS :]
-    linear.propagator(row, slide.plant, t, slide.line.decay, c)
-    return linear.propagate(row, slide.motion, slide.line)
-
-
-@lean
-def _halved(event, slide, until, c):
-    """(time, motion) of the first instant at which it is there: the slowest of a dip, v = 0, or the edge."""
-    s, begun, shortest = slide.s, 0.0, 1e-14 * until
-    edge, there = slide.high if s > 0 else slide.low, _leapt(slide, until, c)
-    while until - begun > shortest:
-        middle = 0.5 * (begun + until)
-        now = _leapt(slide, middle, c)
-        if event == _SLOWEST:
-            reached = _net(slide, now, middle) >= 0.0
-        elif event == _TURNED:
-            reached = s * now.v <= 0.0
-        else:
-            reached = s * (now.x - edge) > 0.0
-        if reached:
-            until, there = middle, now
-        else:
-            begun = middle
-    return until, there
-
-
-@lean
-def _by_matrix(slide, left, c):
-    """(event, its time, motion then) of a motion with more damping than makes it swing, by a matrix of its own.
-
-    Its velocity under a constant force is the sum of two exponentials, which is zero once at most. Under another force
-    it may stop in between where it slows down first and speeds up again. An event is located by halving the time where
-    series would take too many pieces; else it is ``_UNKNOWN``.
-    """
-    s, low, high, plant, motion, line = slide
-    rate = plant.b / plant.m
-    if plant.b * rate < 4.0 * abs(plant.k):
-        return _UNKNOWN, left, motion
-    there, until, found = _leapt(slide, left, c), left, _NONE
-    changing = line.r != 0.0 or line.e != 0.0
-    dips = changing and _net(slide, motion, 0.0) < 0.0 and _net(slide, there, left) > 0.0
-    if s * there.v > 0.0 and low <= there.x <= high and not dips:
-        return _NONE, left, there
-    if rate * left <= STIFF:
-        return _UNKNOWN, left, motion
-    if dips and s * there.v > 0.0:
-        slow, slowest = _halved(_SLOWEST, slide, left, c)
-        if s * slowest.v <= 0.0:
-            until, there = slow, slowest
-    if s * there.v <= 0.0:
-        until, there = _halved(_TURNED, slide, until, c)
-        found = _TURNED
-    if s * (there.x - (high if s > 0 else low)) > 0.0:
-        until, there = _halved(_CROSSED, slide, until, c)
-        found = _CROSSED
-    return found, until, there
-
-
-@lean
-def _by_series(slide, left, c):
-    """(event, its time, motion then), the time that of one piece of a series at most."""
-    s, low, high, plant, motion, line = slide
-    fastest = max(linear.fastest_rate(plant), line.decay)
-    d = min(left, linear.LONGEST / fastest)
-    series = linear.series(c, linear.terms_for(fastest * d), plant, motion, line)
-    turn = first_turn(series, d, s, motion.v, line.r != 0.0 or line.e != 0.0)
-    until = min(turn, d)
-    edge = high if s > 0 else low
-    x = linear.position(series, until)
-    if s * (x - edge) > 0.0:
-        until = fall_through(series, until, edge, s)
-        return _CROSSED, until, Motion(edge, linear.velocity(series, until))
-    if turn > d:
-        return _NONE, until, Motion(x, linear.velocity(series, until))
-    return _TURNED, until, Motion(x, 0.0)
-
-
-@lean
 def _settle(x, t, i, axis, line):
     """(direction, piece of the spring) in which a cart goes on that comes to rest at x, t after the segment began."""
     net = line.f + line.r * t - axis.constant - axis.spring.lines[1, i] - axis.spring.lines[0, i] * x
@@ -269,20 +174,20 @@ def walk(h, going, axis, line, c):
         plant, motion = Linear(m, b, springs[i]), Motion(x, v)
         push = Line(f_now - constant - intercepts[i] - s * kinetic, r, e_now, rate)
         slide = Slide(s, edges[i], edges[i + 1], plant, motion, push)
-        event, until, there = _UNKNOWN, left, motion
+        event, until, there = UNKNOWN, left, motion
         reach = linear.fastest_rate(plant) * left
         if reach > SEVERAL:
-            event, until, there = _by_matrix(slide, left, c)
-        if event == _UNKNOWN:
+            event, until, there = by_matrix(slide, left, c)
+        if event == UNKNOWN:
             if reach > STIFF:
                 return Going(x, v, s, i), left
-            event, until, there = _by_series(slide, left, c)
+            event, until, there = by_series(slide, left, c)
         t = h if until >= left else t + until
         x, v = there
-        if event == _CROSSED:
+        if event == CROSSED:
             x, v = edges[i + 1] if s > 0 else edges[i], v if s * v > 0.0 else 0.0
             i += s
-        elif event == _TURNED:
+        elif event == TURNED:
             v = 0.0
             s, i = _settle(x, t, i, axis, line)
         if not abs(x) < math.inf:

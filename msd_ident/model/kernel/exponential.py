@@ -30,11 +30,13 @@ STIFF_BESIDE = 50.0
 _SLIGHT = 1e-4
 #: Least rate, in parts of b/m: a friction that falls with the speed may take the damping away.
 _LEAST = 0.1
-#: The parabola's error, in parts of what it differs by from a straight line: with a hundredth of that, motions of the
-#: library's laws differ by less than 1e-6 of their size from those of many explicit steps.
+#: The parabola's error, in parts of what it differs by from a straight line. With this and ``_FADED``, five laws at
+#: b·h/m of 5 to 3000 differ by at most 4.2e-7 of the motion from Radau's method (``test_stiff_motion``).
 _BETTER = 0.05
+#: z up to which the functions phi are summed as series: the recurrence from exp(-z) loses digits there.
 _SERIES = 1.0
-#: Most of it by which an error of the velocity is let be larger.
+#: Factor by which an error of the velocity may be larger, at most: it fades within 1/r. With 100, and the scale of the
+#: position whole (``run.WAY``), the largest difference was 8.5e-6.
 _FADED = 10.0
 
 

@@ -33,6 +33,10 @@ _SECOND_MODE, _SECOND = laws.structure(SECOND_MASS, 3)
 _HYSTERETIC, (_REMANENT, _CROSSED) = laws.structure(COMMAND_LOOP, 2)
 _MEMORY = np.array(laws.MEMORY_START)
 
+#: Scale of the position where damping stops the mass at once, in parts of the way of a sample: that of the plant,
+#: F·m/b², would vanish with the mass.
+WAY = 0.3
+
 
 @joined
 def plan(time, force_time, force, straight):
@@ -237,5 +241,5 @@ def _scales(plant, time, largest, motion):
         far = max(abs(x), 1e-12)
     fast, sample = far * rate, (time[-1] - time[0]) / (time.size - 1)
     if b / m * sample > STIFF:  # it goes on by a part of a sample's way
-        far = max(far, 0.3 * fast * sample)
+        far = max(far, WAY * fast * sample)
     return Motion(far, fast)
