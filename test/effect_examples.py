@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
 
-from msd_ident.data.record import Hold, Record
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from msd_ident.data.record import FloatArray, Hold, Record
 from msd_ident.model import Effect, Model, Plant
 from msd_ident.model.effects import by_name
 
@@ -163,3 +166,18 @@ def silent(rate: float = 250.0, duration: float = 2.0) -> Record:
     """No force at all."""
     time = np.arange(int(duration * rate) + 1) / rate
     return Record(time=time, position=0.0 * time, force_time=time[:1], force=time[:1])
+
+
+def followed(slope: Callable[[float, FloatArray], list[float]], seen: Record) -> FloatArray:
+    """Positions at the samples of a record from rest at zero, by scipy from sample to sample.
+
+    Args:
+        slope: of position and velocity [m, m/s] at a time.
+        seen: the record; its force is held between samples.
+    """
+    state, positions = np.zeros(2), [0.0]
+    for begin, end in zip(seen.time[:-1], seen.time[1:], strict=True):
+        run = solve_ivp(slope, (begin, end - 1e-12), state, rtol=1e-8, atol=1e-13, max_step=2e-4)
+        state = run.y[:, -1]
+        positions.append(float(state[0]))
+    return np.array(positions)
