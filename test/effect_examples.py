@@ -72,6 +72,10 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "power_spring": {"power_force": 1.5, "power_position": 0.02, "power_exponent": 2.0},
     "quadratic_drag": {"drag_coefficient": 3.0},
     "relaxing_spring": {"relaxing_damping": 4.0, "relaxation_time": 0.05},
+    "rubbing_second_mode": {
+        "second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5, "second_friction": 0.3,
+        "second_creep": 0.002,
+    },
     "scale_drift": {"scale_drift_rate": 0.02},
     "second_mode": {"second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5},
     "sensor_eccentricity": {"eccentricity": 1e-4, "eccentricity_pitch": 0.02, "eccentricity_phase": 0.5},
@@ -168,16 +172,20 @@ def silent(rate: float = 250.0, duration: float = 2.0) -> Record:
     return Record(time=time, position=0.0 * time, force_time=time[:1], force=time[:1])
 
 
-def followed(slope: Callable[[float, FloatArray], list[float]], seen: Record) -> FloatArray:
+def followed(
+    slope: Callable[[float, FloatArray], list[float]], seen: Record, *, states: int = 2, method: str = "RK45"
+) -> FloatArray:
     """Positions at the samples of a record from rest at zero, by scipy from sample to sample.
 
     Args:
-        slope: of position and velocity [m, m/s] at a time.
+        slope: of position and velocity [m, m/s], and of further states, at a time.
         seen: the record; its force is held between samples.
+        states: how many there are.
+        method: of ``solve_ivp``.
     """
-    state, positions = np.zeros(2), [0.0]
+    state, positions = np.zeros(states), [0.0]
     for begin, end in zip(seen.time[:-1], seen.time[1:], strict=True):
-        run = solve_ivp(slope, (begin, end - 1e-12), state, rtol=1e-8, atol=1e-13, max_step=2e-4)
+        run = solve_ivp(slope, (begin, end - 1e-12), state, method=method, rtol=1e-8, atol=1e-13, max_step=2e-4)
         state = run.y[:, -1]
         positions.append(float(state[0]))
     return np.array(positions)

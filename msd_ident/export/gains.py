@@ -23,7 +23,7 @@ _SUPPORT = {
     DELAY: Support("exact", "delay: lead the command by it"),
     roles.READING_DRIFT: Support("cannot", "a feedforward reads no sensor"),
     roles.DISTURBANCE: Support("cannot", "gains know no time"),
-    SECOND_MASS: Support("cannot", "gains know one mass"),
+    **dict.fromkeys((SECOND_MASS, roles.LOADED_SECOND), Support("cannot", "gains know one mass")),
     PLAY: Support("cannot", "gains know no play"),
     **dict.fromkeys((roles.STOPS, roles.ONE_STOP, roles.BUFFERS, roles.CONSTRAINT), _STOP),
 }

@@ -29,7 +29,7 @@ _SUPPORT = {
     DELAY: Support("cannot", "no actuator: put the delay into the controller"),
     roles.DISTURBANCE: Support("cannot", "no force that depends on time"),
     roles.SPRING_DRIFT: Support("approximated", "the mean stiffness over the record"),
-    SECOND_MASS: Support("approximated", "one moving mass: " + _SHAKEN),
+    **dict.fromkeys((SECOND_MASS, roles.LOADED_SECOND), Support("approximated", "one moving mass: " + _SHAKEN)),
     roles.GAIN: Support("approximated", "effort limit; of a bent gain, " + _SHAKEN),
 }
 

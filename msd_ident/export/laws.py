@@ -164,7 +164,10 @@ def fastest(model: Model) -> float:
         if force and length and effect.laws():
             stiffness += 2.0 * math.pi * max(force) / min(length)
         if force and speed and effect.laws():
-            damping += max(force) / min(speed)
+            if "second_force" in effect.laws():
+                coupling_damping += max(force) / min(speed)
+            else:
+                damping += max(force) / min(speed)
     rates = [math.sqrt(stiffness / model.mass), damping / model.mass]
     if second:
         rates += [math.sqrt(coupling / second), coupling_damping / second]

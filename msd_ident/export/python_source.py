@@ -9,7 +9,7 @@ from msd_ident.export.plan import Plan
 from msd_ident.export.templates import filled
 from msd_ident.model import Model
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, VELOCITY_LAG
+from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, STRUCTURAL, VELOCITY_LAG
 
 #: Parts of the structure (``Effect.structure``) that the file has.
 STRUCTURES = (PLAY, LAG, DELAY, SECOND_MASS, VELOCITY_LAG)
@@ -66,8 +66,9 @@ def _at_rest(effects: Sequence[Effect]) -> str:
 
 
 def _names(model: Model, role: str) -> tuple[str, ...]:
-    """Names of the parameters of the effect with this part in the structure; empty where the model has none."""
-    return next((tuple(p.name for p in e.parameters) for e in model.effects if e.structure == role), ())
+    """Names of the parameters in the structure with this part in it; empty where the model has none."""
+    found = (effect for effect in model.effects if effect.structure == role)
+    return next((tuple(p.name for p in one.parameters)[: STRUCTURAL.get(role)] for one in found), ())
 
 
 def structure(plan: Plan) -> dict[str, str]:
@@ -77,6 +78,8 @@ def structure(plan: Plan) -> dict[str, str]:
     spring = "".join(f"stiffness * (x - min(max(x, -{gap}), {gap}))" for gap in play)
     m2, k2, b2 = second or ("", "", "")
     coupling = f"{k2} * (x - x2) + {b2} * (v - v2)"
+    on_second = [laws.call(type(one), "second_force") for one in model.effects if "second_force" in one.laws()]
+    alone = "".join(f" - {call}" for call in on_second).replace("second_v", "v2")
     return {
         "BEHIND": " behind its play" if play else "",
         "SPRING": spring or "stiffness * x",
@@ -88,7 +91,7 @@ def structure(plan: Plan) -> dict[str, str]:
         "STOP": "".join(f" - {force}" for force in laws.knees(model.effects)),
         "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
         "RATES": "".join(f", (push - f) / {tau}" for tau in lag)
-        + (f", v2, ({coupling}) / {m2}" if second else "")
+        + (f", v2, ({coupling}{alone}) / {m2}" if second else "")
         + "".join(f", (v - lagged_v) / {tau}" for tau in slow[-1:]),
         "START": (", lagged(time[0], stamps, levels)" if lag else "") + begun(model),
         "DELAY": delay[0] if delay else "0.0",

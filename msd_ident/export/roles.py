@@ -19,6 +19,8 @@ FRICTION, CONSTANT, GAIN = "friction", "constant", "gain"
 STOPS, ONE_STOP, BUFFERS = "stops", "one stop", "buffers"
 #: Stops that push, and take a part of all other forces.
 CONSTRAINT = "constraint"
+#: A second mass with a force on it alone.
+LOADED_SECOND = "loaded second mass"
 #: Forces c·x², c·x³ and c·v·|v|, of the one parameter c.
 SQUARE, CUBE, DRAG = "square of the position", "cube of the position", "square of the speed"
 #: What depends on the time: a force, the spring, the reading, the gain of the force.
@@ -38,7 +40,7 @@ def role(effect: type[Effect]) -> str:
     """One of the above, its part in the structure (``Effect.structure``), or empty for a law of another kind."""
     laws = effect.laws()
     if effect.structure:
-        return effect.structure
+        return LOADED_SECOND if "second_force" in laws else effect.structure
     if effect.name in (DRY_FRICTION, OFFSET):
         return FRICTION if effect.name == DRY_FRICTION else CONSTANT
     if effect.limits_force:

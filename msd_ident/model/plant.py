@@ -13,6 +13,7 @@ import numpy.typing as npt
 from msd_ident.errors import UsageError
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.law import STRUCTURAL
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -125,8 +126,8 @@ class Model:
         return name in self.effect_names
 
     def structure(self, role: str) -> tuple[float, ...]:
-        """Values of the effect with this part in the structure (``Effect.structure``); empty where none has it."""
-        return next((effect.values for effect in self.effects if effect.structure == role), ())
+        """Values in the structure of the effect with this part (``Effect.structure``); empty where none has it."""
+        return next((one.values[: STRUCTURAL.get(role)] for one in self.effects if one.structure == role), ())
 
     def effect(self, name: str) -> Effect:
         """The effect of this name."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -18,8 +18,8 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.estimate.weak_form import LINEAR
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction, friction_force
-from msd_ident.model.effects import by_name
-from msd_ident.model.effects.law import SECOND_MASS
+from msd_ident.model.effects import Effect, by_name
+from msd_ident.model.effects.law import SECOND_MASS, STRUCTURAL
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.growing import grown
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
@@ -62,7 +62,8 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
         added = [model + guess for model in models for guess in found]
         if by_name(name).structure == SECOND_MASS:
             hung = parent.kept("second masses", lambda: second_masses(plant, seen, fitted.residual, experiment.fixed))
-            added += [_hung(model, name, start) for model in models for start in hung]
+            added = [_carried(model, experiment.fixed) for model in added]
+            added += [_hung(model, one, start) for model in models for start in hung for one in _alike(found)]
         models = added
     return models + _divided(causes, parent, seen)
 
@@ -89,17 +90,32 @@ def _divided(causes: Causes, parent: Hypothesis, record: Record) -> list[Model]:
             continue
         limit = HOLDING_COULOMB[name]
         half = 0.5 * (parent.model[limit] if lacks == {COULOMB} else friction_force(parent.model))
-        rest = replace(parent.model, effects=tuple(e for e in parent.model.effects if e.name not in (COULOMB, name)))
+        others = causes - {COULOMB, name}
+        rest = replace(parent.model, effects=tuple(e for e in parent.model.effects if e.name in others))
         laws = by_name(name).from_dry_friction(half, record, Model(rest.mass, rest.damping, rest.stiffness))
         found += [rest + DryFriction(half) + law for law in laws if half > 0.0]
     return found
 
 
-def _hung(model: Model, name: str, start: SecondMass) -> Model:
-    """The model with a second mass, and what that leaves of the first."""
+def _hung(model: Model, guess: Effect, start: SecondMass) -> Model:
+    """The model with a second mass, whose law is else as guessed, and what that leaves of the first."""
     mass, damping, stiffness = start.plant
     bare = replace(model, mass=mass, damping=damping, stiffness=stiffness)
-    return bare + by_name(name).within_bounds(*start.hung)
+    return bare + guess.within_bounds(*start.hung, *guess.values[STRUCTURAL[SECOND_MASS] :])
+
+
+def _carried(model: Model, fixed: Collection[str]) -> Model:
+    """The model with as much mass in all, for its size, as without the second one, which follows the first slowly."""
+    second = model.structure(SECOND_MASS)[0]
+    more = 1.0 + second / model.mass
+    if "mass" not in fixed:
+        return replace(model, mass=max(model.mass - second, TENTH * model.mass))
+    return replace(model, damping=more * model.damping, stiffness=more * model.stiffness)
+
+
+def _alike(found: Sequence[Effect]) -> list[Effect]:
+    """Guesses of a second mass that differ in more than the mass and what it hangs on."""
+    return list({guess.values[STRUCTURAL[SECOND_MASS] :]: guess for guess in found}.values())
 
 
 def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothesis]) -> list[StartingPoint]:

@@ -14,7 +14,7 @@ from effect_examples import EXAMPLES, example, model, neutral, plant, record, si
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
 from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, structural
-from msd_ident.model.effects.law import DELAY, KINDS, LAG, PLAY, SECOND_MASS
+from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, KINDS, LAG, PLAY, SECOND_MASS, STRUCTURAL
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.plant import PLANT_PARAMETERS
 
@@ -84,11 +84,14 @@ def test_memory_names_are_those_of_one_effect() -> None:
             assert f"reversal_{name}" in effect.laws(), f"{effect.name} does not say what {name} becomes at a reversal"
 
 
-@pytest.mark.parametrize(("role", "parameters"), [(PLAY, 1), (LAG, 1), (DELAY, 1), (SECOND_MASS, 3)])
-def test_each_part_of_the_structure_is_one_effect(role: str, parameters: int) -> None:
-    (effect,) = (effect for effect in LIBRARY if effect.structure == role)
-    assert structural(role) is effect and len(effect.parameters) == parameters
-    assert model(effect.name).structure(role) == example(effect.name).values
+@pytest.mark.parametrize("role", [PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP])
+def test_each_part_of_the_structure_is_one_effect_and_its_forms(role: str) -> None:
+    having = [effect for effect in LIBRARY if effect.structure == role]
+    (first,) = (effect for effect in having if not effect.laws())
+    assert structural(role) is first and len(first.parameters) == STRUCTURAL[role]
+    for effect in having:
+        assert effect.parameters[: STRUCTURAL[role]] == first.parameters
+        assert model(effect.name).structure(role) == example(effect.name).values[: STRUCTURAL[role]]
     assert plant().structure(role) == ()
 
 

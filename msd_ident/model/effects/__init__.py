@@ -44,8 +44,8 @@ def by_name(name: str) -> type[Effect]:
 
 
 def structural(role: str) -> type[Effect] | None:
-    """The effect with this part in the structure, see ``Effect.structure``; ``None`` in a library without one."""
-    return next((effect for effect in LIBRARY if effect.structure == role), None)
+    """The effect with nothing but this part in the structure, see ``Effect.structure``; ``None`` without one."""
+    return next((effect for effect in LIBRARY if effect.structure == role and not effect.laws()), None)
 
 
 def saturation() -> type[Effect] | None:

@@ -31,8 +31,8 @@ class Effect(Law):
     A law is a static method that numba can compile; its argument names say what it is given: the time
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
     motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
-    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), a commanded force ``u`` [N], the ``net``
-    force [N], any parameter of the effect or of the plant, any of its ``memory``.
+    commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), ``second_v`` [m/s] of the second mass, a commanded
+    force ``u`` [N], the ``net`` force [N], any parameter of the effect or of the plant, any of its ``memory``.
     Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 
@@ -40,6 +40,7 @@ class Effect(Law):
     - ``constant(...)`` [N]: the same for a force that depends on parameters alone;
     - ``disturbance(t, ...)`` [N]: the same for a force that depends on time alone;
     - ``friction(...)`` [N]: dry friction while sliding, against the motion, and ``breakaway(...)`` [N] at rest;
+    - ``second_force(...)`` [N]: against the second mass alone, beside what it hangs on;
     - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
       name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
       in which ``direction`` is 0;

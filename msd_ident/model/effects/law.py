@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, cast
 from msd_ident.model.declarations import PLACE, Harmonic, Parameter
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "u", "net")
+ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "second_v", "u", "net")
 
 #: Those of a force law that make it depend on more than the place.
 _NOT_PLACE = frozenset(ARGUMENTS) - {"x"}
@@ -22,6 +22,8 @@ AT_ZERO = ("0", "0", ABOVE)
 
 #: What an effect without a law of its own is to the structure, see ``Effect.structure``.
 PLAY, LAG, DELAY, SECOND_MASS, COMMAND_LOOP = "play", "lag", "delay", "second mass", "command loop"
+#: How many of such an effect's parameters, the first ones, the structure has.
+STRUCTURAL = {PLAY: 1, LAG: 1, DELAY: 1, SECOND_MASS: 3, COMMAND_LOOP: 2}
 #: Beside a law: its ``lagged_v`` [m/s] follows the velocity, from 0 at the start, with the effect's last parameter [s]
 #: as time constant. Several effects may have it, all with one name for the time constant and of one family.
 VELOCITY_LAG = "velocity lag"
@@ -36,6 +38,7 @@ KINDS = (
     "force",
     "friction",
     "breakaway",
+    "second_force",
     "contact",
     "contact_at_rest",
     "input_map",
@@ -96,10 +99,12 @@ class Law:
     #: Start values of what the law remembers from the last reversal: (name, value) pairs. No other effect uses these
     #: names: they share one vector.
     memory: ClassVar[tuple[tuple[str, float], ...]] = ()
-    #: Its part in the structure, one effect each, with the parameters in this order: ``PLAY`` of the spring (half of it
-    #: [m]), ``LAG`` of the force (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass
-    #: [kg], stiffness [N/m], damping [N·s/m] between them), ``COMMAND_LOOP`` of the force (half its width [N], the
-    #: change of the command that crosses it [N]). Empty for an effect with a law, but for ``VELOCITY_LAG``.
+    #: Its part in the structure, that of one effect of a model. Its first parameters are, in this order and with the
+    #: same names in all effects that have this part: ``PLAY`` of the spring (half of it [m]), ``LAG`` of the force
+    #: (time constant [s]), ``DELAY`` of the force ([s]), ``SECOND_MASS`` on the first (mass [kg], stiffness [N/m],
+    #: damping [N·s/m] between them), ``COMMAND_LOOP`` of the force (half its width [N], the change of the command that
+    #: crosses it [N]). Empty for an effect with a law, but for ``VELOCITY_LAG`` and for a ``SECOND_MASS`` with a force
+    #: on it.
     structure: ClassVar[str] = ""
     #: Its harmonic term, which is found by a scan and not by going down from anywhere.
     harmonic: ClassVar[Harmonic | None] = None
@@ -197,7 +202,7 @@ class Law:
     @classmethod
     def adds_up(cls) -> bool:
         """Whether the motions that two forces make beside it add up, at all times alike."""
-        if cls.acts_on == "input" or cls.structure == SECOND_MASS:
+        if cls.acts_on == "input" or (cls.structure == SECOND_MASS and not cls.laws()):
             return True
         steady = cls.structure == VELOCITY_LAG and not cls.asks_drive()
         given = set(cls.laws())

@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import prod
 
 from msd_ident.model.kernel.compiled import inlined
-from msd_ident.model.kernel.rk import acceleration, second_acceleration
+from msd_ident.model.kernel.rk import acceleration, pull, second_acceleration
 
 #: Accelerations before the present one that a step needs: six to be made from, one more for its error.
 PAST = 7
@@ -78,7 +78,7 @@ def step_adams(world, p, w, piece, drive, last, s, h, x, v, a, y, u, c, past, pa
     yp, up, cp = y, u, c
     if second:
         yp, up = y + h * u + square * _sum(_X0, c, past_c), u + h * _sum(_V0, c, past_c)
-        cp = second_acceleration(world, xp, vp, yp, up)
+        cp = second_acceleration(world, p, w, pull(world, xp, vp, yp, up), up)
     ap = acceleration(world, p, w, piece, drive, last, s, h, xp, vp, yp, up)
     seventh, rough = _differences(ap, a, past)
     x1, v1, a1 = xp + square * _X1 * seventh, vp + h * _V1 * seventh, ap
@@ -92,5 +92,5 @@ def step_adams(world, p, w, piece, drive, last, s, h, x, v, a, y, u, c, past, pa
     if error <= tolerance and h * _V1 * amiss > _AMISS * tolerance:
         a1 = acceleration(world, p, w, piece, drive, last, s, h, x1, v1, y1, u1)
         if second:
-            c1 = second_acceleration(world, x1, v1, y1, u1)
+            c1 = second_acceleration(world, p, w, pull(world, x1, v1, y1, u1), u1)
     return x1, v1, a1, y1, u1, c1, error

@@ -11,9 +11,10 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel.compiled import lean
-from msd_ident.model.kernel.groups import Line, Place, State
-from msd_ident.model.kernel.methods import step_to
-from msd_ident.model.kernel.rk import breakaway, forces_at, held, step5
+from msd_ident.model.kernel.exponential import second_is_stiff
+from msd_ident.model.kernel.groups import Line, Place, State, Step
+from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, step_to
+from msd_ident.model.kernel.rk import breakaway, forces_at, held
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
@@ -102,14 +103,15 @@ def knee(phase, step, edge):
 
 
 @lean
-def _breakaway(phase, hold, t, h, start):
-    """Length of the step in (0, h] of a held cart at whose end friction no longer holds it, as it does not after h."""
+def _breakaway(phase, hold, step):
+    """Length of a held cart's step in (0, h] at whose end friction no longer holds it, as it does not after h."""
+    method, t, h, start, _ = step
     low, high = 0.0, h
     x, y, u = start.x, start.y, start.u
     for _ in range(_SEARCHES):
         tau = 0.5 * (low + high)
         if phase.world.cart.m2 > 0.0:
-            there, _, _ = step5(held(phase), t, tau, start)
+            there, _, _ = step_to(method, held(phase), t, tau, start)
             y, u = there.y, there.u
         if abs(forces_at(phase, t + tau, Place(x, 0.0, y, u))) > hold:
             high = tau
@@ -144,17 +146,18 @@ def rest(run, phase, t, longest, start):
         for quarter in range(1, 5):
             h = 0.25 * quarter * left
             if abs(forces_at(phase, t + h, Place(x, 0.0, y, u))) > hold:
-                return _breakaway(phase, hold, t, h, start), True, start, longest
+                return _breakaway(phase, hold, Step(FIFTH, t, h, start, start)), True, start, longest
         return left, False, start, longest
     h = left if left <= longest else left / math.ceil(left / longest)
     while True:
-        end, error_x, error_v = step5(held(phase), t, h, start)
+        method = EXPONENTIAL if second_is_stiff(phase, h, start) else FIFTH
+        end, error_x, error_v = step_to(method, held(phase), t, h, start)
         if max(error_x / run.tolerances.x5, error_v / run.tolerances.v5) <= 1.0 or not h > 1e-10 * left:
             break
         h *= 0.5
         longest = h
     if abs(forces_at(phase, t + h, Place(x, 0.0, end.y, end.u))) > hold:
-        h = _breakaway(phase, hold, t, h, start)
-        end, _, _ = step5(held(phase), t, h, start)
+        h = _breakaway(phase, hold, Step(method, t, h, start, end))
+        end, _, _ = step_to(method, held(phase), t, h, start)
         return h, True, end, longest
     return h, False, end, longest

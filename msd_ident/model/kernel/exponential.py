@@ -1,4 +1,4 @@
-"""Exponential steps, for a mass so small that damping stops it well within a segment.
+"""Exponential steps, for a mass so small that damping, or friction on a second mass, stops it well within a segment.
 
 An explicit step may hardly be longer than m/b, however slowly the cart creeps. So the motion is written as
 
@@ -17,9 +17,9 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.compiled import lean
+from msd_ident.model.kernel.compiled import inlined, lean
 from msd_ident.model.kernel.groups import Place, State
-from msd_ident.model.kernel.rk import acceleration_at, second_acceleration
+from msd_ident.model.kernel.rk import acceleration_at, pull, second_acceleration
 
 #: A segment is stiff where it lasts longer than this many m/b: an explicit step of fifth order grows beyond 3.3.
 STIFF = 3.0
@@ -49,14 +49,22 @@ def is_stiff(cart, length):
 
 @lean
 def becomes_stiff(phase, t, left, start):
-    """The same by what other laws, and a second mass, add to the damping, where any does."""
+    """The same by what other laws, and a second mass, add to the damping, where any does; or of the second mass."""
     cart = phase.world.cart
+    if second_is_stiff(phase, left, start):
+        return True
     return (cart.active & laws.SPEED_BITS or cart.m2 > 0.0) and _rate(phase, t, start) * left > STIFF_BESIDE
 
 
 @lean
+def second_is_stiff(phase, left, start):
+    """Whether a force on the second mass alone stops it well within a time [s]."""
+    return _second_rate(phase, start) * left > STIFF
+
+
+@lean
 def _rate(phase, t, start):
-    """Rate r [1/s] at which the velocity fades as the step begins."""
+    """Rate r [1/s] at which the velocity of the cart fades as the step begins."""
     cart = phase.world.cart
     plain = cart.b * cart.lightness
     if not (cart.active & laws.SPEED_BITS or cart.m2 > 0.0):
@@ -111,44 +119,82 @@ def _transient(phase, t, rate):
 
 
 @lean
-def step_exponential(phase, t, h, start):
-    """(state, error of position [m], of velocity [m/s]) of one exponential step.
+def _second_rate(phase, start):
+    """The same of the second mass, by a force that acts on it alone; 0 without one."""
+    cart, p, w, _ = phase.world
+    if not cart.active & laws.SECOND_BITS:
+        return 0.0
+    x, v, _, y, u, c = start
+    slight = _SLIGHT * max(abs(u), abs(c) * phase.length)
+    if slight == 0.0:
+        return 0.0
+    return max((c - second_acceleration(cart, p, w, pull(cart, x, v, y, u + slight), u + slight)) / slight, 0.0)
 
-    A second mass, which no damping of the cart stops, moves by a parabola of its acceleration. An error of the velocity
-    fades within 1/r, so that only a part of it is one of the motion.
+
+@inlined
+def _moved(motion, acceleration, h, decays):
+    """(x, v) a time h later, where g + slope·s + bend·s²/2 acts on a velocity that fades; s goes from 0 to 1."""
+    (x, v), (g, slope, bend), (e, p1, p2, p3, p4) = motion, acceleration, decays
+    return x + h * (p1 * v + h * (p2 * g + p3 * slope + p4 * bend)), e * v + h * (p1 * g + p2 * slope + p3 * bend)
+
+
+@inlined
+def _through(first, middle, last):
+    """The parabola through three accelerations: (g, slope, bend) of ``_moved``."""
+    return first, 4.0 * middle - 3.0 * first - last, 4.0 * (first + last) - 8.0 * middle
+
+
+@inlined
+def _errors(end, line, amiss, h, decays):
+    """Errors of position and velocity: of the parabola, and of an acceleration at the end that is foreseen amiss."""
+    _, _, p2, p3, p4 = decays
+    error_x = _BETTER * abs(end[0] - line[0]) + h * h * abs(4.0 * p4 - p3) * amiss
+    error_v = _BETTER * abs(end[1] - line[1]) + h * abs(4.0 * p3 - p2) * amiss
+    return error_x, error_v
+
+
+@inlined
+def _fading(z):
+    """Factor by which an error of the velocity may be larger after a step of z times 1/r."""
+    return min(max(z, 1.0), _FADED)
+
+
+@lean
+def step_exponential(phase, t, h, start):
+    """(state, error of position [m], of velocity [m/s]) of one exponential step of both masses.
+
+    An error of a velocity fades within 1/r, so that only a part of it is one of the motion.
     """
     x, v, _, y, u, c = start
-    cart, decay = phase.world.cart, phase.drive.decay
-    rate = _rate(phase, t, start)
+    cart, p, w, _ = phase.world
+    decay, half = phase.drive.decay, 0.5 * h
+    rate, rate2 = _rate(phase, t, start), _second_rate(phase, start)
     lagged = _transient(phase, t, rate)
-    g0, half, square = start.a + rate * v - lagged, 0.5 * h, h * h
-    e, p1, p2, p3, p4 = _decays(0.5 * rate * h)
+    g0, k0 = start.a + rate * v - lagged, c + rate2 * u
+    phi, phi2 = _decays(rate * half), _decays(rate2 * half)
     fade_x, fade_v = _faded(lagged, decay, rate, half)
-    xn, vn = x + half * (p1 * v + half * p2 * g0) + fade_x, e * v + half * p1 * g0 + fade_v
-    yn, un = y + half * (u + 0.25 * h * c), u + half * c
     left = lagged * math.exp(-decay * half)
-    change = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left - g0
-    cm = second_acceleration(cart, xn, vn, yn, un)
-    xn, vn = xn + half * half * p3 * change, vn + half * p2 * change
-    yn, un = yn + square * (cm - c) / 24.0, un + 0.25 * h * (cm - c)
-    gm = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left
-    cm = second_acceleration(cart, xn, vn, yn, un)
-    e, p1, p2, p3, p4 = _decays(rate * h)
+    gm, km = g0, k0
+    for _ in range(2):  # straight to the middle, as at the beginning and then as there
+        xn, vn = _moved((x, v), (g0, gm - g0, 0.0), half, phi)
+        yn, un = _moved((y, u), (k0, km - k0, 0.0), half, phi2)
+        xn, vn = xn + fade_x, vn + fade_v
+        gm = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left
+        km = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
+    phi, phi2 = _decays(rate * h), _decays(rate2 * h)
     fade_x, fade_v = _faded(lagged, decay, rate, h)
-    plain_x, plain_v = x + h * (p1 * v + h * p2 * g0) + fade_x, e * v + h * p1 * g0 + fade_v
-    change = 2.0 * (gm - g0)
-    line_x, line_v = plain_x + square * p3 * change, plain_v + h * p2 * change
-    line_y, line_u = y + h * u + square * (c + 2.0 * cm) / 6.0, u + h * cm
     left = lagged * math.exp(-decay * h)
-    g1 = acceleration_at(phase, t + h, Place(line_x, line_v, line_y, line_u)) + rate * line_v - left
-    c1 = second_acceleration(cart, line_x, line_v, line_y, line_u)
-    slope, bend = 4.0 * gm - 3.0 * g0 - g1, 4.0 * (g0 + g1) - 8.0 * gm
-    x1, v1 = plain_x + square * (p3 * slope + p4 * bend), plain_v + h * (p2 * slope + p3 * bend)
-    y1, u1 = line_y, u + h * (c + 4.0 * cm + c1) / 6.0
+    xn, vn = _moved((x, v), (g0, 2.0 * (gm - g0), 0.0), h, phi)
+    yn, un = _moved((y, u), (k0, 2.0 * (km - k0), 0.0), h, phi2)
+    xn, vn = xn + fade_x, vn + fade_v
+    g1 = acceleration_at(phase, t + h, Place(xn, vn, yn, un)) + rate * vn - left
+    k1 = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
+    x1, v1 = _moved((x, v), _through(g0, gm, g1), h, phi)
+    y1, u1 = _moved((y, u), _through(k0, km, k1), h, phi2)
+    x1, v1 = x1 + fade_x, v1 + fade_v
     a1 = acceleration_at(phase, t + h, Place(x1, v1, y1, u1))
-    amiss = abs(a1 + rate * v1 - left - g1)
-    error_x = _BETTER * abs(x1 - line_x) + square * abs(4.0 * p4 - p3) * amiss
-    error_v = (_BETTER * abs(v1 - line_v) + h * abs(4.0 * p3 - p2) * amiss) / min(max(rate * h, 1.0), _FADED)
-    end_c = second_acceleration(cart, x1, v1, y1, u1)
-    late = h * (_BETTER * abs(c - 2.0 * cm + c1) + abs(end_c - c1)) / 6.0
-    return State(x1, v1, a1, y1, u1, end_c), error_x + h * late, error_v + late
+    c1 = second_acceleration(cart, p, w, pull(cart, x1, v1, y1, u1), u1)
+    error_x, error_v = _errors((x1, v1), (xn, vn), abs(a1 + rate * v1 - left - g1), h, phi)
+    error_y, error_u = _errors((y1, u1), (yn, un), abs(c1 + rate2 * u1 - k1), h, phi2)
+    error_v, error_u = error_v / _fading(rate * h), error_u / _fading(rate2 * h)
+    return State(x1, v1, a1, y1, u1, c1), error_x + error_y, error_v + error_u

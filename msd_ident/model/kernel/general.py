@@ -34,6 +34,7 @@ from msd_ident.model.kernel.rk import (
     beside,
     breakaway,
     forces_at,
+    pull,
     second_acceleration,
     step4,
     step5,
@@ -185,7 +186,7 @@ def _begin(run, drive, length, motion):
     a = 0.0
     if not run.eventful or s != 0.0:
         a = acceleration_at(Phase(world, piece_of(run.spring, i), drive, length, s), 0.0, place)
-    return State(x, v, a, x, u, second_acceleration(cart, x, v, x, u)), s, i
+    return State(x, v, a, x, u, second_acceleration(cart, world.p, world.w, pull(cart, x, v, x, u), u)), s, i
 
 
 @lean

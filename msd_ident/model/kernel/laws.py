@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from msd_ident.model.effects import LIBRARY, structural
-from msd_ident.model.effects.law import ABOVE, AT_ZERO, BOTH, OUTSIDE, VELOCITY_LAG
+from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.law import ABOVE, AT_ZERO, BOTH, OUTSIDE, STRUCTURAL, VELOCITY_LAG
 from msd_ident.model.kernel.compiled import inlined, joined, making
 from msd_ident.model.kernel.sine import with_own_sine
 from msd_ident.model.plant import PLANT_PARAMETERS
@@ -48,11 +48,11 @@ for _effect in LIBRARY:
 
 #: Effects whose laws leave the motion piecewise linear: the exact path carries them.
 EXACT_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.piecewise_linear)
-#: Effects with a dry friction law, with a contact that takes part of all other forces, with a reading, with a map of
-#: the command.
-DRY_BITS, CONTACT_BITS, READING_BITS, MAP_BITS = (
+#: Effects with a dry friction law, with a force on the second mass, with a contact that takes part of all other forces,
+#: with a reading, with a map of the command.
+DRY_BITS, SECOND_BITS, CONTACT_BITS, READING_BITS, MAP_BITS = (
     sum(BIT[effect.name] for effect in LIBRARY if kind in effect.laws())
-    for kind in ("friction", "contact", "reading", "input_map")
+    for kind in ("friction", "second_force", "contact", "reading", "input_map")
 )
 #: Effects that make another force of the same command at another time.
 TIMED_MAP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "input_map" in effect.laws() and not effect.steady)
@@ -74,12 +74,13 @@ def bits(*names: str) -> int:
     return sum(BIT.get(name, 0) for name in names)
 
 
-def structure(role: str, count: int) -> tuple[int, tuple[int, ...]]:
-    """Bit of the effect with this part in the structure (0 without one), and where its ``count`` parameters stand."""
-    effect = structural(role)
-    if effect is None:
-        return 0, (0,) * count
-    return BIT[effect.name], tuple(INDEX[parameter.name] for parameter in effect.parameters)
+def structure(role: str) -> tuple[int, tuple[int, ...]]:
+    """Bits of the effects with this part in the structure (0 without one), and where the parameters stand."""
+    count = STRUCTURAL[role]
+    having = [effect for effect in LIBRARY if effect.structure == role]
+    places = {tuple(INDEX[parameter.name] for parameter in effect.parameters[:count]) for effect in having}
+    (place,) = places or {(0,) * count}  # the same names for all
+    return sum(BIT[effect.name] for effect in having), place
 
 
 def velocity_lag() -> tuple[int, int]:
@@ -194,6 +195,7 @@ force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, l
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
+second_force = _dispatcher("second_force", "second_v", "0.0", "+=")
 contact = _dispatcher("contact", "net, x, v", "net", "=")
 contact_at_rest = _dispatcher("contact_at_rest", "net, x", "net", "=")
 input_map = _dispatcher("input_map", "t, u", "u", "=")

@@ -89,11 +89,20 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
 
 
 @inlined
-def second_acceleration(world, x, v, y, u):
-    """Acceleration [m/s²] of the second mass."""
+def pull(world, x, v, y, u):
+    """Force [N] of spring and damper between the masses on the second one."""
     _, _, _, _, m2, k2, b2 = world
+    return k2 * (x - y) + b2 * (v - u) if m2 > 0.0 else 0.0
+
+
+@inlined
+def second_acceleration(world, p, w, pulled, u):
+    """Acceleration [m/s²] of the second mass by ``pull`` [N], and by what acts on it alone."""
+    active, _, _, _, m2, _, _ = world
     if m2 > 0.0:
-        return (k2 * (x - y) + b2 * (v - u)) / m2
+        if active & laws.SECOND_BITS:
+            pulled -= laws.second_force(active, p, w, u)
+        return pulled / m2
     return 0.0
 
 
@@ -159,7 +168,7 @@ def step4(world, p, w, piece, drive, middle, last, s, t, h, x, v, a, y, u, c):
         if stage == 2:
             outside = last
         an = acceleration(world, p, w, piece, drive, outside, s, t + (h if stage >= 2 else 0.5 * h), xn, vn, yn, un)
-        cn = second_acceleration(world, xn, vn, yn, un)
+        cn = second_acceleration(world, p, w, pull(world, xn, vn, yn, un), un)
         weight = 2.0 if stage < 2 else 1.0
         sum_v, sum_a = sum_v + weight * vn, sum_a + weight * an
         sum_u, sum_c = sum_u + weight * un, sum_c + weight * cn
@@ -190,7 +199,7 @@ def step5(phase, t, h, start):
                 dx += _A[n, j] * k[2, j]
                 dv += _A[n, j] * k[3, j]
             yn, un = y + h * dx, u + h * dv
-            k[2, n], k[3, n] = un, second_acceleration(cart, xn, vn, yn, un)
+            k[2, n], k[3, n] = un, second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un)
         at = t + _C[n] * h
         k[0, n] = vn
         k[1, n] = acceleration(cart, p, w, piece, drive, outer(cart, p, w, drive, at), s, at, xn, vn, yn, un)

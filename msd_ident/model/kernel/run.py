@@ -19,18 +19,19 @@ from msd_ident.model.kernel.groups import Axis, Cart, Command, Linear, Motion, P
 from msd_ident.model.kernel.rk import STAGES
 from msd_ident.model.kernel.spring import characteristic
 
-#: Radians a sample beyond which the second mass is joined to the first: its own motion is far beyond what samples show.
+#: Radians a sample beyond which the second mass is joined to the first, unless a force acts on it alone: its own
+#: motion is far beyond what samples show.
 RIGID = 150.0
 #: Damping [N·s/m] between the cart and a second mass, too light to be felt, that has the lagged velocity.
 _WEIGHTLESS = 1e-60
 
 _MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
 _PARAMETERS = len(laws.INDEX)
-_BACKLASH, (_GAP,) = laws.structure(PLAY, 1)
-_ACTUATOR_LAG, (_LAG,) = laws.structure(LAG, 1)
-_TIME_OFFSET, (_SHIFT,) = laws.structure(DELAY, 1)
-_SECOND_MODE, _SECOND = laws.structure(SECOND_MASS, 3)
-_HYSTERETIC, (_REMANENT, _CROSSED) = laws.structure(COMMAND_LOOP, 2)
+_BACKLASH, (_GAP,) = laws.structure(PLAY)
+_ACTUATOR_LAG, (_LAG,) = laws.structure(LAG)
+_TIME_OFFSET, (_SHIFT,) = laws.structure(DELAY)
+_SECOND_MODE, _SECOND = laws.structure(SECOND_MASS)
+_HYSTERETIC, (_REMANENT, _CROSSED) = laws.structure(COMMAND_LOOP)
 _MEMORY = np.array(laws.MEMORY_START)
 
 #: Scale of the position where damping stops the mass at once, in parts of the way of a sample: that of the plant,
@@ -88,7 +89,8 @@ def row(bits, values, place, plan, out):
     spring = Spring(edges, lines)
     constant = laws.constant(bits, p, w)
     m2, k2, b2 = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
-    if bits & _SECOND_MODE and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
+    hangs = bits & _SECOND_MODE and not bits & laws.SECOND_BITS
+    if hangs and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
         m, m2, k2, b2 = m + m2, 0.0, 0.0, 0.0
         bits &= ~_SECOND_MODE
     if bits & laws.LAGGED_BITS and RIGID * time.size * p[laws.RELAXATION_TIME] > time[-1] - time[0]:
