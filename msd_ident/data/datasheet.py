@@ -31,6 +31,7 @@ class DataSheet:
             the record does not say. Inertia has its part in it: it is no clock offset, but bounds one.
         position_unit, force_unit: of the record.
         force_hold: how the force goes on between its samples: ``zero``, ``linear``, ``band_limited`` or ``centred``.
+        force_lead_s: time by which the force acts before its stamps.
         origin_s: instant of the record from which laws of time count it.
     """
 
@@ -49,6 +50,7 @@ class DataSheet:
     position_unit: str
     force_unit: str
     force_hold: str
+    force_lead_s: float = 0.0
     origin_s: float = 0.0
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -78,6 +80,13 @@ def data_sheet(record: Record) -> DataSheet:
         step_delay_s=-motion.early if early else motion.late,
         position_unit=record.position_unit,
         force_unit=record.force_unit,
-        force_hold="band_limited" if record.upsampled > 1 else "centred" if record.centred else record.hold,
+        force_hold=_hold(record),
+        force_lead_s=record.lead,
         origin_s=record.origin,
     )
+
+
+def _hold(record: Record) -> str:
+    if record.upsampled > 1:
+        return "band_limited"
+    return "centred" if record.hold == "zero" and record.lead == 0.5 * record.period else record.hold

@@ -123,8 +123,8 @@ class Record:
             or ``linear``. Before the first stamp it is 0, after the last one it is held.
         hold_known: False where the source does not say how the force goes on (a measured force in a table), so that
             ``hold`` is a guess which the data may correct (``msd_ident.workflow.force_hold``).
-        centred: whether the stamps of a held force stand where each value begins to act, half a sample before the
-            moment to which it belongs (``resampling.centred``).
+        lead: time [s] by which the stamps of the force stand earlier than they were told, because each value begins to
+            act before its stamp (``resampling.led``).
         upsampled: force values per measured one: above 1 where a band-limited force was interpolated.
         force_unit: ``N``, ``N·m``, or whatever the source has when the gain is unknown (``V``).
         position_unit: ``m`` or ``rad``, or ``count`` when the scale is unknown.
@@ -146,7 +146,7 @@ class Record:
     force: FloatArray
     hold: Hold = "zero"
     hold_known: bool = True
-    centred: bool = False
+    lead: float = 0.0
     upsampled: int = 1
     force_unit: str = "N"
     position_unit: str = "m"

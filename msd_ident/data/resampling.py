@@ -75,7 +75,17 @@ def centred(record: Record) -> Record:
     """
     time, period = record.force_time, float(np.median(np.diff(record.time)))
     gaps = np.minimum(np.diff(time, prepend=-np.inf), period)
-    return replace(record, force_time=time - 0.5 * gaps, hold="zero", hold_known=True, centred=True)
+    return replace(record, force_time=time - 0.5 * gaps, hold="zero", hold_known=True, lead=0.5 * period)
+
+
+def led(record: Record, lead: float) -> Record:
+    """The record with a force that acts earlier than its stamps say.
+
+    Args:
+        record: the record.
+        lead: how much [s].
+    """
+    return replace(record, force_time=record.force_time - lead, hold_known=True, lead=lead)
 
 
 def _raised(force: FloatArray) -> FloatArray:

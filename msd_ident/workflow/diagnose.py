@@ -50,7 +50,7 @@ def diagnose(
     prepared = prepare(records)
     decision = has_spring(prepared, options)
     diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
-    if otherwise := held_otherwise(prepared, diagnosis.extended.model):
+    if otherwise := held_otherwise(prepared, diagnosis.extended):
         prepared = otherwise
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if other := _decided_again(decision, diagnosis):

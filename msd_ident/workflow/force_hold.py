@@ -1,4 +1,4 @@
-"""The force between its samples: held, linear, band-limited or centred, decided by the data.
+"""The force between its samples: held, linear or band-limited, decided by the data.
 
 A table with a force on the position's stamps does not say whether a converter held that force (a command) or a sensor
 read one that is smooth in between. A wrong answer acts like a delay of half a sample. The same model is fitted with
@@ -18,16 +18,15 @@ import numpy as np
 
 from msd_ident.data.autoregressive import log_likelihood
 from msd_ident.data.record import Record
-from msd_ident.data.resampling import band_limited, centred, is_even
+from msd_ident.data.resampling import band_limited, is_even
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import TENTH
 from msd_ident.model import Model
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects.law import DELAY
 
-#: What may be chosen, the simplest first; and of a command, where a diagnosed model has it act half a sample early.
+#: What may be chosen, the simplest first.
 CANDIDATES = ("zero", "linear", "band_limited")
-OF_COMMANDS = ("zero", "centred")
 #: Part of the force samples that must differ from the one before: a force that seldom changes is a command, and held.
 _DENSE = 0.1
 #: Samples that are compared: the part of the record in which the force changes most.
@@ -39,10 +38,7 @@ _FEWEST = 200
 #: lead by 363 to 1069.
 _DECISIVE = 60.0
 
-_WORDS = {
-    "zero": "held", "linear": "linear", "band_limited": "band-limited",
-    "centred": "held from half a sample before its stamp to half a sample after it",
-}  # fmt: skip
+_WORDS = {"zero": "held", "linear": "linear", "band_limited": "band-limited"}
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,7 @@ class HoldChoice:
     """How the force goes on between its samples, and how sure that is.
 
     Attributes:
-        hold: ``zero``, ``linear``, ``band_limited`` or ``centred``.
+        hold: ``zero``, ``linear`` or ``band_limited``.
         log_likelihood: hold → log-likelihood of the model's residual, less that of the best.
         see: hold → standard error of estimate of the model in the part that was compared, in the position unit.
     """
@@ -62,8 +58,6 @@ class HoldChoice:
     @property
     def tied(self) -> tuple[str, ...]:
         """Holds that the data does not tell from the chosen one, which is the simplest of them."""
-        if self.hold == "centred":  # a diagnosed model leads by half a sample already
-            return ()
         own = self.log_likelihood[self.hold]
         others = {hold: value for hold, value in self.log_likelihood.items() if hold != self.hold}
         return tuple(hold for hold, value in others.items() if value > own - _DECISIVE)
@@ -81,8 +75,6 @@ class HoldChoice:
             if hold != self.hold and hold not in self.tied
         )
         reason = f": the log-likelihood ratio of the model's residual is {against}" if against else ""
-        if self.hold == "centred":
-            reason += "; a simulation whose steps are as long as the samples does so (semi-implicit Euler)"
         return f"{chosen}{reason}; if you know it, use --hold zero, linear, band_limited or centred."
 
 
@@ -109,12 +101,7 @@ def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:
     return compared(records, (model, model + DryFriction(TENTH**2 * largest)))
 
 
-def compared(
-    records: Sequence[Record],
-    models: Sequence[Model],
-    holds: Sequence[str] = CANDIDATES,
-    decisive: float = _DECISIVE,
-) -> HoldChoice:
+def compared(records: Sequence[Record], models: Sequence[Model]) -> HoldChoice:
     """Compare the holds, each with the one of these models that makes it likeliest.
 
     A model is searched for with the first hold. The others move its motion by half a sample, so their fits begin there.
@@ -122,13 +109,11 @@ def compared(
     Args:
         records: as in ``choose_hold``.
         models: to be fitted; their values are starting values.
-        holds: to be compared, the simplest first.
-        decisive: log-likelihood by which another hold must lead a simpler one.
     """
     parts = tuple(_busiest(record) for record in records)
     likely, errors = {}, {}
     fits: list[FitResult] = []
-    for hold in holds:
+    for hold in CANDIDATES:
         if hold == "band_limited" and not all(is_even(part.force_time) for part in parts):
             continue
         held = [with_hold(part, hold) for part in parts]
@@ -136,9 +121,9 @@ def compared(
         fits = near or [fit(one, held) for one in models]
         likely[hold], errors[hold] = max((sum(map(log_likelihood, one.residuals)), one.see) for one in fits)
     best = max(likely.values())
-    chosen = holds[0]
+    chosen = CANDIDATES[0]
     for hold, value in likely.items():
-        if value > likely[chosen] + decisive:
+        if value > likely[chosen] + _DECISIVE:
             chosen = hold
     return HoldChoice(chosen, {hold: value - best for hold, value in likely.items()}, errors)
 
@@ -160,15 +145,13 @@ def with_hold(record: Record, hold: str) -> Record:
 
     Args:
         record: the record.
-        hold: ``zero``, ``linear``, ``band_limited`` or ``centred``.
+        hold: ``zero``, ``linear`` or ``band_limited``.
 
     Raises:
         DataError: a band-limited force has too few samples, or uneven ones.
     """
     if hold == "band_limited":
         return band_limited(record)
-    if hold == "centred":
-        return centred(record)
     return replace(record, hold="linear" if hold == "linear" else "zero", hold_known=True)
 
 

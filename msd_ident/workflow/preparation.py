@@ -14,11 +14,12 @@ from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
+from msd_ident.estimate import FitResult
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.law import DELAY
 from msd_ident.residuals.ringdown import RingDown, ring_down
-from msd_ident.workflow import force_hold
+from msd_ident.workflow import force_hold, force_lead
 
 #: What quality finds where a unit is doubtful.
 _UNITS = {"wrong_unit", "wrong_time_unit"}
@@ -124,32 +125,49 @@ def _held(records: tuple[Record, ...]) -> tuple[tuple[Record, ...], tuple[Findin
     return _with(choice, records), (_told(choice),)
 
 
-def held_otherwise(prepared: Prepared, model: Model) -> Prepared | None:
-    """The records with another hold of the force, if a diagnosed model delays it by half a sample in place of that.
+def held_otherwise(prepared: Prepared, fitted: FitResult) -> Prepared | None:
+    """The records with another hold of the force, or an earlier force, where a diagnosed model makes up for that.
 
-    The hold was decided with a plant and dry friction. A law that these lack may hide it, and then a delay makes up for
-    a wrong answer. The model without its delay decides again.
+    The hold was decided with a plant and dry friction. A law that these lack may hide it, and then a delay of half a
+    sample makes up for a wrong answer: the model without its delay decides again. A force that acts before its stamps,
+    by up to half a sample, is a matter of the recording.
 
     Args:
         prepared: the records as they were diagnosed.
-        model: what explains them.
+        fitted: what explains them.
 
     Returns:
-        None where the hold is known, where the model has no such delay, and where it decides as before.
+        None where the hold is known, and where neither is so.
     """
-    if not prepared.unheld or not force_hold.stands_for_a_hold(model, prepared.records):
+    if not prepared.unheld:
+        return None
+    return _decided_again(prepared, fitted.model) or _earlier(prepared, fitted)
+
+
+def _decided_again(prepared: Prepared, model: Model) -> Prepared | None:
+    asked = tuple(filter(force_hold.is_open, prepared.unheld))
+    if not asked or not force_hold.stands_for_a_hold(model, prepared.records):
         return None
     prompt = replace(model, effects=tuple(effect for effect in model.effects if effect.structure != DELAY))
-    opens = force_hold.is_open if any(map(force_hold.is_open, prepared.unheld)) else force_hold.may_lead
-    asked = tuple(filter(opens, prepared.unheld))
-    if opens is force_hold.is_open:
-        choice = force_hold.compared(asked, (prompt,))
-    else:
-        choice = force_hold.compared(asked, (prompt,), force_hold.OF_COMMANDS, decisive=0.0)
-    finding = _told(choice)
-    records = tuple(force_hold.with_hold(one, choice.hold) if opens(one) else one for one in prepared.unheld)
-    if all(_same_force(one, now) for one, now in zip(records, prepared.records, strict=True)):
+    choice = force_hold.compared(asked, (prompt,))
+    records = _with(choice, prepared.unheld)
+    same = all(_same_force(one, now) for one, now in zip(records, prepared.records, strict=True))
+    return None if same else _prepared_again(prepared, records, _told(choice))
+
+
+def _earlier(prepared: Prepared, fitted: FitResult) -> Prepared | None:
+    pairs = zip(prepared.unheld, prepared.records, strict=True)
+    held = [replace(now, hold_known=one.hold_known) for one, now in pairs]  # as decided, with stamps that may be late
+    lead = force_lead.found(fitted, held)
+    if lead == 0.0:
         return None
+    records = tuple(force_lead.shifted(one, lead) for one in held)
+    said = Finding("warning", "force_lead", force_lead.sentence(lead, prepared.records))
+    return _prepared_again(prepared, records, said)
+
+
+def _prepared_again(prepared: Prepared, records: tuple[Record, ...], finding: Finding) -> Prepared:
+    """The same with other records, and with a finding in place of the one of its kind."""
     before = next((one for one in prepared.findings if one.code == finding.code), None)
     warnings = [one for one in prepared.warnings if before is None or one != before.sentence]
     warnings += [finding.sentence] if finding.severity == "warning" else []

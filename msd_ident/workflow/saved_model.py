@@ -33,6 +33,7 @@ class SavedModel:
         see: standard error of estimate on its own record, in the position unit.
         force_unit, position_unit: that its values are in.
         force_sign: -1 where the force was turned because a positive one moves the encoder downwards, else 1.
+        force_lead: time by which it acted before its stamps [s].
         force_hold: how the force of its record went on between samples; empty where the result does not tell.
         zeros: reading at which the spring is relaxed, of each of its records; none where the result does not tell.
         causes: what the model holds beyond mass, damping and stiffness.
@@ -55,6 +56,7 @@ class SavedModel:
     position_unit: str
     force_sign: int
     force_hold: str
+    force_lead: float
     zeros: tuple[float, ...]
     causes: tuple[str, ...]
     base_depends_on: Mapping[str, float]
@@ -126,6 +128,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             position_unit=str(sheets[0]["position_unit"]),
             force_sign=int(result.get("force_sign", _old_sign(result))),
             force_hold=str(sheets[0].get("force_hold", "")),
+            force_lead=float(sheets[0].get("force_lead_s", 0.0)),
             zeros=tuple(_finite("zero_m", _number(start["zero_m"])) for start in result.get("initial", ())),
             causes=effects,
             base_depends_on={key: float(value) for key, value in result.get("missing_force_depends_on", {}).items()},

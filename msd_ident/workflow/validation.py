@@ -12,6 +12,7 @@ import numpy as np
 from msd_ident.data.datasheet import data_sheet
 from msd_ident.data.quality import Finding
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.data.resampling import centred, led
 from msd_ident.errors import UsageError
 from msd_ident.estimate import Initial, noise_floor, see
 from msd_ident.estimate.least_squares import minimise
@@ -228,15 +229,19 @@ def as_saved(saved: SavedModel, records: Sequence[Record]) -> Prepared:
         DataError: the data cannot carry any estimate.
     """
     _check_units(saved, records)
-    hold = saved.force_hold
-    asked = [force_hold.with_hold(r, hold) if hold and _is_asked(r, hold) else r for r in records]
-    prepared = _turned_as_saved(prepare(asked), saved)
+    prepared = _turned_as_saved(prepare([_forced_as_saved(record, saved) for record in records]), saved)
     return _on_its_clock(prepared, saved)
 
 
-def _is_asked(record: Record, hold: str) -> bool:
-    """Whether the record leaves open what the saved model's records decided."""
-    return force_hold.may_lead(record) if hold == "centred" else force_hold.is_open(record)
+def _forced_as_saved(record: Record, saved: SavedModel) -> Record:
+    """The record with the hold of the force and its lead that the saved model's records decided, where it leaves both
+    open.
+    """
+    hold = saved.force_hold
+    if hold == "centred":
+        return centred(record) if force_hold.may_lead(record) else record
+    held = force_hold.with_hold(record, hold) if hold and force_hold.is_open(record) else record
+    return led(held, saved.force_lead) if saved.force_lead > 0.0 and force_hold.may_lead(record) else held
 
 
 def _on_its_clock(prepared: Prepared, saved: SavedModel) -> Prepared:

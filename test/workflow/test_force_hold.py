@@ -11,14 +11,14 @@ import pytest
 from scipy.signal import chirp
 
 from msd_ident.data.record import Record, from_samples
-from msd_ident.data.resampling import band_limited, centred
+from msd_ident.data.resampling import band_limited
 from msd_ident.errors import DataError, UsageError
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.base_model import DryFriction
 from msd_ident.model.effects import by_name
-from msd_ident.workflow import pipeline, saved_model, validation
+from msd_ident.workflow import pipeline
 from msd_ident.workflow.force_hold import choose_hold, is_open, stands_for_a_hold, with_hold
 from msd_ident.workflow.preparation import prepare, typical_plant
 from msd_sim import api
@@ -206,71 +206,3 @@ def test_a_delay_of_half_a_sample_stands_for_a_hold_and_another_does_not() -> No
         model = RIG + by_name("time_offset").from_values({"time_offset": delay * PERIOD})
         assert stands_for_a_hold(model, [record]) is stands
     assert not stands_for_a_hold(RIG, [record])
-
-
-def stepped(early: float = 0.0) -> Record:
-    """A staircase as a simulation with semi-implicit Euler steps of one sample tells it, or ``early`` samples before.
-
-    Velocity first, then position with the new velocity: half a step early, to second order.
-    """
-    period, plant = 0.002, RIG
-    force = np.repeat([0.0, 4.0, 0.0, -4.0, 0.0, 2.0, 0.0, -2.0, 0.0, 3.0, 0.0, -3.0, 0.0], 300)
-    time = period * np.arange(force.size)
-    if early:
-        still = from_samples(time, force, np.zeros(time.size))
-        position = simulate(plant, replace(still, force_time=time - early * period)).position
-    else:
-        position, x, v = np.zeros(time.size), 0.0, 0.0
-        for i, push in enumerate(force):
-            position[i] = x
-            v += period * (push - plant.damping * v - plant.stiffness * x) / plant.mass
-            x += period * v
-    noise = 2e-6 * np.random.default_rng(5).normal(size=time.size)
-    return replace(from_samples(time, force, position + noise), hold_known=False)
-
-
-def test_a_step_of_the_integrator_is_no_delay(asking_about: Callable[..., None]) -> None:
-    """MuJoCo's clean joints had a time offset of half a step with > 99.9 %, and a mass of 0.3 % too little."""
-    asking_about("coulomb_friction", "time_offset", "actuator_lag")
-    found = pipeline.diagnose([stepped()])
-    assert found.verdict == "adequate" and not found.causes
-    assert found.records[0].centred and found.to_json_dict()["data"][0]["force_hold"] == "centred"
-    (said,) = [one for one in found.findings if one.code == "force_hold"]
-    assert said.sentence.startswith(
-        "Between its samples the force is assumed to be held from half a sample before its stamp to half a sample after"
-    )
-    assert said.sentence in found.warnings and "(semi-implicit Euler)" in said.sentence
-
-
-@pytest.mark.parametrize("early", [0.25, -0.5, 1.0])
-def test_another_delay_is_a_cause(early: float, asking_about: Callable[..., None]) -> None:
-    asking_about("coulomb_friction", "time_offset", "actuator_lag")
-    found = pipeline.diagnose([stepped(early)])
-    assert [cause.name for cause in found.causes] == ["time_offset"] and found.verdict == "explained"
-    assert found.extended.model.effect("time_offset").values[0] == pytest.approx(-early * 0.002, rel=0.02)
-    assert not [one for one in found.findings if one.code == "force_hold"]
-
-
-def test_a_sparse_command_leads_by_half_a_sample_of_the_position() -> None:
-    """Not by half of the time since the command before."""
-    time = 0.01 * np.arange(500)
-    record = replace(from_samples(time, time, time), force_time=np.array([0.0, 1.0, 4.0]), force=np.ones(3))
-    np.testing.assert_allclose(centred(record).force_time, [-0.005, 0.995, 3.995])
-
-
-def test_a_known_hold_is_not_asked(tmp_path: Path, asking_about: Callable[..., None]) -> None:
-    """A topic's command, or ``--hold zero``, is held from its stamp; ``--hold centred`` says what the data would."""
-    asking_about("time_offset")
-    write_csv(stepped(), tmp_path / "rig.csv")
-    held = pipeline.diagnose([read(tmp_path / "rig.csv", SourceOptions(hold="zero"))])
-    assert [cause.name for cause in held.causes] == ["time_offset"]
-    early = pipeline.diagnose([read(tmp_path / "rig.csv", SourceOptions(hold="centred"))])
-    assert early.verdict == "adequate" and early.extended.see < 1.02 * held.extended.see
-
-
-def test_a_saved_model_says_how_the_force_of_another_record_is_held(
-    asking_about: Callable[..., None],
-) -> None:
-    asking_about("time_offset")
-    model = saved_model.from_json_dict(pipeline.diagnose([stepped()]).to_json_dict())
-    assert validation.validate(model, [replace(stepped(), name="other")]).see < 1.05 * 2e-6

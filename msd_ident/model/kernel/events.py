@@ -18,6 +18,8 @@ from msd_ident.model.kernel.rk import breakaway, forces_at, held
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
+#: Error, in parts of what is allowed, below which the next step of fifth order may be twice as long.
+EASY = 0.02
 #: A correction this small, in parts of the step, is left out: far below the error of the step itself.
 _SETTLED = 1e-8
 
@@ -152,10 +154,13 @@ def rest(run, phase, t, longest, start):
     while True:
         method = EXPONENTIAL if second_is_stiff(phase, h, start) else FIFTH
         end, error_x, error_v = step_to(method, held(phase), t, h, start)
-        if max(error_x / run.tolerances.x5, error_v / run.tolerances.v5) <= 1.0 or not h > 1e-10 * left:
+        error = max(error_x / run.tolerances.x5, error_v / run.tolerances.v5)
+        if error <= 1.0 or not h > 1e-10 * left:
             break
         h *= 0.5
         longest = h
+    if error < EASY:
+        longest = max(longest, 2.0 * h)
     if abs(forces_at(phase, t + h, Place(x, 0.0, end.y, end.u))) > hold:
         h = _breakaway(phase, hold, Step(method, t, h, start, end))
         end, _, _ = step_to(method, held(phase), t, h, start)

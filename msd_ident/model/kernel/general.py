@@ -15,7 +15,7 @@ import math
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.adams import PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean
-from msd_ident.model.kernel.exponential import is_stiff
+from msd_ident.model.kernel.exponential import is_stiff, second_is_stiff, step_exponential
 from msd_ident.model.kernel.groups import (
     Drive,
     Longest,
@@ -89,7 +89,15 @@ def _alone(
     fifth, world, p, w, elastic, drive, half, last, s, h, x, v, a, y, u, c, longest4, longest5, tolerances, k,
 ):
     # fmt: on
-    """(accurate, x, v, a, y, u, c, longest4): a step made from its start alone, of fourth order or else of fifth."""
+    """(accurate, x, v, a, y, u, c, longest4): a step made from its start alone, of fourth order or else of fifth.
+
+    It is an exponential one where friction stops the second mass at once.
+    """
+    phase = Phase(World(world, p, w, k), Piece(0, 0.0, 0.0, elastic), drive, h, s)
+    if world.active & laws.SECOND_BITS and second_is_stiff(phase, h, State(x, v, a, y, u, c)):
+        end, error_x, error_v = step_exponential(phase, 0.0, h, State(x, v, a, y, u, c))
+        x1, v1, a1, y1, u1, c1 = end
+        return error_x <= tolerances.x4 and error_v <= tolerances.v4, x1, v1, a1, y1, u1, c1, longest4
     if not fifth:
         middle = beside(world, p, w, _pushed(drive, 0.5 * h, half), drive.start + 0.5 * h)
         x1, v1, a1, y1, u1, c1, error_x, error_v = step4(
@@ -100,7 +108,6 @@ def _alone(
         longest4 = 0.5 * h
     if h > longest5:
         return False, x, v, a, y, u, c, longest4
-    phase = Phase(World(world, p, w, k), Piece(0, 0.0, 0.0, elastic), drive, h, s)
     end, error_x, error_v = step5(phase, 0.0, h, State(x, v, a, y, u, c))
     x1, v1, a1, y1, u1, c1 = end
     accurate = error_x <= tolerances.x5 and error_v <= tolerances.v5

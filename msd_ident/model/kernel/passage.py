@@ -13,8 +13,8 @@ import math
 
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import inlined, joined, lean
-from msd_ident.model.kernel.events import knee, rest, slowest, turn
-from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff
+from msd_ident.model.kernel.events import EASY, knee, rest, slowest, turn
+from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff, second_is_stiff
 from msd_ident.model.kernel.groups import Elastic, Longest, Phase, Piece, Place, Progress, State, Step
 from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, FOURTH, step_to
 from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at
@@ -105,7 +105,7 @@ def _attempt(run, phase, t, longest, start):
     """(step towards the end of the segment, its error in parts of what is allowed)."""
     left, allowed = phase.length - t, run.tolerances
     method, h = FOURTH, left
-    if is_stiff(run.world.cart, left):
+    if is_stiff(run.world.cart, left) or second_is_stiff(phase, left, start):
         method = EXPONENTIAL
     elif left > longest.fourth or (run.quick and near_turn(left, start.v, start.a)):
         method = EXPONENTIAL if becomes_stiff(phase, t, left, start) else FIFTH
@@ -127,7 +127,7 @@ def _adapt(step, error, longest):
         return Longest(shorter, fifth) if step.method == FOURTH else Longest(fourth, shorter)
     if step.method != FOURTH:
         fourth *= RETRY
-        if error < 0.02:
+        if error < EASY:
             fifth = max(fifth, 2.0 * step.h)
     return Longest(fourth, fifth)
 

@@ -1,0 +1,73 @@
+"""A force that acts before its stamps, by up to half a sample: a matter of the recording, and no cause.
+
+A simulation that steps the velocity first and the position with the new velocity (semi-implicit Euler: Gazebo, Bullet,
+DART, Drake's discrete plant, MuJoCo) makes the motion of a force that acts half an integration step earlier. Half a
+sample is that of one step a sample; of several steps a sample it is less. A sensor that averages about its stamp does
+the same. A longer lead, or a delay, is something else: stamps of another clock, a reading taken after the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from msd_ident.data.record import Record
+from msd_ident.data.resampling import centred, led
+from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.levels import TENTH
+from msd_ident.model.effects import structural
+from msd_ident.model.effects.law import DELAY
+from msd_ident.quantity import Z95
+from msd_ident.tuning import tuned
+from msd_ident.workflow.force_hold import may_lead
+
+#: Of a lead that no diagnosis named.
+_CLEAR = tuned(4.0, unit="1", why="standard deviations from which a lead of the force counts", chosen="by hand")
+
+
+def half_sample(records: Sequence[Record]) -> float:
+    """Half the typical sampling period [s]."""
+    return 0.5 * float(np.median([record.period for record in records]))
+
+
+def found(fitted: FitResult, records: Sequence[Record]) -> float:
+    """By how much the force acts before its stamps [s], up to half a sample; 0 where it does not.
+
+    Args:
+        fitted: the diagnosed model. If it has no delay, it is fitted once more with one.
+        records: that it was fitted to, with ``hold_known`` as it was told. A force that goes on between its samples is
+            none of a simulation.
+    """
+    delay = structural(DELAY)
+    if delay is None or not any(may_lead(record) and record.hold == "zero" for record in records):
+        return 0.0
+    named = fitted.model.has(delay.name)
+    if not named:
+        timed = fitted.model + delay.within_bounds(0.0)
+        fitted = fit(timed, records, search="near", initial=fitted.initial)
+    seen, half = fitted.quantities[delay.parameters[0].name], half_sample(records)
+    lead, std = -seen.value, seen.std
+    if not (lead > 0.0 and (named or lead > _CLEAR * std)):
+        return 0.0
+    if abs(lead - half) < max(TENTH * half, Z95 * std):
+        return half
+    return lead if lead < half else 0.0
+
+
+def shifted(record: Record, lead: float) -> Record:
+    """The record with a force that acts so much earlier [s], if its stamps may be late and it is held."""
+    if not (may_lead(record) and record.hold == "zero"):
+        return record
+    return centred(record) if lead == half_sample([record]) else led(record, lead)
+
+
+def sentence(lead: float, records: Sequence[Record]) -> str:
+    """What was assumed, and why."""
+    half = lead == half_sample(records)
+    part = "half a sample" if half else "less than half a sample"
+    return (
+        f"The force is assumed to act {lead * 1e3:.3g} ms before its stamps, {part}: simulations with semi-implicit "
+        f"Euler steps do so, of {2e3 * lead:.3g} ms here. It is no cause; if the stamps are right, use --hold zero"
+        + (", if you know that they are half a sample late, --hold centred." if half else ".")
+    )
