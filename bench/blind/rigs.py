@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from bench.blind.truth import EARLY_FORCE
 from bench.mujoco_rigs import rig as mujoco_rig
 from bench.mujoco_rigs import simulate as mujoco_simulate
 from msd_sim import api, foreign, lottery
@@ -55,14 +56,23 @@ class Sealed:
 def own(draw: lottery.Draw) -> Sealed:
     """Of our own rig's lottery."""
     effects = draw.spec["effects"]
+    early = {"time_offset"} & draw.truth if _leads(draw) else set()
     return Sealed(
-        truth=draw.truth,
+        truth=draw.truth - early | ({EARLY_FORCE} if early else set()),
         plant={name: draw.spec[name] for name in ("mass", "damping", "stiffness")},
         strength=dict(effects.get(draw.hidden, {})),
         experiment=draw.experiment,
         write=lambda path: write(draw, path),
-        laws={name: (name, ALL[name].values(given)) for name, given in effects.items()},
+        laws={
+            EARLY_FORCE if name in early else name: (name, ALL[name].values(given)) for name, given in effects.items()
+        },
     )
+
+
+def _leads(draw: lottery.Draw) -> bool:
+    """Whether the force acts before its stamps by up to half a sample, which a table of commands leaves open."""
+    offset = draw.spec["effects"].get("time_offset", {}).get("time_offset", 0.0)
+    return -0.5 / float(draw.spec["rate"]) <= offset < 0.0
 
 
 def foreign_rig(seed: int, name: str, experiment: str) -> Sealed:

@@ -18,6 +18,10 @@ DRY = frozenset(
 #: identity: ``docs/identities.md``), which adds to the stiffness in the gap.
 STIFFNESS_BEYOND: Mapping[str, str] = {"soft_play": "stop_stiffness"}
 
+#: A time offset by which the force acts before its stamps, up to half a sample: a matter of the recording, which is
+#: noted. To name it is no error, and not to name it neither.
+EARLY_FORCE = "early_force"
+
 #: What may be said of rigs whose law the library does not have: the effects of the same family.
 FAMILIES: Mapping[str, frozenset[str]] = {
     "friction_change": DRY,
@@ -49,6 +53,7 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "settling_sensor": frozenset({"sensor_drift"}),
     "sensor_eccentricity": frozenset({"sensor_eccentricity"}),
     "band_limited_force": frozenset({"time_offset", "actuator_lag"}),
+    EARLY_FORCE: frozenset({"time_offset"}),
     # Foreign laws of dry friction, stops and springs.
     "lugre": DRY,
     "maxwell_slip": DRY,
@@ -103,9 +108,15 @@ UNNAMED = frozenset(
 def same(effects: frozenset[str]) -> Iterator[frozenset[str]]:
     """The set itself, and all sets of effects that move the cart in the same way.
 
+    A force that acts a little early counts as no effect, and as a time offset.
+
     A constant force is a shifted zero where the spring is linear. A cubic spring with a constant force is one with an
     asymmetric part about another zero. Stops beside a constant force are stops off the middle, which are end stops too.
     """
+    if EARLY_FORCE in effects:
+        yield from same(effects - {EARLY_FORCE})
+        yield from same(effects - {EARLY_FORCE} | {"time_offset"})
+        return
     yield effects
     if {"end_stop", "force_offset"} <= effects:
         yield effects - {"force_offset"}
