@@ -56,16 +56,14 @@ class Sealed:
 def own(draw: lottery.Draw) -> Sealed:
     """Of our own rig's lottery."""
     effects = draw.spec["effects"]
-    early = {"time_offset"} & draw.truth if _leads(draw) else set()
+    called = {"time_offset": EARLY_FORCE} if _leads(draw) else {}
     return Sealed(
-        truth=draw.truth - early | ({EARLY_FORCE} if early else set()),
+        truth=frozenset(called.get(name, name) for name in draw.truth),
         plant={name: draw.spec[name] for name in ("mass", "damping", "stiffness")},
         strength=dict(effects.get(draw.hidden, {})),
         experiment=draw.experiment,
         write=lambda path: write(draw, path),
-        laws={
-            EARLY_FORCE if name in early else name: (name, ALL[name].values(given)) for name, given in effects.items()
-        },
+        laws={called.get(name, name): (name, ALL[name].values(given)) for name, given in effects.items()},
     )
 
 

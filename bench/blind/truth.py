@@ -53,7 +53,6 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "settling_sensor": frozenset({"sensor_drift"}),
     "sensor_eccentricity": frozenset({"sensor_eccentricity"}),
     "band_limited_force": frozenset({"time_offset", "actuator_lag"}),
-    EARLY_FORCE: frozenset({"time_offset"}),
     # Foreign laws of dry friction, stops and springs.
     "lugre": DRY,
     "maxwell_slip": DRY,

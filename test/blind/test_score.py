@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.blind import plan, score, told
+from bench.blind import plan, score, told, truth
 from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run, sealed
 from bench.blind.truth import FAMILIES
@@ -219,9 +219,9 @@ def test_a_rig_of_the_second_author_is_run_and_told() -> None:
     assert set(found.truth) == {"coulomb_friction", "force_gain_nonlinearity"} and found.case.kind == "beside"
     assert found.exact and found.without_floors > 2.0
     assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))) == found
-    for name, value, std, truth in found.plant:
-        assert value == pytest.approx(truth, rel=0.05), name
-        assert 0.0 < std < 0.05 * truth
+    for name, value, std, right in found.plant:
+        assert value == pytest.approx(right, rel=0.05), name
+        assert 0.0 < std < 0.05 * right
     text = "\n".join(told.second_author([found, replace(found, case=replace(found.case, hidden=None), truth=())]))
     assert "| dead_zone and frictionloss | 1 | 1 | 1 | 0 | 1 |" in text
     assert "| interval of mass contains the truth |" in text and "false cause with p > 0.9" in text
@@ -275,3 +275,9 @@ def test_a_part_of_the_study_leaves_the_documentation_alone(tmp_path: Path, caps
     assert "left as it is" in capsys.readouterr().out and not (tmp_path / "blind-study.md").exists()
     assert main(["--score", str(outcomes), "--docs", str(tmp_path)]) == 0
     assert "exact set, one hidden effect" in (tmp_path / "blind-study.md").read_text(encoding="utf-8")
+
+
+def test_a_force_that_acts_early_may_be_called_an_offset_or_nothing() -> None:
+    lead, other = truth.EARLY_FORCE, "quadratic_drag"
+    assert set(truth.same(frozenset({lead, other}))) >= {frozenset({other}), frozenset({other, "time_offset"})}
+    assert truth.allowed(frozenset({lead})) >= {"time_offset"} and other not in truth.allowed(frozenset({lead}))
