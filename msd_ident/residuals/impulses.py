@@ -40,7 +40,8 @@ class Push:
 
 
 def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Push, ...]:
-    """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many.
+    """Pushes in a record: short, strong missing forces of a model that explains the rest of it; none if there are many,
+    and none beside a stop.
 
     Args:
         record: the measurement.
@@ -49,6 +50,8 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
         zero: reading at which the spring is relaxed [m].
     """
     if record.samples > LONG_RECORD or not model["stiffness"] > 0.0:
+        return ()
+    if any(effect.has_knee() for effect in model.effects):  # its own force is short and strong
         return ()
     plant = (model["mass"], model["damping"], model["stiffness"])
     found = missing_force(record, plant, noise, zero)
@@ -90,9 +93,9 @@ def sentences(records: Sequence[Record], fitted: FitResult, noise: float) -> tup
             where = f" of {record.name}" if len(records) > 1 else ""
             size = f"about {push.impulse:.3g} {record.force_unit}·s that are" if mass.known else "an impulse that is"
             said.append(
-                f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump or a "
-                "collision. It makes the parameters wrong: exclude this part with --start or --end, or repeat the "
-                "record."
+                f"Something pushed the cart at {push.time:.3f} s{where} with {size} in no signal: a bump, a "
+                "collision, or a stop or a limit of the drive that the model lacks. It makes the parameters wrong: "
+                "exclude this part with --start or --end, or repeat the record."
             )
     return tuple(said)
 

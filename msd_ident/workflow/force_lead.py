@@ -68,6 +68,6 @@ def sentence(lead: float, records: Sequence[Record]) -> str:
     part = "half a sample" if half else "less than half a sample"
     return (
         f"The force is assumed to act {lead * 1e3:.3g} ms before its stamps, {part}: simulations with semi-implicit "
-        f"Euler steps do so, of {2e3 * lead:.3g} ms here. It is no cause; if the stamps are right, use --hold zero"
-        + (", if you know that they are half a sample late, --hold centred." if half else ".")
+        f"Euler steps do so, of {2e3 * lead:.3g} ms here. It is no cause. If the stamps are right, use --hold zero"
+        + ("; if they are half a sample late, --hold centred ends the question." if half else ".")
     )

@@ -228,6 +228,15 @@ def test_a_clipped_encoder_is_told() -> None:
     assert f"stops dead at {highest:.4g} m, the end of its range" in finding.sentence
 
 
+def test_a_stop_that_gives_way_a_little_is_the_end_of_the_range() -> None:
+    """A cart rests on a soft stop, deeper at first: the encoder is not stuck in the middle of a motion."""
+    record = experiment()
+    stop, span = STEP * np.round(0.018 / STEP), float(np.ptp(record.position))
+    position = np.minimum(record.position, stop)
+    position[np.argmax(record.position > stop)] = stop + STEP * np.floor(0.005 * span / STEP)
+    assert only(replace(record, position=position)).code == "clipped_position"
+
+
 def test_a_stuck_encoder_is_told() -> None:
     record = experiment()
     position = record.position.copy()
@@ -235,6 +244,7 @@ def test_a_stuck_encoder_is_told() -> None:
     finding = only(replace(record, position=position))
     assert finding.code == "stuck_position"
     assert "for 0.04 s from 1.050 s on" in finding.sentence
+    assert "the encoder is stuck or not read, or something holds the cart" in finding.sentence
 
 
 def test_a_cart_that_sticks_is_no_stuck_encoder() -> None:

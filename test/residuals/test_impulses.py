@@ -11,6 +11,7 @@ from fitrigs import DEMO
 
 from msd_ident.data.record import Record
 from msd_ident.estimate import fit
+from msd_ident.model.effects import by_name
 from msd_ident.residuals.impulses import pushes, sentences
 from msd_sim.api import simulate
 
@@ -64,6 +65,12 @@ def test_without_a_spring_or_in_a_gap_of_the_readings_nothing_is_said() -> None:
     assert pushes(replace(record, time=record.time[seen], position=record.position[seen]), DEMO, NOISE, 0.0) == ()
 
 
+def test_the_force_of_a_stop_is_no_push() -> None:
+    """A model with a stop has a short, strong force of its own."""
+    stopped = DEMO + by_name("end_stop").from_values({"stop_position": 1.0, "stop_stiffness": 1e4})
+    assert pushes(bumped((1.1, 0.3)), stopped, NOISE, 0.0) == ()
+
+
 def test_the_record_is_named_where_there_are_several() -> None:
     clean, bad = bumped(name="first"), bumped((2.4, 0.3), name="second")
     both = fit(DEMO, [clean, bad], search="near")
@@ -74,3 +81,4 @@ def test_the_record_is_named_where_there_are_several() -> None:
     open_ = {**both.quantities, "mass": replace(both.quantities["mass"], std=math.nan)}
     (unknown,) = sentences([bad], replace(both, initial=both.initial[1:], quantities=open_), NOISE)
     assert " s with an impulse that is in no signal: a bump" in unknown, "without a mass its size is not known"
+    assert "or a stop or a limit of the drive that the model lacks" in unknown

@@ -12,6 +12,8 @@ from msd_ident.data.record import Record
 
 #: Fewest samples an oscillation that is not a warning.
 _FEW_SAMPLES = 12
+#: Part of the range of positions within which a standstill is at its end.
+_NEAR_END = 0.01
 
 
 def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
@@ -27,9 +29,11 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         return
     if _samples_an_oscillation(record, motion) < _FEW_SAMPLES:
         return
-    ends = (float(np.min(record.position)), float(np.max(record.position)))
-    clipped = [still for still in motion.standstills if still.value in ends]
-    stuck = [still for still in motion.standstills if still.value not in ends and still.size >= 8]
+    low, high = float(np.min(record.position)), float(np.max(record.position))
+    near = _NEAR_END * (high - low)  # a stop gives way by a little
+    ends = [still.value - low <= near or high - still.value <= near for still in motion.standstills]
+    clipped = [still for still, end in zip(motion.standstills, ends, strict=True) if end]
+    stuck = [still for still, end in zip(motion.standstills, ends, strict=True) if not end and still.size >= 8]
     if clipped:
         longest = max(clipped, key=lambda still: still.size)
         times = "once" if len(clipped) == 1 else f"{len(clipped)} times"
@@ -44,7 +48,8 @@ def frozen_encoder(record: Record, motion: Motion) -> Iterator[Finding]:
         yield warning(
             "stuck_position",
             f"the position stands still at {longest.value:.4g} {unit} for {longest.size * record.period:.3g} s from "
-            f"{record.time[longest.first]:.3f} s on, in the middle of a motion: the encoder is stuck or not read",
+            f"{record.time[longest.first]:.3f} s on, in the middle of a motion: the encoder is stuck or not read, or "
+            "something holds the cart",
         )
 
 
