@@ -254,11 +254,9 @@ def _plant_stated(rig: Sealed, diagnosis: Diagnosis) -> float:
 
 def _plant_and_truth(rig: Sealed, diagnosis: Diagnosis, found: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
     """Mass and stiffness with their truths; of a free decay the stiffness over the diagnosed mass."""
-    beyond = 0.0
-    for law in rig.truth:
-        part = diagnosis.extended.quantities.get(STIFFNESS_BEYOND.get(law, ""))
-        beyond += part.value if part else 0.0
-    stiffness = found["stiffness"] + beyond
+    names = [name for law in rig.truth for name in STIFFNESS_BEYOND.get(law, ())]
+    quantities = diagnosis.extended.quantities
+    stiffness = found["stiffness"] + sum(quantities[name].value for name in names if name in quantities)
     if rig.experiment == "release":
         mass = diagnosis.extended.quantities["mass"].value
         return ((stiffness / mass, rig.plant["stiffness"] / rig.plant["mass"]),)

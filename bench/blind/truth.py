@@ -14,9 +14,9 @@ DRY = frozenset(
     {"coulomb_friction", "stribeck_friction", "position_dependent_friction", "hysteresis", "load_dependent_friction"}
 )
 
-#: Foreign laws of a spring whose stiffness is that beyond a gap, and the parameter of the law that says the same (an
-#: identity: ``docs/identities.md``), which adds to the stiffness in the gap.
-STIFFNESS_BEYOND: Mapping[str, str] = {"soft_play": "stop_stiffness"}
+#: Foreign laws of a spring whose stiffness is that beyond a gap, and the parameters of the laws that say the same (an
+#: identity: ``docs/identities.md``), which add to the stiffness in the gap.
+STIFFNESS_BEYOND: Mapping[str, tuple[str, ...]] = {"soft_play": ("stop_stiffness", "buffer_stiffness")}
 
 #: A time offset by which the force acts before its stamps, up to half a sample: a matter of the recording, which is
 #: noted. To name it is no error, and not to name it neither.

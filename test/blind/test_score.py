@@ -15,6 +15,8 @@ from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run, sealed
 from bench.blind.truth import FAMILIES
 from bench.mujoco_rigs.rig import EXPERIMENTS, FAULTS
+from msd_ident.model.effects import LIBRARY
+from msd_ident.model.effects.law import OUTSIDE
 from msd_sim import foreign, lottery
 
 Stated = tuple[tuple[str, float], ...]
@@ -281,3 +283,9 @@ def test_a_force_that_acts_early_may_be_called_an_offset_or_nothing() -> None:
     lead, other = truth.EARLY_FORCE, "quadratic_drag"
     assert set(truth.same(frozenset({lead, other}))) >= {frozenset({other}), frozenset({other, "time_offset"})}
     assert truth.allowed(frozenset({lead})) >= {"time_offset"} and other not in truth.allowed(frozenset({lead}))
+
+
+def test_the_stiffness_beyond_a_gap_is_read_from_any_law_of_a_pair_of_stops() -> None:
+    """With a form of the stop that has another name for it, right results counted as 70 to 90 % off."""
+    pairs = [law for law in LIBRARY if law.cause() == "end_stop" and law.knee and law.knee[2] != OUTSIDE]
+    assert {law.knee[1] for law in pairs if law.knee} == set(truth.STIFFNESS_BEYOND["soft_play"])
