@@ -231,6 +231,8 @@ def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
     table: dict[str, Counter[str]] = {}
     for o in visible(outcomes):
         hidden = str(o.case.hidden)
+        if hidden not in o.truth:  # it counts as no cause
+            continue
         others = set(o.names) - (set(o.truth) - {hidden})
         answer = hidden if o.counts_as(hidden) else " + ".join(sorted(others)) or o.verdict
         table.setdefault(hidden, Counter())[answer] += 1
@@ -240,7 +242,7 @@ def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
 def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
     """For each effect, the least visibility (noise floors without it) from which on it was always found."""
     found: dict[str, float] = {}
-    known = [o for o in main_experiment(outcomes) if o.case.hidden and not o.odd]
+    known = [o for o in main_experiment(outcomes) if not o.odd and o.case.hidden in o.truth]
     for name in sorted({str(o.case.hidden) for o in known}):
         missed = [o.without_floors for o in known if o.case.hidden == name and not o.counts_as(name)]
         hit = [o.without_floors for o in known if o.case.hidden == name and o.counts_as(name)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -89,4 +90,4 @@ def data_sheet(record: Record) -> DataSheet:
 def _hold(record: Record) -> str:
     if record.upsampled > 1:
         return "band_limited"
-    return "centred" if record.hold == "zero" and record.lead == 0.5 * record.period else record.hold
+    return "centred" if record.hold == "zero" and math.isclose(record.lead, 0.5 * record.period) else record.hold

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from msd_ident.model.base_model import DRY_FRICTION, OFFSET
 from msd_ident.model.effects import Effect
-from msd_ident.model.effects.law import AT_ZERO, BOTH, OUTSIDE
+from msd_ident.model.effects.law import BOTH, OUTSIDE
 
 #: Coulomb's friction, a constant force, a limited or bent force.
 FRICTION, CONSTANT, GAIN = "friction", "constant", "gain"
@@ -59,11 +59,9 @@ def of_role(effects: Iterable[Effect], wanted: str) -> Effect | None:
 
 def _stop(effect: type[Effect]) -> str:
     """Which kind of stop an effect is; empty for none, as for a spring that may bend either way."""
-    if effect.knee is None or effect.knee == AT_ZERO:
+    if effect.knee is None or not effect.stops():
         return ""
-    _, stiffness, side = effect.knee
-    if any(parameter.name == stiffness and parameter.lower < 0.0 for parameter in effect.parameters):
-        return ""
+    side = effect.knee[2]
     if not effect.laws():
         return {BOTH: STOPS, OUTSIDE: ONE_STOP}.get(side, "")
     if "contact" in effect.laws():

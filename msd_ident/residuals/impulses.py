@@ -51,7 +51,7 @@ def pushes(record: Record, model: Model, noise: float, zero: float) -> tuple[Pus
     """
     if record.samples > LONG_RECORD or not model["stiffness"] > 0.0:
         return ()
-    if any(effect.has_knee() for effect in model.effects):  # its own force is short and strong
+    if any(effect.stops() for effect in model.effects):  # its own force is short and strong
         return ()
     plant = (model["mass"], model["damping"], model["stiffness"])
     found = missing_force(record, plant, noise, zero)

@@ -50,7 +50,9 @@ def diagnose(
     prepared = prepare(records)
     decision = has_spring(prepared, options)
     diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
-    if otherwise := held_otherwise(prepared, diagnosis.extended):
+    for _ in range(2):  # the hold, and then the lead
+        if (otherwise := held_otherwise(prepared, diagnosis.extended)) is None:
+            break
         prepared = otherwise
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if other := _decided_again(decision, diagnosis):

@@ -80,13 +80,13 @@ class HoldChoice:
 
 def is_open(record: Record) -> bool:
     """Whether the record leaves open how its force goes on, and can be asked."""
-    return may_lead(record) and float(np.mean(np.diff(record.force) != 0.0)) >= _DENSE
+    enough = record.samples >= _FEWEST
+    return enough and may_lead(record) and float(np.mean(np.diff(record.force) != 0.0)) >= _DENSE
 
 
 def may_lead(record: Record) -> bool:
-    """Whether the stamps of the record's force, those of the positions, may be half a sample late."""
-    shared = record.samples >= _FEWEST and bool(np.all(np.isin(record.time, record.force_time)))
-    return shared and not record.hold_known
+    """Whether the stamps of the record's force, those of the positions, may be late."""
+    return not record.hold_known and bool(np.all(np.isin(record.time, record.force_time)))
 
 
 def choose_hold(records: Sequence[Record], model: Model) -> HoldChoice:

@@ -137,9 +137,9 @@ def held_otherwise(prepared: Prepared, fitted: FitResult) -> Prepared | None:
         fitted: what explains them.
 
     Returns:
-        None where the hold is known, and where neither is so.
+        None where the hold is known, where a lead was found already, and where neither is so.
     """
-    if not prepared.unheld:
+    if not prepared.unheld or any(record.lead > 0.0 for record in prepared.records):
         return None
     return _decided_again(prepared, fitted.model) or _earlier(prepared, fitted)
 

@@ -32,12 +32,14 @@ def test_in_contact_only_a_part_of_all_other_forces_is_left(centre: float, share
     assert np.max(np.abs(expected - centre)) > 0.0125, "both stops are to be hit"
 
 
-def test_without_a_part_of_the_other_forces_it_is_a_buffered_stop() -> None:
-    measured = record(rate=1000.0)  # no event locates where a buffer lets go, and the two step over it differently
+@pytest.mark.parametrize(("rate", "allowed"), [(250.0, 1e-5), (1000.0, 1e-6)])
+def test_without_a_part_of_the_other_forces_it_is_a_buffered_stop(rate: float, allowed: float) -> None:
+    """But for the instant at which a buffer lets go: no event locates it, and the two step over it differently."""
+    measured = record(rate=rate)
     same, simple = plant() + ConstraintStop(0.001, 0.014, 5e3, 9.0, 0.0), plant() + BufferedStop(0.001, 0.014, 5e3, 9.0)
     expected = Simulator(simple, measured).positions(simple.values)
     found = Simulator(same, measured).positions(same.values)
-    assert np.max(np.abs(found - expected)) < 1e-6 * np.ptp(expected)
+    assert np.max(np.abs(found - expected)) < allowed * np.ptp(expected)
 
 
 def test_dry_friction_holds_in_the_stop_what_it_holds_of_its_part() -> None:

@@ -11,18 +11,20 @@ import pytest
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.data.resampling import centred
+from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read, write_csv
 from msd_ident.model import Plant, simulate
 from msd_ident.workflow import pipeline, saved_model, validation
+from msd_ident.workflow.preparation import held_otherwise, prepare
 
 RIG, PERIOD, NOISE = Plant(mass=1.0, damping=1.0, stiffness=1500.0), 0.002, 2e-6
 FORCE = np.repeat([0.0, 4.0, 0.0, -4.0, 0.0, 2.0, 0.0, -2.0, 0.0, 3.0, 0.0, -3.0, 0.0], 300)
 
 
-def told(position: np.ndarray) -> Record:
+def told(position: np.ndarray, period: float = PERIOD) -> Record:
     """A table with a position and a command in each line."""
-    noise = NOISE * np.random.default_rng(5).normal(size=FORCE.size)
-    return replace(from_samples(PERIOD * np.arange(FORCE.size), FORCE, position + noise), hold_known=False)
+    noise, force = NOISE * np.random.default_rng(5).normal(size=position.size), FORCE[: position.size]
+    return replace(from_samples(period * np.arange(position.size), force, position + noise), hold_known=False)
 
 
 def stepped(steps: int = 1) -> Record:
@@ -39,10 +41,10 @@ def stepped(steps: int = 1) -> Record:
     return told(position)
 
 
-def shifted(early: float) -> Record:
+def shifted(early: float, period: float = PERIOD) -> Record:
     """The same by an exact solver, with a force that acts so many samples before its stamps."""
-    still = told(np.zeros(FORCE.size))
-    return told(simulate(RIG, replace(still, force_time=still.time - early * PERIOD)).position)
+    still = told(np.zeros(FORCE.size), period)
+    return told(simulate(RIG, replace(still, force_time=still.time - early * period)).position, period)
 
 
 @pytest.mark.parametrize("steps", [1, 2, 4])
@@ -104,3 +106,34 @@ def test_a_saved_model_says_when_the_force_of_another_record_acts(
     asking_about("time_offset")
     model = saved_model.from_json_dict(pipeline.diagnose([stepped(steps)]).to_json_dict())
     assert validation.validate(model, [replace(stepped(steps), name="other")]).see < 1.05 * NOISE
+
+
+def again(*records: Record) -> list[Record]:
+    """The records as they are diagnosed after a first fit."""
+    prepared = prepare(records)
+    found = held_otherwise(prepared, fit(RIG, prepared.records))
+    return list(prepared.records if found is None else found.records)
+
+
+def test_a_lead_near_half_a_sample_is_not_rounded_to_it() -> None:
+    (record,) = again(shifted(0.475))
+    assert record.lead == pytest.approx(0.475 * PERIOD, rel=0.01)
+    assert fit(RIG, record).see < 1.02 * NOISE
+
+
+def test_one_lead_of_records_with_two_rates_is_bounded_by_the_faster_one() -> None:
+    slow, fast = shifted(0.1, 4.0 * PERIOD), shifted(0.4)
+    assert [one.lead for one in again(slow, fast)] == [pytest.approx(0.4 * PERIOD, rel=0.02)] * 2
+    assert [one.lead for one in again(shifted(0.25, 4.0 * PERIOD), shifted(1.0))] == [0.0, 0.0], "a time offset"
+
+
+def test_a_short_record_is_shifted_with_a_long_one() -> None:
+    long, short = again(shifted(0.25), replace(shifted(0.25).window(0.55, 0.9), name="short"))
+    assert long.lead == short.lead == pytest.approx(0.25 * PERIOD, rel=0.05)
+
+
+def test_the_lead_is_asked_after_the_hold_and_not_twice() -> None:
+    prepared = prepare([shifted(0.25)])
+    found = held_otherwise(prepared, fit(RIG, prepared.records))
+    assert found is not None
+    assert held_otherwise(found, fit(RIG, found.records)) is None

@@ -166,6 +166,12 @@ class Law:
         return cls.knee not in (None, AT_ZERO)
 
     @classmethod
+    def stops(cls) -> bool:
+        """Whether its spring pushes beyond a place and never pulls, unlike one that may bend either way."""
+        stiffness = cls.knee[1] if cls.knee is not None and cls.has_knee() else ""
+        return any(parameter.name == stiffness and parameter.lower >= 0.0 for parameter in cls.parameters)
+
+    @classmethod
     def placed(cls) -> bool:
         """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
         laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]

@@ -40,7 +40,7 @@ class RubbingSecondMode(Effect):
     parameters = (
         *SecondMode.parameters,
         Parameter("second_friction", "F2", "N", 0.0, math.inf, "dry friction of the second mass on the ground"),
-        Parameter("second_creep", "vc", "m/s", 0.0, math.inf, "speed below which that friction falls"),
+        Parameter("second_creep", "vc", "m/s", 1e-9, math.inf, "speed below which that friction falls"),
     )
     acts_on = "force"
     law = "k2·(x - x2) + b2·(x' - x2'), with m2·x2'' + F2·tanh(x2'/vc) equal to it"

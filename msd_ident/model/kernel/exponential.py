@@ -172,35 +172,39 @@ def step_exponential(phase, t, h, start):
     """
     x, v, _, y, u, c = start
     cart, p, w, _ = phase.world
-    decay, half = phase.drive.decay, 0.5 * h
+    decay, half, second = phase.drive.decay, 0.5 * h, cart.m2 > 0.0
     rate, rate2 = _rate(phase, t, start), _second_rate(phase, start)
     lagged = _transient(phase, t, rate)
     g0, k0 = start.a + rate * v - lagged, c + rate2 * u
     phi, phi2 = _decays(rate * half), _decays(rate2 * half)
     fade_x, fade_v = _faded(lagged, decay, rate, half)
     left = lagged * math.exp(-decay * half)
-    gm, km = g0, k0
+    gm, km, yn, un = g0, k0, y, u
     for _ in range(2):  # straight to the middle, as at the beginning and then as there
         xn, vn = _moved((x, v), (g0, gm - g0, 0.0), half, phi)
-        yn, un = _moved((y, u), (k0, km - k0, 0.0), half, phi2)
         xn, vn = xn + fade_x, vn + fade_v
+        if second:
+            yn, un = _moved((y, u), (k0, km - k0, 0.0), half, phi2)
+            km = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
         gm = acceleration_at(phase, t + half, Place(xn, vn, yn, un)) + rate * vn - left
-        km = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
     phi, phi2 = _decays(rate * h), _decays(rate2 * h)
     fade_x, fade_v = _faded(lagged, decay, rate, h)
     left = lagged * math.exp(-decay * h)
     xn, vn = _moved((x, v), (g0, 2.0 * (gm - g0), 0.0), h, phi)
-    yn, un = _moved((y, u), (k0, 2.0 * (km - k0), 0.0), h, phi2)
     xn, vn = xn + fade_x, vn + fade_v
+    y1, u1, c1, error_y, error_u = y, u, c, 0.0, 0.0
+    if second:
+        yn, un = _moved((y, u), (k0, 2.0 * (km - k0), 0.0), h, phi2)
+        k1 = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
+        y1, u1 = _moved((y, u), _through(k0, km, k1), h, phi2)
     g1 = acceleration_at(phase, t + h, Place(xn, vn, yn, un)) + rate * vn - left
-    k1 = second_acceleration(cart, p, w, pull(cart, xn, vn, yn, un), un) + rate2 * un
     x1, v1 = _moved((x, v), _through(g0, gm, g1), h, phi)
-    y1, u1 = _moved((y, u), _through(k0, km, k1), h, phi2)
     x1, v1 = x1 + fade_x, v1 + fade_v
     a1 = acceleration_at(phase, t + h, Place(x1, v1, y1, u1))
-    c1 = second_acceleration(cart, p, w, pull(cart, x1, v1, y1, u1), u1)
     better = _BETTER * (1.0 - phi[0])  # a cart that hardly slows down has a step of fourth order
     error_x, error_v = _errors((x1, v1), (xn, vn), abs(a1 + rate * v1 - left - g1), (h, phi, better))
-    error_y, error_u = _errors((y1, u1), (yn, un), abs(c1 + rate2 * u1 - k1), (h, phi2, _BETTER))
+    if second:
+        c1 = second_acceleration(cart, p, w, pull(cart, x1, v1, y1, u1), u1)
+        error_y, error_u = _errors((y1, u1), (yn, un), abs(c1 + rate2 * u1 - k1), (h, phi2, _BETTER))
     error_v, error_u = error_v / _fading(rate * h), error_u / _fading(rate2 * h)
     return State(x1, v1, a1, y1, u1, c1), error_x + error_y, error_v + error_u
