@@ -10,6 +10,7 @@ from effect_examples import DAMPING, MASS, STIFFNESS, followed, plant, record, s
 
 from msd_ident.estimate import fit
 from msd_ident.model import Simulator
+from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.rubbing_second_mode import RubbingSecondMode
 from msd_ident.model.effects.second_mode import SecondMode
@@ -73,3 +74,12 @@ def test_its_values_are_found_from_another_start() -> None:
     assert found["second_friction"] == pytest.approx(0.4, rel=1e-3)
     assert found["second_mass"] == pytest.approx(0.15, rel=1e-3)
     assert found.mass == pytest.approx(MASS, rel=1e-3)
+
+
+def test_a_stiffer_coupling_is_out_of_its_range() -> None:
+    """A cart whose own friction is smooth had a second mass on a rigid coupling with 99 %."""
+    seen = RecordScales(
+        MASS, STIFFNESS, reach=0.02, span=0.04, duration=3.0, period=2e-3, speed=0.4, rate=27.0, force=10.0
+    )
+    _, stiffest = RubbingSecondMode.resolvable(seen)["second_stiffness"]
+    assert stiffest < 0.2 * SecondMode.resolvable(seen)["second_stiffness"][1]

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 #: Speeds below which the friction falls, in parts of the top speed: below the first, nothing but time is lost.
-_SLOWEST, _FASTEST = 3e-4, 0.3
+_SLOWEST, _FASTEST = 3e-4, 0.02
+#: Stiffest coupling, in parts of the plant's own stiffness.
+_STIFFEST = 5.0
 #: Where a fit starts: a soft turn of the friction, which later steps make sharp.
 _SOFT = 0.02
 
@@ -65,9 +67,11 @@ class RubbingSecondMode(Effect):
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
-        """See ``Effect``."""
+        """See ``Effect``. Behind a stiffer coupling both masses move as one, and the friction is that of one mass."""
+        stiffness = seen.mass * seen.rate**2
         return {
             **SecondMode.resolvable(seen),
+            "second_stiffness": (1e-3 * stiffness, _STIFFEST * stiffness),
             "second_friction": (0.0, seen.force),
             "second_creep": (_SLOWEST * seen.speed, _FASTEST * seen.speed),
         }
