@@ -16,12 +16,11 @@ if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
 
-#: Speeds below which the friction falls, in parts of the top speed: below the first, nothing but time is lost.
-_SLOWEST, _FASTEST = 3e-4, 0.02
+#: Speeds below which the friction falls, in parts of the top speed: below the first, nothing but time is lost. A fit
+#: starts from the second, a soft turn of the friction, which later steps make sharp.
+_SLOWEST, _SOFTEST = 3e-4, 0.02
 #: Stiffest coupling, in parts of the plant's own stiffness.
 _STIFFEST = 5.0
-#: Where a fit starts: a soft turn of the friction, which later steps make sharp.
-_SOFT = 0.02
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ class RubbingSecondMode(Effect):
             **SecondMode.resolvable(seen),
             "second_stiffness": (1e-3 * stiffness, _STIFFEST * stiffness),
             "second_friction": (0.0, seen.force),
-            "second_creep": (_SLOWEST * seen.speed, _FASTEST * seen.speed),
+            "second_creep": (_SLOWEST * seen.speed, _SOFTEST * seen.speed),
         }
 
     @classmethod
@@ -84,11 +83,11 @@ class RubbingSecondMode(Effect):
     @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[RubbingSecondMode, ...]:
         """Those of a second mode, which has all of the friction."""
-        creep = _SOFT * typical.speed(record)
+        creep = _SOFTEST * typical.speed(record)
         return tuple(cls.within_bounds(*one.values, force, creep) for one in SecondMode.guess(record, plant))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[RubbingSecondMode, ...]:
         """The same mass; without friction, and with one of 1 and of 5 % of the largest force."""
-        force, creep = typical.force(record, plant), _SOFT * typical.speed(record)
+        force, creep = typical.force(record, plant), _SOFTEST * typical.speed(record)
         return tuple(cls.within_bounds(*simple.values, part * force, creep) for part in (0.0, 0.01, 0.05))
