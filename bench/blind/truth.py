@@ -58,6 +58,8 @@ FAMILIES: Mapping[str, frozenset[str]] = {
     "maxwell_slip": DRY,
     "arctan_stribeck": DRY,
     "tanh_sum_friction": DRY,
+    "algebraic_friction": DRY,
+    "block_friction": DRY,
     "logarithmic_friction": DRY,
     "hertz_stop": frozenset({"end_stop"}),
     "padded_stop": frozenset({"end_stop", "bilinear_spring"}),

@@ -66,6 +66,17 @@ def _logarithmic(p: Values, t: float, x: float, v: float, z: Sequence[float], u:
     return max(size, 0.0) * math.tanh(v / p["creep"])
 
 
+def _algebraic(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+    return p["kinetic"] * v / math.hypot(v, p["creep"])
+
+
+def _block(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+    """As friction elements of block diagrams: the peak is at vs / sqrt(2), and creep begins at a tenth of that."""
+    part = v / p["falling"]
+    peak = math.sqrt(2.0 * math.e) * (p["static"] - p["kinetic"]) * math.exp(-(part**2)) * part
+    return peak + p["kinetic"] * math.tanh(10.0 * math.sqrt(2.0) * part)
+
+
 LAWS = (
     ForeignLaw(
         "lugre",
@@ -92,5 +103,13 @@ LAWS = (
             "creep": s.speed * s.log(1e-4, 1e-3),
         },
         _logarithmic,
+    ),
+    ForeignLaw(
+        "algebraic_friction", "Fc v / sqrt(v^2 + ve^2): creeps below a speed that is seen",
+        lambda s: {"kinetic": s.force * s.log(0.02, 0.15), "creep": s.speed * s.log(0.005, 0.1)}, _algebraic,
+    ),
+    ForeignLaw(
+        "block_friction", "sqrt(2 e) (Fs - Fc) exp(-(v/vs)^2) v/vs + Fc tanh(14 v/vs)",
+        _peak, _block,
     ),
 )  # fmt: skip
