@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from msd_ident.model.effects import LIBRARY, Effect
+from msd_ident.model.effects.typical import speed
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, formulated
@@ -16,7 +17,8 @@ from msd_ident.selection.hypothesis import Causes, Hypothesis
 def equal_motion(
     fitted: Hypothesis, sets: Mapping[Causes, Hypothesis], experiment: Experiment, scale: NoiseScale
 ) -> dict[str, str]:
-    """Laws of a set, each with a law of another cause that gives the same motion in its place.
+    """Laws of a set, each with a law of another cause that gives the same motion in its place, or of which it may be
+    another form (``Effect.may_be``).
 
     The difference of the two motions, or of what the two leave where both were fitted, is less than what the set leaves
     above the noise, or so small that the records are not expected to show it (``NoiseScale.unseen``).
@@ -29,7 +31,9 @@ def equal_motion(
     """
     others = ((effect, law.moving_as(effect, fitted.model)) for effect in fitted.model.effects for law in LIBRARY)
     most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + scale.unseen(fitted.chi)
-    return {
+    top = max(speed(record) for record in experiment.records)
+    forms = {effect.name: cause for effect in fitted.model.effects if (cause := effect.may_be(top))}
+    return forms | {
         effect.name: other.name
         for effect, other in others
         if other is not None and _least_change(fitted, effect, other, sets, experiment) < most

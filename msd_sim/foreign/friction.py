@@ -66,15 +66,13 @@ def _logarithmic(p: Values, t: float, x: float, v: float, z: Sequence[float], u:
     return max(size, 0.0) * math.tanh(v / p["creep"])
 
 
-def _algebraic(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
-    return p["kinetic"] * v / math.hypot(v, p["creep"])
+def _exponential_turn(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+    return math.copysign(p["kinetic"] * math.expm1(-abs(v) / p["creep"]), v)
 
 
-def _block(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
-    """As friction elements of block diagrams: the peak is at vs / sqrt(2), and creep begins at a tenth of that."""
-    part = v / p["falling"]
-    peak = math.sqrt(2.0 * math.e) * (p["static"] - p["kinetic"]) * math.exp(-(part**2)) * part
-    return peak + p["kinetic"] * math.tanh(10.0 * math.sqrt(2.0) * part)
+def _creeping_peak(p: Values, t: float, x: float, v: float, z: Sequence[float], u: float) -> float:
+    size = p["kinetic"] + (p["static"] - p["kinetic"]) / (1.0 + (v / p["falling"]) ** 2)
+    return size * v / math.hypot(v, p["creep"])
 
 
 LAWS = (
@@ -105,11 +103,11 @@ LAWS = (
         _logarithmic,
     ),
     ForeignLaw(
-        "algebraic_friction", "Fc v / sqrt(v^2 + ve^2): creeps below a speed that is seen",
-        lambda s: {"kinetic": s.force * s.log(0.02, 0.15), "creep": s.speed * s.log(0.005, 0.1)}, _algebraic,
+        "exponential_turn", "Fc (1 - exp(-|v|/ve)) sgn v: creeps below a speed that is seen",
+        lambda s: {"kinetic": s.force * s.log(0.02, 0.15), "creep": s.speed * s.log(0.005, 0.1)}, _exponential_turn,
     ),
     ForeignLaw(
-        "block_friction", "sqrt(2 e) (Fs - Fc) exp(-(v/vs)^2) v/vs + Fc tanh(14 v/vs)",
-        _peak, _block,
+        "creeping_peak", "(Fc + (Fs - Fc)/(1 + (v/vs)^2)) v/sqrt(v^2 + ve^2): a peak, and creep that is seen",
+        lambda s: _peak(s) | {"creep": s.speed * s.log(0.003, 0.03)}, _creeping_peak,
     ),
 )  # fmt: skip

@@ -232,6 +232,13 @@ class Effect(Law):
         del other, model
         return None
 
+    def may_be(self, speed: float) -> str:
+        """Cause of which it may be another form with its present values, if the motion reaches a speed [m/s] at most;
+        empty for none.
+        """
+        del speed
+        return ""
+
     def zero_in(self, model: Model) -> float:
         """Position [m] in a fitted model, one of whose effects it takes the place of, from which it counts."""
         del model

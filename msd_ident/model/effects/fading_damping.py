@@ -21,6 +21,9 @@ HALVES = (0.03, 2.0)
 #: Where a search begins. A brake that is driven far beyond the peak of its force looks like Stribeck friction: from a
 #: third of the top speed a search does not get there.
 _STARTS = (0.06, 0.33, 0.67)
+#: Speed of half the damping, in parts of the top speed, below which most of the motion is beyond its peak: dry friction
+#: that creeps does the same.
+_DRY = 0.15
 #: Share of the plant's natural damping force m·ω·v that a search starts from.
 _SHARE = 0.1
 
@@ -62,6 +65,10 @@ class FadingDamping(Effect):
         if speed <= 0.0:
             return 0.0
         return fading_damping * v / (1.0 + math.exp(fading_exponent * math.log(speed / fading_speed)))
+
+    def may_be(self, speed: float) -> str:
+        """Dry friction, where the force has its peak far below all speeds and hardly depends on the speed beyond."""
+        return "coulomb_friction" if self.fading_speed < _DRY * speed else ""
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

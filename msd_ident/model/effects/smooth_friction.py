@@ -47,6 +47,7 @@ class SmoothFriction(Effect):
     eponym = "Coulomb"
     dissipative = True
     form_of = "coulomb_friction"
+    mistaken_for = ("quadratic_drag",)
     dry_limit = "smooth_friction"
     prior_odds = 1.0 / 20.0
     ring_down = {RUBS: (1,)}
