@@ -270,7 +270,7 @@ class Effect(Law):
         drawn = []
         for parameter, value in zip(self.parameters, self.values, strict=True):
             factor = math.exp(rng.uniform(-math.log(LOT), math.log(LOT)))
-            sign = 1.0 if parameter.lower == 0.0 or rng.random() < 0.5 else -1.0
+            sign = 1.0 if parameter.lower >= 0.0 or rng.random() < 0.5 else -1.0
             angle = rng.uniform(-math.pi, math.pi)
             drawn.append(angle if parameter.is_phase else sign * factor * value)
         return self.within_bounds(*drawn)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 #: Where a search begins: vs in parts of the top speed, vc in parts of vs.
-_FALLS, _CREEPS = (0.04, 0.15, 0.5), (0.07, 0.4)
+_FALLS, _CREEPS = (0.05, 0.15, 0.5), (0.07, 0.4)
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class SmoothStribeck(Effect):
     eponym = "Stribeck"
     dissipative = True
     form_of = "stribeck_friction"
-    dry_limit = "smooth_friction"
     mistaken_for = ("coulomb_friction", "quadratic_drag")
+    dry_limit = "smooth_friction"
     prior_odds = 1.0 / 100.0
     ring_down = {RUBS: (0, 1)}
 
@@ -95,7 +95,7 @@ class SmoothStribeck(Effect):
     @classmethod
     def _peaked(cls, sliding: float, speed: float) -> tuple[SmoothStribeck, ...]:
         known = [(part * speed, turn * part * speed) for part in _FALLS for turn in _CREEPS]
-        return tuple(cls.within_bounds(sliding, 2.0 * sliding, *one) for one in known)
+        return tuple(cls.within_bounds(sliding, 1.5 * sliding, *one) for one in known)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[SmoothStribeck, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
