@@ -266,6 +266,8 @@ class Record:
         time = self.time[keep]
         if force_time[0] > time[-1]:  # there is none before the first stamp
             force_time, force = time[:1], np.zeros(1)
+        if np.max(np.abs(force)) < SMALLEST:  # what a filter has left of a force long before, or leads it in with
+            force = np.zeros(force.size)
         return replace(self, time=time, position=self.position[keep], force_time=force_time, force=force)
 
     def cut(self, start: float, end: float) -> Record:

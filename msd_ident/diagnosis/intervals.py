@@ -12,6 +12,8 @@ variance; Hoeting et al. 1999, Stat. Sci. 14):
 
     var θ = var(θ | leading set) + Σ p_i (θ_i − θ)².
 
+What a measured force may do between its samples moves the parameters too (``residuals.force_between``).
+
 Friction too weak to be seen is no explanation, but possible on every rig, and what there is of it counts as damping.
 The set with friction beside is such an i, with its own variance too: p (var(θ | i) − var(θ | leading set)) more.
 """
@@ -32,6 +34,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.rest import AT_REST, slope_at_rest
 from msd_ident.quantity import Quantity
+from msd_ident.residuals import force_between
 from msd_ident.selection import rest_constraint
 from msd_ident.selection.evidence import NoiseScale, log_evidence
 from msd_ident.selection.hypothesis import COULOMB, Hypothesis
@@ -67,6 +70,7 @@ def stated(
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     law = _std(_of_laws(fitted, scale.spread(fitted.chi)))[: noise.size]
     known = np.maximum(noise, law)
+    known = np.hypot(known, _sampled(fitted)[: noise.size])
     whole = np.hypot(known, _between(result.free, fitted, rivals))
     if rubbing is not None:
         whole = np.hypot(whole, _unseen(result.free, known, (fitted, rubbing), scale))
@@ -136,6 +140,13 @@ def _of_laws(fitted: Hypothesis, variance: float, before: FloatArray | float = 0
     rest = rest_constraint.information(fitted.problem, fitted.point, fitted.problem.balances)
     scaled, size = unit_diagonal(fitted.information / variance + rest + np.diag(np.zeros(rest.shape[0]) + before))
     return np.asarray(np.linalg.pinv(scaled, rcond=1e-15, hermitian=True) / np.outer(size, size))
+
+
+def _sampled(fitted: Hypothesis) -> FloatArray:
+    """Standard deviation (q,) of the entries by what the force may do between its samples."""
+    slopes = force_between.slopes(fitted.readings, fitted.model, fitted.state.jacobian)
+    inverse = _of_laws(fitted, 1.0)
+    return _std(inverse @ slopes @ inverse)
 
 
 def _std(covariance: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from msd_ident.estimate.levels import MOST_OF
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import LEAST_SPREAD, NoiseScale
@@ -128,6 +129,18 @@ def clearness(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseSca
         if gains:
             found[name] = min(max(min(gains), 0.0) / left, most)
     return found
+
+
+def within_sampling(causes: Causes, sets: Mapping[Causes, Hypothesis]) -> frozenset[str]:
+    """Causes of a set that explain no more than twice what the force may do between its samples
+    (``residuals.force_between``).
+    """
+    base = sets.get(frozenset())
+    if base is None:
+        return frozenset()
+    most = base.between / MOST_OF**2
+    gains = {name: sets[_fitted(causes - {name}, sets)].chi - sets[causes].chi for name in causes if most > 0.0}
+    return frozenset(name for name, gain in gains.items() if gain < most)
 
 
 def left_over(causes: Causes, sets: Mapping[Causes, Hypothesis], noise: float) -> float:

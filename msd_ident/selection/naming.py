@@ -229,8 +229,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
         for name in sorted(ranking.held.get(named, ()))
     ]
-    said += _aging(ranking)
-    said += _steered(ranking)
+    said += [*_sampled(ranking), *_aging(ranking), *_steered(ranking)]
     if not ranking.rich:
         said += [
             f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
@@ -241,6 +240,15 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     if ranking.foretold:
         said.append("left-out data calls for the named causes, but the evidence does not, so none of them is certain.")
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
+
+
+def _sampled(ranking: Ranking) -> list[str]:
+    """Why named causes that explain little under a force of few samples are not certain; empty where there are none."""
+    return [
+        f"{spoken(name)} explains no more than what the force may do between its samples, which is not measured: it is "
+        "not certain. Sample the force faster, or filter force and position alike."
+        for name in sorted(ranking.sampled.get(ranking.best.causes, ()))
+    ]
 
 
 def _steered(ranking: Ranking) -> list[str]:

@@ -16,7 +16,14 @@ from msd_ident.model.effects import by_name
 from msd_ident.model.effects.typical import speed
 from msd_ident.selection.evidence import SHAPES, NoiseScale, log_evidence, log_prior
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, imitated
-from msd_ident.selection.law_errors import clearness, leaves_noise, left_over, other_forms, within_law_error
+from msd_ident.selection.law_errors import (
+    clearness,
+    leaves_noise,
+    left_over,
+    other_forms,
+    within_law_error,
+    within_sampling,
+)
 from msd_ident.selection.ranking import CALLED, LEFT_PART, Ranking, kinds
 from msd_ident.selection.simpler_sets import equal_to
 
@@ -52,6 +59,7 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         exact=frozenset(causes for causes in order if leaves_noise(sets[causes], scale.noise)),
         slow={causes: sets[causes].kept("slow", partial(_slow, sets[causes])) for causes in order},
         held={causes: sets[causes].kept("held", partial(_held, sets[causes])) for causes in order},
+        sampled={causes: within_sampling(causes, sets) for causes in order},
         clear={causes: clearness(causes, sets, scale) for causes in order},
         rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > LEFT_PART},

@@ -85,6 +85,8 @@ class Ranking:
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         held: causes of a set that hold the cart at rest and do nothing in motion: a force that acts only while the
             drive is on, or off, may do the same, so they are not certain.
+        sampled: causes of a set that explain no more than what the force may do between its samples: each is at most as
+            likely as that.
         alike: laws of a set, each with a law of another cause that gives the same motion in its place
             (``equal_motion``): each is as likely as the other.
         rubbing: sets beside which Coulomb friction was fitted but is no explanation (``ordering.rank``), each with the
@@ -109,6 +111,7 @@ class Ranking:
     clear: Mapping[Causes, Mapping[str, float]] = field(default_factory=dict)
     slow: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     held: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
+    sampled: Mapping[Causes, frozenset[str]] = field(default_factory=dict)
     alike: Mapping[Causes, Mapping[str, str]] = field(default_factory=dict)
     rubbing: Mapping[Causes, Hypothesis] = field(default_factory=dict)
     unchecked: bool = False
@@ -165,6 +168,7 @@ class Ranking:
             clear={**self.clear, new: told(self.clear.get(old, {}))},
             slow={**self.slow, new: frozenset(names.get(name, name) for name in self.slow.get(old, ()))},
             held={**self.held, new: frozenset(names.get(name, name) for name in self.held.get(old, ()))},
+            sampled={**self.sampled, new: frozenset(names.get(name, name) for name in self.sampled.get(old, ()))},
             alike={**self.alike, new: {names.get(name, name): one for name, one in self.alike.get(old, {}).items()}},
         )
 
@@ -207,10 +211,12 @@ class Ranking:
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor, in a poor experiment, is a law
         that creeps: a sensor that settles moves alike. Nor is what may be another shape of the other laws, or of the
-        controller's (``steered``). A law of another cause that gives the same motion is as likely (``alike``).
+        controller's (``steered``). A law of another cause that gives the same motion is as likely (``alike``); so is
+        what the force may do between its samples (``sampled``).
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
-        odds = min(odds, 1.0) if law in self.alike.get(causes, ()) else odds
+        if law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ()):
+            odds = min(odds, 1.0)
         effect, plain = by_name(law), self.rich and causes in self.exact
         aged = (effect.ages_spring() and not plain) or (effect.creeps and not self.rich)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())

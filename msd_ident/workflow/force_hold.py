@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from msd_ident.data.autoregressive import log_likelihood
-from msd_ident.data.record import Record
+from msd_ident.data.record import FloatArray, Record
 from msd_ident.data.resampling import band_limited, is_even
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.levels import TENTH
@@ -27,8 +27,11 @@ from msd_ident.model.effects.law import DELAY
 
 #: What may be chosen, the simplest first.
 CANDIDATES = ("zero", "linear", "band_limited")
-#: Part of the force samples that must differ from the one before: a force that seldom changes is a command, and held.
-_DENSE = 0.1
+#: Part of the force samples that must differ from the one before, or of the changes that must follow one another: a
+#: force that seldom changes, from one level to the next at once, is a command, and held.
+_DENSE, _ROWS = 0.1, 0.5
+#: Fewest changes that are looked at for rows of them.
+_CHANGES = 4
 #: Samples that are compared: the part of the record in which the force changes most.
 _WINDOW = 3000
 #: Fewest samples of such a part.
@@ -80,8 +83,17 @@ class HoldChoice:
 
 def is_open(record: Record) -> bool:
     """Whether the record leaves open how its force goes on, and can be asked."""
-    enough = record.samples >= _FEWEST
-    return enough and may_lead(record) and float(np.mean(np.diff(record.force) != 0.0)) >= _DENSE
+    return record.samples >= _FEWEST and may_lead(record) and _goes_on(record.force)
+
+
+def _goes_on(force: FloatArray) -> bool:
+    """Whether a force changes often, or changes gradually where it does: a hammer's blow, ramps between plateaus."""
+    changes = np.diff(force) != 0.0
+    if float(np.mean(changes)) >= _DENSE:
+        return True
+    beside = np.concatenate((changes[1:], [False])) | np.concatenate(([False], changes[:-1]))
+    count = np.count_nonzero(changes)
+    return bool(count >= _CHANGES and np.count_nonzero(changes & beside) >= _ROWS * count)
 
 
 def may_lead(record: Record) -> bool:

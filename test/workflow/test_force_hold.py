@@ -105,6 +105,25 @@ def test_only_a_dense_force_of_unknown_hold_is_asked() -> None:
     assert not is_open(replace(record, force_time=record.time + 0.01)), "a force with stamps of its own is a topic's"
 
 
+def test_a_force_that_changes_gradually_is_asked_however_seldom() -> None:
+    """A hammer's blow, ramps between plateaus: they were taken as held, and half a sample of delay for a cause."""
+    record = measured("zero")
+    blow = np.where(abs(record.time - 5.0) < 0.05, np.cos(10.0 * np.pi * (record.time - 5.0)), 0.0)
+    ramps = np.interp(record.time, [5.0, 5.1, 9.0, 9.1], [0.0, 1.0, 1.0, 0.0])
+    command = np.repeat(np.sin(np.arange(record.samples // 20)), 20)
+    for force, asked in ((blow, True), (ramps, True), (command, False)):
+        assert is_open(replace(record, force=force)) == asked
+
+
+def test_a_force_that_fades_to_nothing_is_no_reason_to_refuse_the_record(tmp_path: Path) -> None:
+    """A filter leaves 1e-200 N of what was or will be; a stretch with nothing else was refused as out of scale."""
+    record = measured("zero")
+    force = record.force * np.exp(-np.maximum(5.0 - record.time, 0.0) * 100.0)
+    quiet = replace(record, force=force).window(0.0, 0.4)
+    assert np.all(quiet.force == 0.0)
+    assert np.any(replace(record, force=force).window(0.0, 6.0).force != 0.0)
+
+
 def test_a_table_is_asked_and_the_answer_stands_in_the_result(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     write_csv(measured("band_limited"), path)
