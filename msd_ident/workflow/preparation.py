@@ -14,7 +14,7 @@ from msd_ident.data.quality import Examined, Finding
 from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
-from msd_ident.estimate import FitResult
+from msd_ident.estimate import FitResult, fit
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.law import DELAY
@@ -87,7 +87,7 @@ def prepare(records: Sequence[Record]) -> Prepared:
     understood = tuple(_understood(one.record) for one in examined)
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
-    turned = _is_turned(form)
+    turned = _is_turned(form) and _fits_turned(understood)
     usable = tuple(_usable(one, turned) for one in understood)
     records, holds = _held(usable)
     warnings = (
@@ -224,6 +224,17 @@ def _understood(record: Record) -> _Understood:
 def _is_turned(form: StandardForm | None) -> bool:
     """Whether a positive force moves the encoder downwards."""
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
+
+
+def _fits_turned(understood: Sequence[_Understood]) -> bool:
+    """Whether a plant fits the liveliest record better with its force turned.
+
+    A step from a short standstill, one of many in a random binary force, may show a response of the wrong sign.
+    """
+    liveliest = max(understood, key=lambda one: float(np.ptp(one.record.position)))
+    pair = [_usable(liveliest, turned) for turned in (False, True)]
+    as_it_is, other = (fit(typical_plant(record), (record,)).see for record in pair)
+    return other < as_it_is
 
 
 def _refuse_units(records: Sequence[Record]) -> None:
