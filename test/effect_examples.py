@@ -76,6 +76,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
         "second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5, "second_friction": 0.3,
         "second_creep": 0.002,
     },
+    "position_dependent_inertia": {"inertia_slope": 8.0},
     "scale_drift": {"scale_drift_rate": 0.02},
     "smooth_friction": {"smooth_friction": 0.4, "creep_speed": 0.02},
     "smooth_friction_turn": {"smooth_friction": 0.4, "creep_speed": 0.02, "turn_exponent": 2.0},

@@ -33,7 +33,8 @@ PLAIN: dict[str, Callable[[float], float]] = {
 APART = {
     "bouc_wen", "buffered_stop", "constraint_stop", "curved_stiffness_drift", "drive_hysteresis",
     "eccentricity_harmonic", "fading_damping", "gain_drift", "growing_damping", "modulated_disturbance",
-    "position_dependent_damping", "rubbing_second_mode", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
+    "position_dependent_damping", "position_dependent_inertia",
+    "rubbing_second_mode", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
     "smooth_friction", "smooth_friction_turn", "smooth_stribeck",
 }  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.

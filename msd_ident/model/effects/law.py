@@ -174,7 +174,7 @@ class Law:
     @classmethod
     def placed(cls) -> bool:
         """Whether its force depends on where the cart is, so that a position's zero is seen without a spring too."""
-        laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
+        laws = [law for kind, law in cls.laws().items() if kind in ("force", "friction", "contact")]
         return cls.has_knee() or (not cls.memory and any("x" in arguments(law) for law in laws))
 
     @classmethod
