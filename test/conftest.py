@@ -113,10 +113,10 @@ def asking_about(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """To call with names of causes, about which alone diagnoses ask: for tests of what follows a search."""
 
     def ask(*causes: str) -> None:
-        real = pipeline.prepare
-        monkeypatch.setattr(pipeline, "prepare", lambda task: replace(real(task), asked=frozenset(causes)))
+        real = searching.prepare
+        monkeypatch.setattr(searching, "prepare", lambda task: replace(real(task), asked=frozenset(causes)))
 
-    from msd_ident.diagnosis import pipeline
+    from msd_ident.diagnosis import searching
 
     return ask
 

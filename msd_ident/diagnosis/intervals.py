@@ -70,7 +70,7 @@ def stated(
     noise = np.sqrt(np.maximum(np.diag(result.covariance), 0.0))
     law = _std(_of_laws(fitted, scale.spread(fitted.chi)))[: noise.size]
     known = np.maximum(noise, law)
-    known = np.hypot(known, _sampled(fitted)[: noise.size])
+    known = np.hypot(known, _std(_sampled(fitted))[: noise.size])
     whole = np.hypot(known, _between(result.free, fitted, rivals))
     if rubbing is not None:
         whole = np.hypot(whole, _unseen(result.free, known, (fitted, rubbing), scale))
@@ -120,7 +120,8 @@ def at_rest(
     known = [replace(result, covariance=one).derived(slope, unit) for one in (result.covariance, law)]
     lead = slope_at_rest(fitted.model)
     between = sum(p * (slope_at_rest(rival.model) - lead) ** 2 for p, rival in rivals)
-    std = math.hypot(max((one.std for one in known), key=_open_first), math.sqrt(between))
+    sampled = replace(result, covariance=_sampled(fitted)[:count, :count]).derived(slope, unit).std
+    std = math.hypot(max((one.std for one in known), key=_open_first), math.sqrt(between), sampled)
     return {AT_REST: replace(known[0], std=std)}
 
 
@@ -143,10 +144,10 @@ def _of_laws(fitted: Hypothesis, variance: float, before: FloatArray | float = 0
 
 
 def _sampled(fitted: Hypothesis) -> FloatArray:
-    """Standard deviation (q,) of the entries by what the force may do between its samples."""
+    """Covariance (q, q) of the entries by what the force may do between its samples."""
     slopes = force_between.slopes(fitted.readings, fitted.model, fitted.state.jacobian)
     inverse = _of_laws(fitted, 1.0)
-    return _std(inverse @ slopes @ inverse)
+    return np.asarray(inverse @ slopes @ inverse)
 
 
 def _std(covariance: FloatArray) -> FloatArray:

@@ -6,98 +6,40 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from msd_ident import parallel
-from msd_ident.data.quality import Finding, force_unknown, steered
-from msd_ident.data.record import Record
 from msd_ident.diagnosis import intervals, ranges, rival_sets, verdict
-from msd_ident.diagnosis.choice import chosen
+from msd_ident.diagnosis.choice import Choice, chosen
 from msd_ident.diagnosis.result import Cause, Diagnosis
-from msd_ident.errors import UsageError
+from msd_ident.diagnosis.searching import Searched, Task, floor, result, search, silent
 from msd_ident.estimate import FitResult, see, see_reduction
-from msd_ident.estimate.base_fits import Shared
-from msd_ident.estimate.effort import KEPT
 from msd_ident.estimate.levels import NEGLIGIBLE
-from msd_ident.estimate.problem import Initial
 from msd_ident.estimate.result import scale_known
-from msd_ident.estimate.summary import summarise_fit
 from msd_ident.features import extract
-from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.quantity import Quantity
-from msd_ident.residuals import dependence, noise_model, nonparametric
+from msd_ident.residuals import dependence, nonparametric
 from msd_ident.residuals.adequacy import Adequacy, judge
 from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force, missing_force
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 from msd_ident.residuals.ringdown import RingDown, ring_down
-from msd_ident.residuals.unexplained import TOLERANCE, JudgedModel, remainders
+from msd_ident.residuals.unexplained import JudgedModel, remainders
 from msd_ident.selection import (
-    coarse_to_fine,
     gain_laws,
-    handover,
     identities,
     naming,
     replication,
     rest_constraint,
 )
-from msd_ident.selection.base_hypotheses import base_fit, shared_fits
-from msd_ident.selection.candidate_models import CandidateModel, of_ranking
-from msd_ident.selection.cause_assessment import assess, noted
+from msd_ident.selection.candidate_models import of_ranking
+from msd_ident.selection.cause_assessment import assess
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ordering import rank
 from msd_ident.selection.ranking import DECISIVE, Ranking
-from msd_ident.selection.structure_search import NOTHING, Progress, Remembered
-
-
-def silent(stage: str, fraction: float, cause: str) -> None:
-    """Progress callback that reports nothing."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """What to diagnose.
-
-    Attributes:
-        records: one experiment: all records of one plant, in one pair of units, each from its start or release on.
-        sprung: False for a plain axis, whose stiffness is 0.
-        plant: mass, damping and stiffness from the features, to start from.
-        findings, warnings, ring_down: what is known about the data before any model; they go into the result.
-        tolerance: part of the motion's rms that the lab does not care about [%].
-        rest_before: for each record the rest before a hand moved the cart, which the record leaves out; None without.
-        calibrate: whether copies of the records are diagnosed too, and the probabilities corrected by what they are
-            called; if False, only where ``selection.replication`` finds it worth the cost.
-    """
-
-    records: tuple[Record, ...]
-    sprung: bool = True
-    plant: Model | None = None
-    findings: tuple[Finding, ...] = ()
-    warnings: tuple[str, ...] = ()
-    ring_down: RingDown | None = None
-    tolerance: float = TOLERANCE
-    rest_before: tuple[Record | None, ...] = ()
-    calibrate: bool = False
-
-    @property
-    def forced(self) -> bool:
-        """Whether any force acts."""
-        return any(bool(np.any(record.force_at(record.time))) for record in self.records)
-
-    @property
-    def steered(self) -> bool:
-        """Whether a controller computes the force from the readings."""
-        return steered(self.findings)
-
-    @property
-    def gain_known(self) -> bool:
-        """Whether forces and positions are in units of mechanics."""
-        return (self.records[0].force_unit, self.records[0].position_unit) in (("N", "m"), ("N·m", "rad"))
+from msd_ident.selection.structure_search import Progress
 
 
 def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis | None = None) -> Diagnosis:
@@ -111,71 +53,13 @@ def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis
     Raises:
         UsageError: no records.
     """
-    if not task.records:
-        raise UsageError("no records to diagnose; expected at least one")
-    progress("base model", 0.02, "")
-    experiment = prepare(task)
-    shared = shared_fits(experiment, task.plant or experiment.base)
-    base, friction = base_fit(experiment, shared)
-    experiment = replace(experiment, base=base.model)
-    left = judge(base.residuals(), experiment.readings)
-    if left.consistent:
-        ranking = replace(noted(rank({NOTHING: base}, NoiseScale()), experiment), rubbing={NOTHING: friction})
-    else:
-        ranking = coarse_to_fine.search(experiment, (base, friction), progress, _remembered(earlier, task.records))
-    ranking = replace(ranking, steered=task.steered, pushed_unseen=force_unknown(task.findings))
-    return _conclude(task, experiment, _Search(base, ranking, shared), progress)
+    return concluded(task, search(task, progress, earlier), progress)
 
 
-def prepare(task: Task) -> Experiment:
-    """The data as evidence, and what the base model has fixed."""
-    fixed = set() if task.sprung else {"stiffness"}
-    if not task.forced:
-        fixed.add("mass")  # a free decay knows ratios only: the numbers are those of 1 kg
-    force = max(float(np.max(np.abs(record.force))) for record in task.records)
-    span = max(float(np.ptp(record.position)) for record in task.records)
-    duration = max(record.duration for record in task.records)
-    stiffness = (force or 1.0) / max(span, 1e-12)
-    mass = stiffness * (duration / 20.0) ** 2 if task.forced else 1.0
-    if not task.forced:
-        stiffness = (20.0 / duration) ** 2
-    model = Plant(mass, 0.1 * math.sqrt(mass * stiffness), stiffness if task.sprung else 0.0)
-    parts = noise_model.prepare(task.records)
-    rests = zip(task.rest_before, parts, strict=False)
-    quiet = tuple(noise_model.of_record(rest, part.noise, part.step) for rest, part in rests if rest is not None)
-    return Experiment(parts, model, frozenset(fixed), quiet)
-
-
-def _remembered(earlier: Diagnosis | None, records: Sequence[Record]) -> list[Remembered]:
-    """What stood before, the likeliest first; a record that was not there begins at rest at its first reading."""
-    if earlier is None:
-        return []
-
-    def began(contender: CandidateModel, record: Record) -> Initial:
-        for known, initial in zip(earlier.records, contender.initial, strict=True):
-            if np.array_equal(known.time, record.time) and np.array_equal(known.position, record.position):
-                return initial
-        return Initial(0.0, 0.0, float(record.position[0]))
-
-    return [
-        (frozenset(one.causes), one.model, tuple(began(one, record) for record in records))
-        for one in earlier.contenders[:KEPT]
-        if one.causes
-    ]
-
-
-@dataclass(frozen=True)
-class _Search:
-    """What the search found: the base model, the ranking of the sets of causes, and the fits of the plain plant."""
-
-    base: Hypothesis
-    ranking: Ranking
-    shared: Shared
-
-
-def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Progress) -> Diagnosis:
-    base, shared = search.base, search.shared
-    choice = chosen(experiment, base, search.ranking, task.calibrate, progress)
+def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagnosis:
+    """What a search for a task found, as a diagnosis; ``progress`` as of ``diagnose_records``."""
+    experiment, base, shared = found.experiment, found.base, found.shared
+    choice = chosen(experiment, base, found.ranking, task.calibrate, progress)
     ranking, best, scale, alike = choice.ranking, choice.best, choice.scale, choice.alike
     progress("verdict", 0.97, "")
     base, shown = _resting(experiment, base), _resting(experiment, best)
@@ -183,15 +67,15 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     rivals = _beside(experiment, best, ranking, alike, scale)
     rubbing = ranking.rubbing.get(best.causes)
     faint = rubbing and _resting(experiment, rubbing)
-    found = _result(experiment, shown, shared)
-    extended = intervals.stated(found, shown, rivals, scale, faint)
-    plain = intervals.stated(_result(experiment, base, shared), base, (), scale) if best.causes else extended
+    fit = result(experiment, shown, shared)
+    extended = intervals.stated(fit, shown, rivals, scale, faint)
+    plain = intervals.stated(result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
     missing, *lacking = _forces(heard, base, (base, shown) if best.causes else (shown,))
     still = lacking[-1]
     judged = [JudgedModel(*one) for one in zip(fits, (lacking[0], still), left, strict=True)]
-    lacks = remainders(task.records, _floor(heard), judged[0], judged[1], task.tolerance)
+    lacks = remainders(task.records, floor(heard), judged[0], judged[1], task.tolerance)
     decision = verdict.decide(causes, lacks)
     characteristics = None
     if lacks.exceeds:
@@ -199,10 +83,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
     tied = ranking.within(DECISIVE) if decision == "ambiguous" else [best]
     others = [_resting(experiment, one) for one in (*tied, *alike) if one is not best]
     moved = ranges.over(extended, others, best.causes in ranking.exact, shared)
-    said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
-    if best.causes == ranking.best.causes:
-        said += naming.other_forms(ranking) + replication.left_unchecked(ranking, choice.matrix)
-    said += verdict.spread_sentence(moved) + fits[1].open_directions
+    said = _warned(task, choice, shown) + verdict.spread_sentence(moved) + fits[1].open_directions
     if not scale_known(fits[1].quantities):
         said += fits[0].open_directions or (intervals.NO_SCALE,)
     after = " ".join(filter(None, (dependence.sentence(still), _unnamed(ranking, best))))
@@ -216,7 +97,7 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         extended=fits[1],
         see_reduction_percent=see_reduction(fits[0].see, fits[1].see),
         heldout=choice.heldout,
-        noise_floor=_floor(heard),
+        noise_floor=floor(heard),
         base_adequacy=left[0],
         adequacy=left[1],
         left=lacks,
@@ -231,8 +112,16 @@ def _conclude(task: Task, experiment: Experiment, search: _Search, progress: Pro
         ring_down=_read(task, causes, fits[1]),
         contenders=of_ranking(ranking, scale, experiment.readings),
         tried=assess(experiment.library, ranking, best.causes, [name for cause in causes for name in cause.tied_with]),
-        derived=intervals.at_rest(found, shown, rivals, scale),
+        derived=intervals.at_rest(fit, shown, rivals, scale),
     )
+
+
+def _warned(task: Task, choice: Choice, shown: Hypothesis) -> tuple[str, ...]:
+    """What is known about the data, and why named causes are not certain."""
+    said = task.warnings + identities.sentences(shown.model, task.forced, task.gain_known)
+    if choice.best.causes != choice.ranking.best.causes:
+        return said
+    return said + naming.other_forms(choice.ranking) + replication.left_unchecked(choice.ranking, choice.matrix)
 
 
 def _unnamed(ranking: Ranking, best: Hypothesis) -> str:
@@ -292,11 +181,6 @@ def _resting(experiment: Experiment, fitted: Hypothesis) -> Hypothesis:
     return rest_constraint.constrained(fitted, experiment.readings, known)
 
 
-def _result(experiment: Experiment, fitted: Hypothesis, shared: Shared) -> FitResult:
-    """The model that is handed over: the set refitted by plain simulation error."""
-    return summarise_fit(fitted.problem, handover.simulating(fitted, shared), _floor(experiment))
-
-
 def _heard(
     experiment: Experiment, noise: NoiseSpectrum | None, sets: Sequence[Hypothesis]
 ) -> tuple[Experiment, tuple[Adequacy, ...]]:
@@ -319,11 +203,6 @@ def _floors_left(experiment: Experiment, noise: NoiseSpectrum | None, one: Hypot
     if noise is None:
         return math.sqrt(one.chi / experiment.evidence)
     return _heard(experiment, noise, (one,))[1][0].ratio
-
-
-def _floor(experiment: Experiment) -> float:
-    samples = sum(part.record.samples for part in experiment.readings)
-    return math.sqrt(sum(part.record.samples * part.noise**2 for part in experiment.readings) / samples)
 
 
 def _forces(

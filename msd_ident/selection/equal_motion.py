@@ -31,8 +31,12 @@ def equal_motion(
     """
     others = ((effect, law.moving_as(effect, fitted.model)) for effect in fitted.model.effects for law in LIBRARY)
     most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + scale.unseen(fitted.chi)
-    top = max(speed(record) for record in experiment.records)
-    forms = {effect.name: cause for effect in fitted.model.effects if (cause := effect.may_be(top))}
+    top, held = max(speed(record) for record in experiment.records), {one.cause() for one in fitted.model.effects}
+    forms = {
+        effect.name: cause
+        for effect in fitted.model.effects
+        for cause in [one for one in effect.may_be(top) if one not in held][:1]
+    }
     return forms | {
         effect.name: other.name
         for effect, other in others

@@ -245,8 +245,8 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
 def _sampled(ranking: Ranking) -> list[str]:
     """Why named causes that explain little under a force of few samples are not certain; empty where there are none."""
     return [
-        f"{spoken(name)} explains no more than what the force may do between its samples, which is not measured: it is "
-        "not certain. Sample the force faster, or filter force and position alike."
+        f"{spoken(name)} explains no more than twice what the force may do between its samples, which is not measured: "
+        "it is not certain. Sample the force faster, or filter force and position alike."
         for name in sorted(ranking.sampled.get(ranking.best.causes, ()))
     ]
 

@@ -85,8 +85,8 @@ class Ranking:
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
         held: causes of a set that hold the cart at rest and do nothing in motion: a force that acts only while the
             drive is on, or off, may do the same, so they are not certain.
-        sampled: causes of a set that explain no more than what the force may do between its samples: each is at most as
-            likely as that.
+        sampled: causes of a set that explain no more than twice what the force may do between its samples: each is at
+            most as likely as that.
         alike: laws of a set, each with a law of another cause that gives the same motion in its place
             (``equal_motion``): each is as likely as the other.
         rubbing: sets beside which Coulomb friction was fitted but is no explanation (``ordering.rank``), each with the

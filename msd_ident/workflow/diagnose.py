@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from msd_ident.data.record import Record
 from msd_ident.design import proposing
-from msd_ident.diagnosis import Diagnosis, Task, diagnose_records, same_plant
+from msd_ident.diagnosis import Diagnosis, Task, concluded, diagnose_records, same_plant, search
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, explained
 from msd_ident.estimate.levels import MOST_OF
@@ -49,10 +49,17 @@ def diagnose(
     progress("looking at the data", 0.01, "")
     prepared = prepare(records)
     decision = has_spring(prepared, options)
-    diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
+    found = search(_task(prepared, options, decision), progress, earlier)
+    fitted = found.fitted
     for _ in range(2):  # the hold, and then the lead
-        if (otherwise := held_otherwise(prepared, diagnosis.extended)) is None:
+        if (otherwise := held_otherwise(prepared, fitted)) is None:
             break
+        prepared = otherwise
+        found = search(_task(prepared, options, decision), progress, earlier)
+        fitted = found.fitted
+    diagnosis = concluded(_task(prepared, options, decision), found, progress)
+    changed = diagnosis.extended.model.effect_names != fitted.model.effect_names  # by copies, or left-out data
+    if changed and (otherwise := held_otherwise(prepared, diagnosis.extended)) is not None:
         prepared = otherwise
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)
     if other := _decided_again(decision, diagnosis):

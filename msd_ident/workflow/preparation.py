@@ -15,6 +15,7 @@ from msd_ident.data.quality.finding import Severity
 from msd_ident.data.record import Record
 from msd_ident.errors import DataError, UsageError
 from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.base_fits import structure
 from msd_ident.features import Features, StandardForm, extract, pool
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.law import DELAY
@@ -87,7 +88,7 @@ def prepare(records: Sequence[Record]) -> Prepared:
     understood = tuple(_understood(one.record) for one in examined)
     features = tuple(one.features for one in understood)
     form = pool(found.standard_form for found in features)
-    turned = _is_turned(form) and _fits_turned(understood)
+    turned = _is_turned(form) and (not _doubtful(understood) or _fits_turned(understood))
     usable = tuple(_usable(one, turned) for one in understood)
     records, holds = _held(usable)
     warnings = (
@@ -226,14 +227,21 @@ def _is_turned(form: StandardForm | None) -> bool:
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0
 
 
-def _fits_turned(understood: Sequence[_Understood]) -> bool:
-    """Whether a plant fits the liveliest record better with its force turned.
-
-    A step from a short standstill, one of many in a random binary force, may show a response of the wrong sign.
+def _doubtful(understood: Sequence[_Understood]) -> bool:
+    """Whether the responses that were read are few of the steps of the force: one of many in a random binary force,
+    from a short standstill, may have the wrong sign.
     """
-    liveliest = max(understood, key=lambda one: float(np.ptp(one.record.position)))
-    pair = [_usable(liveliest, turned) for turned in (False, True)]
-    as_it_is, other = (fit(typical_plant(record), (record,)).see for record in pair)
+    steps = sum(int(np.count_nonzero(np.diff(one.record.force))) for one in understood)
+    return steps > 2 * sum(len(one.features.responses) for one in understood if np.ptp(one.record.force) > 0.0)
+
+
+def _fits_turned(understood: Sequence[_Understood]) -> bool:
+    """Whether a plant with dry friction fits the driven records better with their force turned."""
+    driven = [one for one in understood if np.ptp(one.record.force) > 0.0]
+    as_it_is, other = (
+        fit(structure(typical_plant(records[0]), sprung=True), records).see
+        for records in ([_usable(one, turned) for one in driven] for turned in (False, True))
+    )
     return other < as_it_is
 
 

@@ -13,7 +13,7 @@ from effect_examples import EXAMPLES, example, model, neutral, plant, record, si
 
 from msd_ident.errors import UsageError
 from msd_ident.model import Effect, Simulator, simulate
-from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, structural
+from msd_ident.model.effects import ARGUMENTS, LIBRARY, by_name, spoken, structural
 from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, KINDS, LAG, PLAY, SECOND_MASS, STRUCTURAL
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.plant import PLANT_PARAMETERS
@@ -332,3 +332,9 @@ def test_a_law_that_keeps_the_gain_passes_some_changes_of_the_command_on_as_they
     commands = np.linspace(-20.0, 20.0, 4001)
     force = np.array([effect.pushes(float(u), 1.0) for u in commands])
     assert effect.keeps_gain() is bool(np.any(np.isclose(np.diff(force), np.diff(commands), rtol=1e-6, atol=0.0)))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_name_is_spoken_with_all_its_letters(name: str) -> None:
+    """A person's name takes the place of itself alone: "Stribecktribeck" stood in a verdict."""
+    assert spoken(name).replace(" ", "").replace("-", "").lower() == name.replace("_", "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from msd_ident.data.record import Record, from_samples
 from msd_ident.model import Plant, simulate
+from msd_ident.model.effects import by_name
 from msd_ident.residuals import force_between
 from msd_ident.residuals.noise_model import of_record
 from msd_ident.workflow import pipeline
@@ -71,11 +73,42 @@ def test_slopes_are_sums_over_the_blows() -> None:
     assert np.allclose(force_between.slopes([part], PLANT, rows), expected, rtol=1e-6, atol=1e-9 * expected.max())
 
 
+def test_a_force_that_bends_all_the_time_or_out_of_the_record_leaves_nothing_open() -> None:
+    """What a fit leaves shows such errors: a drag that was clearly seen under a measured noise was as likely as not."""
+    record = replace(struck(6.0, (100.2,), (40.0,)), hold="linear")
+    busy = replace(record, force=np.random.default_rng(1).normal(size=SAMPLES))
+    assert force_between.chi([of_record(busy, NOISE)], PLANT) == 0.0
+    before = np.linspace(-5.0, -1.0, 400)
+    early = replace(
+        record, force_time=np.concatenate((before, record.time)),
+        force=np.concatenate((np.where(abs(before + 3.0) < 0.2, 5.0, 0.0), np.zeros(SAMPLES))),
+    )  # fmt: skip
+    assert force_between.chi([of_record(early, NOISE)], PLANT) == 0.0
+
+
+def test_stamps_that_are_not_even_bend_no_ramp() -> None:
+    record = replace(struck(6.0, (100.2,), (40.0,)), hold="linear")
+    time = record.time + PERIOD * np.random.default_rng(3).uniform(-0.3, 0.3, SAMPLES)
+    ramp = replace(record, time=time, force_time=time, force=7.0 * time)
+    assert force_between.chi([of_record(ramp, NOISE)], PLANT) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_true_cause_under_a_force_of_straight_lines_stays_certain(asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "time_offset", "force_dead_zone")
+    rig = PLANT + by_name("coulomb_friction").from_values({"coulomb_force": 1.0})
+    time = PERIOD * np.arange(4000)
+    force = np.interp(time, [0.1, 0.4, 1.2, 1.5, 2.4, 2.6], [0.0, 20.0, 20.0, -15.0, -15.0, 0.0])
+    told = from_samples(time, force, np.zeros(time.size), hold="linear")
+    noise = np.random.default_rng(6).normal(0.0, 1e-5, time.size)
+    found = pipeline.diagnose([replace(told, position=simulate(rig, told).position + noise, hold_known=False)])
+    assert [(cause.name, cause.probability > 0.8) for cause in found.causes] == [("coulomb_friction", True)]
+
+
 @pytest.mark.parametrize("width", [6.3, 8.2])
 def test_blows_of_a_few_samples_on_a_linear_rig_have_no_certain_cause(width: float) -> None:
     """Each blow has its own area between the samples: a gain or a dead zone of the force was stated with > 99.9 %."""
     found = pipeline.diagnose([struck(width, (60.3, 440.7, 900.15), (40.0, 30.0, 36.0))])
-    assert all(cause.probability <= 0.75 for cause in found.causes), found.causes
+    assert all(cause.probability <= 0.5 for cause in found.causes), found.causes
     q = found.extended.quantities["mass"]
     assert abs(q.value - PLANT.mass) < 3.0 * q.std
     assert found.records[0].hold == "linear"

@@ -33,6 +33,16 @@ def test_a_step_from_a_short_standstill_does_not_turn_the_force(seed: int) -> No
     assert found.extended.quantities["mass"].value == pytest.approx(PLANT.mass, rel=2e-3)
 
 
+def test_a_free_decay_beside_it_does_not_hide_an_encoder_that_counts_the_other_way() -> None:
+    record = random_binary(96)
+    step = replace(record, force=np.where(np.arange(record.samples) < 1000, 0.0, 4.0))
+    moved = replace(step, position=-simulate(PLANT, step).position)
+    free = replace(step, force=np.zeros(step.samples))
+    decay = replace(free, position=simulate(PLANT, free, 0.02, 0.0).position)
+    assert prepare([moved]).turned
+    assert prepare([moved, decay]).turned
+
+
 def test_an_encoder_that_counts_the_other_way_is_still_seen() -> None:
     record = random_binary(96)
     quiet = np.arange(record.samples) < 1000  # rest, and then a step that is held

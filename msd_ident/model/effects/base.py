@@ -44,8 +44,9 @@ class Effect(Law):
     - ``reversal_NAME(...)``: the new value of NAME in ``memory`` when the motion turns at x, one function for each
       name: all are given the values before the turn and the ``direction`` that ends. A record begins with such a call,
       in which ``direction`` is 0;
-    - ``contact(...)`` [N]: what a contact leaves of the ``net`` force on the cart, dry friction included, while it
-      moves; ``contact_at_rest(...)`` [N]: what dry friction has to hold of the net force of all else at rest;
+    - ``contact(...)`` [N]: the force that moves the mass, of the ``net`` force on the cart, dry friction included,
+      while it moves: what a contact leaves of it, or what does the same to another inertia;
+      ``contact_at_rest(...)`` [N]: what dry friction has to hold of the net force of all else at rest;
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
     - ``reading(...)`` [m]: what the sensor makes of x.
 
@@ -232,12 +233,12 @@ class Effect(Law):
         del other, model
         return None
 
-    def may_be(self, speed: float) -> str:
-        """Cause of which it may be another form with its present values, if the motion reaches a speed [m/s] at most;
-        empty for none.
+    def may_be(self, speed: float) -> tuple[str, ...]:
+        """Causes of which it may be another form with its present values, if the motion reaches a speed [m/s] at most,
+        the simplest first.
         """
         del speed
-        return ""
+        return ()
 
     def zero_in(self, model: Model) -> float:
         """Position [m] in a fitted model, one of whose effects it takes the place of, from which it counts."""

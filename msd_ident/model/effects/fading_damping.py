@@ -66,9 +66,9 @@ class FadingDamping(Effect):
             return 0.0
         return fading_damping * v / (1.0 + math.exp(fading_exponent * math.log(speed / fading_speed)))
 
-    def may_be(self, speed: float) -> str:
-        """Dry friction, where the force has its peak far below all speeds and hardly depends on the speed beyond."""
-        return "coulomb_friction" if self.fading_speed < _DRY * speed else ""
+    def may_be(self, speed: float) -> tuple[str, ...]:
+        """Dry friction that creeps, where the force has its peak far below most speeds."""
+        return ("coulomb_friction", "stribeck_friction") if self.fading_speed < _DRY * speed else ()
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

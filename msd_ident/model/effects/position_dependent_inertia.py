@@ -20,9 +20,10 @@ _MOST = 0.8
 
 @dataclass(frozen=True)
 class PositionDependentInertia(Effect):
-    """m·(1 + a·x) in the place of m: a crank, a linkage, a second joint that moves with the first.
+    """m·(1 + a·x) in the place of m, on a spring: a crank, a linkage, a load that moves with the joint.
 
-    Its kinetic energy is ½·m·(1 + a·x)·v², so that the speed pushes it to where the inertia is smaller.
+    Its kinetic energy is ½·m·(1 + a·x)·v², so that the speed pushes it to where the inertia is smaller. m is that at
+    the relaxed spring; without a spring no place is told from another. The inertia is never below a tenth of m.
     """
 
     inertia_slope: float
@@ -39,6 +40,7 @@ class PositionDependentInertia(Effect):
     source = "Lagrange's equation of one coordinate; Featherstone 2008 (Rigid Body Dynamics Algorithms), chapter 3"
     neutral = (("inertia_slope", 0.0),)
     mirror = False
+    needs_spring = True
     mistaken_for = ("asymmetric_spring", "sensor_nonlinearity")
     prior_odds = 1.0 / 40.0
     measured_by = "weigh or swing it at both ends of the travel"
@@ -46,7 +48,7 @@ class PositionDependentInertia(Effect):
     @staticmethod
     def contact(net: float, x: float, v: float, mass: float, inertia_slope: float) -> float:
         """Force [N] that gives the mass m the same acceleration."""
-        return (net - 0.5 * mass * inertia_slope * v * v) / (1.0 + inertia_slope * x)
+        return (net - 0.5 * mass * inertia_slope * v * v) / max(1.0 + inertia_slope * x, 0.1)
 
     @staticmethod
     def contact_at_rest(net: float) -> float:
@@ -56,7 +58,7 @@ class PositionDependentInertia(Effect):
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``. The inertia stays positive all along the travel."""
-        most = _MOST / max(seen.reach, seen.span)
+        most = _MOST / seen.span
         return {"inertia_slope": (-most, most)}
 
     @classmethod

@@ -35,6 +35,7 @@ class SensorDrift(Effect):
     piecewise_linear = True
     mirror = False
     steady = False
+    or_else = "a constant force on the spring that drifts (a load cell's zero)"
     measured_by = "read the encoder with the cart clamped for as long as an experiment takes"
 
     @staticmethod

@@ -44,7 +44,6 @@ class SmoothFriction(Effect):
     source = "Andersson, Söderberg & Björklund 2007 (Tribology International 40), section 3"
     neutral = (("smooth_friction", 0.0),)
     family = "dry friction"
-    eponym = "Coulomb"
     dissipative = True
     form_of = "coulomb_friction"
     mistaken_for = ("quadratic_drag",)

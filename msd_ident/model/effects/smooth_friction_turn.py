@@ -37,7 +37,6 @@ class SmoothFrictionTurn(Effect):
     source = "Andersson, Söderberg & Björklund 2007 (Tribology International 40), section 3; n = 2: algebraic"
     neutral = SmoothFriction.neutral
     family = "dry friction"
-    eponym = "Coulomb"
     dissipative = True
     form_of = "coulomb_friction"
     mistaken_for = ("quadratic_drag",)
@@ -47,8 +46,9 @@ class SmoothFrictionTurn(Effect):
     turns = True
 
     @staticmethod
-    def force(v: float, speed: float, smooth_friction: float, creep_speed: float, turn_exponent: float) -> float:
+    def force(v: float, smooth_friction: float, creep_speed: float, turn_exponent: float) -> float:
         """Friction [N]."""
+        speed = abs(v)
         part = speed / creep_speed
         if part <= 1e-9:
             return smooth_friction * v / creep_speed

@@ -24,8 +24,8 @@ _FALLS, _CREEPS = (0.05, 0.15, 0.5), (0.07, 0.4)
 
 @dataclass(frozen=True)
 class SmoothStribeck(Effect):
-    """Friction that rises over the creep speed vc, has its peak Fs at vs/sqrt(2), and falls to Fc beyond: the friction
-    elements of block diagrams, which have vc = vs/14.
+    """Friction that rises over the creep speed vc, has its peak Fs near vs/sqrt(2) where vc is well below that, and
+    falls to Fc beyond: the friction elements of block diagrams, which have vc = vs/14.
 
     An Fs below Fc counts as Fc, as in Stribeck's law with a jump.
     """
@@ -48,7 +48,6 @@ class SmoothStribeck(Effect):
     source = "Simscape, Translational Friction; Armstrong-Hélouvry & Canudas de Wit 1995 (The Control Handbook)"
     neutral = (("smooth_friction", 0.0), ("peak_friction", 0.0))
     family = "dry friction"
-    eponym = "Stribeck"
     dissipative = True
     form_of = "stribeck_friction"
     mistaken_for = ("coulomb_friction", "quadratic_drag")
