@@ -122,7 +122,7 @@ def minimise(objective: Objective, start: FloatArray, limits: SolverOptions) -> 
             continue
         done = gain <= limits.cost_tolerance * normal.cost and damping < 1.0
         done = done or _small(step, point, limits)
-        point = point + step
+        point = np.clip(point + step, limits.lower, limits.upper)  # rounding may lie beyond
         damping, growth = damping * max(1.0 / 10.0, 1.0 - (2.0 * gain / expected - 1.0) ** 3), 2.0
         if done:
             normal = Normal(cost, normal.gradient + normal.matrix @ step, normal.matrix)
@@ -147,11 +147,11 @@ def _release(objective: Objective, normal: Normal, outcome: Solution, limits: So
     told = vectors[:, values > NULL * max(float(values[-1]), 1e-300)] / size[:, None]
     strength = values[values > NULL * max(float(values[-1]), 1e-300)]
     step = -told @ ((told.T @ normal.gradient) / strength)
-    step = np.clip(outcome.point + step, limits.lower, limits.upper) - outcome.point
-    if _expected_gain(normal, step) > limits.cost_tolerance * normal.cost:
-        cost = objective.cost(outcome.point + step)
+    point = np.clip(outcome.point + step, limits.lower, limits.upper)
+    if _expected_gain(normal, point - outcome.point) > limits.cost_tolerance * normal.cost:
+        cost = objective.cost(point)
         if cost < outcome.cost:
-            return replace(outcome, point=outcome.point + step, cost=cost, matrix=normal.matrix)
+            return replace(outcome, point=point, cost=cost, matrix=normal.matrix)
     return replace(outcome, matrix=normal.matrix)
 
 

@@ -85,3 +85,11 @@ def test_too_few_iterations_are_told() -> None:
     outcome = minimise(Squares(_rosenbrock), np.array([-1.2, 1.0]), _limits(2, iterations=2))
     assert not outcome.converged
     assert outcome.message == "Not converged: the error still fell after 2 iterations; give a better start."
+
+
+def test_a_bound_is_never_left_by_rounding() -> None:
+    """(lower - x) + x is not lower: a law refused such a value, and with it the whole diagnosis."""
+    lower = 1e-9
+    for start in np.random.default_rng(1).uniform(0.01, 3.0, 200):
+        found = minimise(Squares(lambda x: np.array([x[0] + 1.0, 0.1])), np.array([start]), _limits(1, lower, 9.0))
+        assert found.point[0] >= lower
