@@ -80,7 +80,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "scale_drift": {"scale_drift_rate": 0.02},
     "smooth_friction": {"smooth_friction": 0.4, "creep_speed": 0.02},
     "smooth_friction_turn": {"smooth_friction": 0.4, "creep_speed": 0.02, "turn_exponent": 2.0},
-    "smooth_stribeck": {
+    "smooth_stribeck_friction": {
         "smooth_friction": 0.3, "peak_friction": 0.5, "peak_velocity": 0.03, "creep_speed": 0.003,
     },
     "second_mode": {"second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5},

@@ -35,7 +35,7 @@ APART = {
     "eccentricity_harmonic", "fading_damping", "gain_drift", "growing_damping", "modulated_disturbance",
     "position_dependent_damping", "position_dependent_inertia",
     "rubbing_second_mode", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity",
-    "smooth_friction", "smooth_friction_turn", "smooth_stribeck",
+    "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction",
 }  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.
 THEIRS = [name for name in sorted(set(EXAMPLES) - set(PLAIN) - APART) if RIG.get(name, (name,))[0] in THEIR_EFFECTS]

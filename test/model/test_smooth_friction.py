@@ -15,7 +15,7 @@ from msd_ident.model import Simulator
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.smooth_friction import SmoothFriction
 from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
-from msd_ident.model.effects.smooth_stribeck import SmoothStribeck
+from msd_ident.model.effects.smooth_stribeck_friction import SmoothStribeckFriction
 from msd_ident.workflow import pipeline
 
 
@@ -63,7 +63,7 @@ def test_a_turn_of_another_sharpness_is_the_published_one(creep: float, sharpnes
 def test_a_peak_is_that_of_block_diagrams(peak: float, falls: float, creep: float) -> None:
     """A breakaway below the sliding friction counts as that."""
     measured = record(rate=500.0, duration=1.0)
-    whole = plant() + SmoothStribeck(0.5, peak, falls, creep)
+    whole = plant() + SmoothStribeckFriction(0.5, peak, falls, creep)
 
     def rubs(v: float) -> float:
         bump = np.sqrt(2.0 * np.e) * (max(peak, 0.5) - 0.5) * np.exp(-((v / falls) ** 2)) * v / falls
@@ -72,7 +72,7 @@ def test_a_peak_is_that_of_block_diagrams(peak: float, falls: float, creep: floa
     found = Simulator(whole, measured).positions(whole.values)
     expected = following(measured, rubs)
     assert np.max(np.abs(found - expected)) < 1e-5 * np.ptp(expected)
-    assert SmoothStribeck.force(falls / np.sqrt(2.0), 0.0, 0.5, falls, creep) == pytest.approx(0.5)
+    assert SmoothStribeckFriction.force(falls / np.sqrt(2.0), 0.0, 0.5, falls, creep) == pytest.approx(0.5)
 
 
 def test_far_below_all_speeds_it_is_coulomb_friction() -> None:
@@ -124,7 +124,7 @@ def test_a_joint_that_creeps_has_no_second_mass_and_no_fading_damping(
 
 
 ASKED = (
-    "coulomb_friction", "smooth_friction", "smooth_friction_turn", "smooth_stribeck", "stribeck_friction",
+    "coulomb_friction", "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction", "stribeck_friction",
     "fading_damping", "quadratic_drag",
 )  # fmt: skip
 
@@ -140,7 +140,7 @@ def test_friction_of_block_diagrams_is_stribeck_friction(asking_about: Callable[
         return float(bump + 0.4 * np.tanh(14.14 * v / falls))
 
     found = pipeline.diagnose([noisy(pushed, following(pushed, rubs))])
-    assert [cause.name for cause in found.causes] == ["smooth_stribeck"]
+    assert [cause.name for cause in found.causes] == ["smooth_stribeck_friction"]
     assert found.causes[0].probability > 0.9
     assert found.causes[0].parameters["peak_friction"].value == pytest.approx(0.7, rel=0.05)
 

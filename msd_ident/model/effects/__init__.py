@@ -56,4 +56,4 @@ def saturation() -> type[Effect] | None:
 def spoken(name: str) -> str:
     """The name as people say it: ``quadratic drag`` for ``quadratic_drag``, ``Coulomb friction``, ``Bouc-Wen``."""
     person = next((effect.eponym for effect in LIBRARY if effect.name == name), "")
-    return person + name[len(person) :].replace("_", " ")
+    return name.replace(person.lower().replace("-", "_"), person, 1).replace("_", " ")

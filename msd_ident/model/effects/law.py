@@ -74,7 +74,7 @@ class Law:
     jumps: ClassVar[bool] = False
     #: It acts on the linear spring, so that it means nothing without one.
     needs_spring: ClassVar[bool] = False
-    #: Person, or persons joined by hyphens, with whom its name begins, as people write them.
+    #: Person, or persons joined by hyphens, whom its name holds, as people write them.
     eponym: ClassVar[str] = ""
     #: Its position is an angle: it means nothing on a slide.
     angular: ClassVar[bool] = False

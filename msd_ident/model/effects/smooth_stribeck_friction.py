@@ -23,7 +23,7 @@ _FALLS, _CREEPS = (0.05, 0.15, 0.5), (0.07, 0.4)
 
 
 @dataclass(frozen=True)
-class SmoothStribeck(Effect):
+class SmoothStribeckFriction(Effect):
     """Friction that rises over the creep speed vc, has its peak Fs near vs/sqrt(2) where vc is well below that, and
     falls to Fc beyond: the friction elements of block diagrams, which have vc = vs/14.
 
@@ -35,7 +35,7 @@ class SmoothStribeck(Effect):
     peak_velocity: float
     creep_speed: float
 
-    name = "smooth_stribeck"
+    name = "smooth_stribeck_friction"
     parameters = (
         SmoothFriction.parameters[0],
         Parameter("peak_friction", "Fs", "N", 0.0, math.inf, "breakaway friction: that of the peak",
@@ -48,6 +48,7 @@ class SmoothStribeck(Effect):
     source = "Simscape, Translational Friction; Armstrong-Hélouvry & Canudas de Wit 1995 (The Control Handbook)"
     neutral = (("smooth_friction", 0.0), ("peak_friction", 0.0))
     family = "dry friction"
+    eponym = "Stribeck"
     dissipative = True
     form_of = "stribeck_friction"
     mistaken_for = ("coulomb_friction", "quadratic_drag")
@@ -74,29 +75,29 @@ class SmoothStribeck(Effect):
         }
 
     @classmethod
-    def guess(cls, record: Record, plant: Model) -> tuple[SmoothStribeck, ...]:
+    def guess(cls, record: Record, plant: Model) -> tuple[SmoothStribeckFriction, ...]:
         """A peak of twice the sliding force, at speeds from slow to fast, with a quick and with a slow turn."""
         return cls.from_dry_friction(0.05 * typical.force(record, plant), record, plant)
 
     @classmethod
-    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[SmoothStribeck, ...]:
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[SmoothStribeckFriction, ...]:
         """The same curve with a quick and with a slow turn, and those of ``guess`` with its friction."""
         sliding, peak, velocity = simple.values[:3]
         known = tuple(cls.within_bounds(sliding, peak, velocity, part * velocity) for part in _CREEPS)
         return *known, *cls.from_dry_friction(sliding, record, plant)
 
     @classmethod
-    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[SmoothStribeck, ...]:
+    def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[SmoothStribeckFriction, ...]:
         """With a peak of twice the sliding force, which lies below the known one."""
         del plant
         return cls._peaked(0.8 * force, typical.speed(record))
 
     @classmethod
-    def _peaked(cls, sliding: float, speed: float) -> tuple[SmoothStribeck, ...]:
+    def _peaked(cls, sliding: float, speed: float) -> tuple[SmoothStribeckFriction, ...]:
         known = [(part * speed, turn * part * speed) for part in _FALLS for turn in _CREEPS]
         return tuple(cls.within_bounds(sliding, 1.5 * sliding, *one) for one in known)
 
-    def neighbours(self, records: Sequence[Record]) -> tuple[SmoothStribeck, ...]:
+    def neighbours(self, records: Sequence[Record]) -> tuple[SmoothStribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""
         if self.peak_friction > self.smooth_friction or self.smooth_friction == 0.0:
             return ()
