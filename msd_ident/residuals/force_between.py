@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import correlate
 
 from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import TENTH
@@ -51,6 +50,8 @@ def slopes(readings: Sequence[Readings], model: Model, jacobian: FloatArray) -> 
     ends = np.cumsum([part.record.samples for part in readings])[:-1]
     for part, rows in zip(readings, np.split(jacobian, ends, axis=1), strict=True):
         if (bends := _bends(part)) is not None:
+            from scipy.signal import correlate  # imported here: it takes a quarter of a second
+
             struck, (first, impulse) = _blow(part, model), bends
             seen = correlate(rows * part.root, struck[None, :])[:, struck.size - 1 :]  # of a blow at each sample
             moved = impulse * seen[:, first]
@@ -66,18 +67,19 @@ def _left(part: Readings, model: Model, first: npt.NDArray[np.intp], impulse: Fl
 
 def _bends(part: Readings) -> tuple[npt.NDArray[np.intp], FloatArray] | None:
     """The sample (m,) from which the unknown part of each impulse acts, and its size (m,) [N·s]; None without any."""
-    record = part.record
-    if record.hold != "linear" or record.force.size < 3:
+    record, told = part.record, slice(None, None, part.record.upsampled)  # as measured: what is between is a guess
+    time, force = record.force_time[told], record.force[told]
+    if record.hold != "linear" or force.size < 3:
         return None
-    inside = (record.force_time > record.time[0]) & (record.force_time < record.time[-1])
-    step = np.diff(record.force_time)
+    inside = (time > record.time[0]) & (time < record.time[-1])
+    step = np.diff(time)
     around = 0.5 * (step[1:] + step[:-1])
-    impulse = _BEND * around**2 * np.abs(np.diff(np.diff(record.force) / step)) * inside[1:-1]
+    impulse = _BEND * around**2 * np.abs(np.diff(np.diff(force) / step)) * inside[1:-1]
     power = impulse**2
     if not power.any() or float(power.sum()) ** 2 > _SELDOM * record.samples * float(power @ power):
         return None
     acting = np.flatnonzero(impulse)
-    return np.searchsorted(record.time, record.force_time[1:-1][acting]), impulse[acting]
+    return np.searchsorted(record.time, time[1:-1][acting]), impulse[acting]
 
 
 def _blow(part: Readings, model: Model) -> FloatArray:

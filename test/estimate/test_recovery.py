@@ -19,7 +19,7 @@ from msd_ident.model.effects import LIBRARY, by_name
 NOT_DRAWN = (
     "bilinear_spring", "direction_dependent_damping", "drive_damping", "gain_drift", "gravity",
     "load_dependent_friction",
-    "position_dependent_damping", "relaxing_spring", "scale_drift",
+    "position_dependent_damping", "position_dependent_inertia", "relaxing_spring", "scale_drift",
     "sensor_eccentricity", "sensor_nonlinearity",
 )  # fmt: skip
 
