@@ -145,6 +145,7 @@ def test_friction_of_block_diagrams_is_stribeck_friction(asking_about: Callable[
     assert found.causes[0].parameters["peak_friction"].value == pytest.approx(0.7, rel=0.05)
 
 
+@pytest.mark.usefixtures("without_copies")
 def test_friction_that_creeps_in_another_way_is_not_surely_a_damping(asking_about: Callable[..., None]) -> None:
     """Fc·(1 - exp(-abs(v)/vc)): fading damping comes nearest, with 99.9 % before."""
     asking_about(*ASKED)
