@@ -146,6 +146,8 @@ def _of_laws(fitted: Hypothesis, variance: float, before: FloatArray | float = 0
 def _sampled(fitted: Hypothesis) -> FloatArray:
     """Covariance (q, q) of the entries by what the force may do between its samples."""
     slopes = force_between.slopes(fitted.readings, fitted.model, fitted.state.jacobian)
+    if not slopes.any():
+        return slopes
     inverse = _of_laws(fitted, 1.0)
     return np.asarray(inverse @ slopes @ inverse)
 

@@ -45,13 +45,7 @@ from msd_ident.selection.structure_search import Progress
 def diagnose_records(task: Task, progress: Progress = silent, earlier: Diagnosis | None = None) -> Diagnosis:
     """What m x'' + b x' + k x = F gets wrong about these records, the causes, the extended model and its gain.
 
-    Args:
-        task: what to diagnose.
-        progress: called with the stage, the fraction done and the cause being tried; its exceptions end the work.
-        earlier: of some of these records: its explanations are tried too, from where they stood.
-
-    Raises:
-        UsageError: no records.
+    Arguments and errors are those of ``search``.
     """
     return concluded(task, search(task, progress, earlier), progress)
 

@@ -50,15 +50,13 @@ def diagnose(
     prepared = prepare(records)
     decision = has_spring(prepared, options)
     found = search(_task(prepared, options, decision), progress, earlier)
-    fitted = found.fitted
     for _ in range(2):  # the hold, and then the lead
-        if (otherwise := held_otherwise(prepared, fitted)) is None:
+        if not prepared.asks_hold or (otherwise := held_otherwise(prepared, found.fitted)) is None:
             break
         prepared = otherwise
         found = search(_task(prepared, options, decision), progress, earlier)
-        fitted = found.fitted
     diagnosis = concluded(_task(prepared, options, decision), found, progress)
-    changed = diagnosis.extended.model.effect_names != fitted.model.effect_names  # by copies, or left-out data
+    changed = set(diagnosis.extended.model.effect_names) != found.ranking.best.causes  # by copies, or left-out data
     if changed and (otherwise := held_otherwise(prepared, diagnosis.extended)) is not None:
         prepared = otherwise
         diagnosis = diagnose_records(_task(prepared, options, decision), progress, earlier)

@@ -59,6 +59,11 @@ class Prepared:
     unheld: tuple[Record, ...] = ()
 
     @property
+    def asks_hold(self) -> bool:
+        """Whether a diagnosed model may still decide how the force goes on between its samples, or that it leads."""
+        return bool(self.unheld) and not any(record.lead > 0.0 for record in self.records)
+
+    @property
     def doubtful_units(self) -> tuple[str, ...]:
         """Sentences of the findings on units that are doubtful."""
         return tuple(dict.fromkeys(finding.sentence for finding in self.findings if finding.code in _UNITS))
@@ -140,7 +145,7 @@ def held_otherwise(prepared: Prepared, fitted: FitResult) -> Prepared | None:
     Returns:
         None where the hold is known, where a lead was found already, and where neither is so.
     """
-    if not prepared.unheld or any(record.lead > 0.0 for record in prepared.records):
+    if not prepared.asks_hold:
         return None
     return _decided_again(prepared, fitted.model) or _earlier(prepared, fitted)
 

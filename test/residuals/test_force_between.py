@@ -93,7 +93,9 @@ def test_stamps_that_are_not_even_bend_no_ramp() -> None:
     assert force_between.chi([of_record(ramp, NOISE)], PLANT) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_true_cause_under_a_force_of_straight_lines_stays_certain(asking_about: Callable[..., None]) -> None:
+def test_a_true_cause_under_a_force_of_straight_lines_is_likelier_than_its_samples_leave_open(
+    asking_about: Callable[..., None],
+) -> None:
     asking_about("coulomb_friction", "quadratic_drag", "time_offset", "force_dead_zone")
     rig = PLANT + by_name("coulomb_friction").from_values({"coulomb_force": 1.0})
     time = PERIOD * np.arange(4000)

@@ -23,6 +23,13 @@ def random_binary(seed: int) -> Record:
     return replace(still, position=simulate(PLANT, still).position + rng.normal(0.0, 1e-5, force.size))
 
 
+def inverted_step() -> Record:
+    """Rest, and then a step that is held, read by an encoder that counts the other way."""
+    record = random_binary(96)
+    step = replace(record, force=np.where(np.arange(record.samples) < 1000, 0.0, 4.0))
+    return replace(step, position=-simulate(PLANT, step).position)
+
+
 @pytest.mark.parametrize("seed", [5, 96])
 def test_a_step_from_a_short_standstill_does_not_turn_the_force(seed: int) -> None:
     """One of 86 levels showed a response of the wrong sign: the force was turned, and the record refused."""
@@ -34,20 +41,13 @@ def test_a_step_from_a_short_standstill_does_not_turn_the_force(seed: int) -> No
 
 
 def test_a_free_decay_beside_it_does_not_hide_an_encoder_that_counts_the_other_way() -> None:
-    record = random_binary(96)
-    step = replace(record, force=np.where(np.arange(record.samples) < 1000, 0.0, 4.0))
-    moved = replace(step, position=-simulate(PLANT, step).position)
-    free = replace(step, force=np.zeros(step.samples))
+    moved = inverted_step()
+    free = replace(moved, force=np.zeros(moved.samples))
     decay = replace(free, position=simulate(PLANT, free, 0.02, 0.0).position)
-    assert prepare([moved]).turned
     assert prepare([moved, decay]).turned
 
 
 def test_an_encoder_that_counts_the_other_way_is_still_seen() -> None:
-    record = random_binary(96)
-    quiet = np.arange(record.samples) < 1000  # rest, and then a step that is held
-    step = replace(record, force=np.where(quiet, 0.0, 4.0))
-    moved = replace(step, position=-simulate(PLANT, step).position)
-    found = prepare([moved])
+    found = prepare([inverted_step()])
     assert found.turned
     assert any("A positive force moves the encoder downwards" in sentence for sentence in found.warnings)
