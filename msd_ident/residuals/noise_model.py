@@ -82,6 +82,14 @@ class Readings:
         """Bands of the record's frequencies."""
         return octaves(self.record)
 
+    @cached_property
+    def standstills(self) -> tuple[tuple[int, int], ...]:
+        """First sample, and the one behind the last, of each run of equal readings that outlasts half a swing."""
+        edges = np.concatenate(([0], np.flatnonzero(np.diff(self.runs)) + 1, [self.runs.size]))
+        shortest = 0.5 * self.record.samples / self.octaves.swings
+        pairs = zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
+        return tuple((start, stop) for start, stop in pairs if stop - start > max(shortest, 1.0))
+
     def thinned(self, keep: int) -> Readings:
         """Every n-th sample, about ``keep`` of them, with the whole force; the same object if it has too few."""
         stride = self.record.samples // keep

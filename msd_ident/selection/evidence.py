@@ -123,7 +123,8 @@ class NoiseScale:
         else:
             excess = np.maximum(fitted.octaves - self.spectrum.left, 0.0) / self.spectrum.size
         features = OCTAVE_SHAPES * self.shapes / SHAPES
-        bands = -0.5 * features * float(np.sum(np.log1p(excess / features)))
+        counted = np.append(excess, fitted.creeping)
+        bands = -0.5 * features * float(np.sum(np.log1p(counted / features)))
         return bands + self.log_likelihood(self.noise, fitted.stirred)
 
     def informed(self, information: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
 from msd_ident.model.base_model import DRY_FRICTION
 from msd_ident.model.effects import LIBRARY, by_name
-from msd_ident.residuals import force_between, noise_spectrum, rest_response
+from msd_ident.residuals import force_between, noise_spectrum, rest_response, standstill
 from msd_ident.residuals.noise_model import Readings
 from msd_ident.residuals.noise_spectrum import NoiseSpectrum
 
@@ -72,6 +72,12 @@ class Hypothesis:
     def stirred(self) -> float:
         """Misfit to the cart at rest before the records, in units of the noise (``residuals.rest_response``)."""
         return sum(rest_response.chi(self.model, rest) for rest in self.rests)
+
+    @cached_property
+    def creeping(self) -> float:
+        """Motion while the cart stands still within the records, in units of the noise (``residuals.standstill``)."""
+        parts = zip(self._whitened, self.readings, strict=True)
+        return sum(standstill.chi(residual, part) for residual, part in parts)
 
     @cached_property
     def between(self) -> float:
