@@ -77,7 +77,7 @@ class Hypothesis:
     def creeping(self) -> float:
         """Motion while the cart stands still within the records, in units of the noise (``residuals.standstill``)."""
         parts = zip(self._whitened, self.readings, strict=True)
-        return sum(standstill.chi(residual, part) for residual, part in parts)
+        return sum(standstill.chi(residual, part, self.model) for residual, part in parts)
 
     @cached_property
     def between(self) -> float:
