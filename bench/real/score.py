@@ -118,9 +118,13 @@ def _values(rig: Rig, quantities: Mapping[str, float]) -> tuple[tuple[str, float
 
 
 def _expert(rig: Rig, found: Diagnosis) -> float:
-    """SEE of the manual fit in the position unit, NaN where there is none."""
+    """SEE of the manual fit in the position unit, NaN where there is none.
+
+    A share is one of the root mean square about the sensor's zero: no linear model of the record that has one leaves
+    less than 11.8 % of the deviation about the mean (9.1 % of this), and its authors' linear model leaves 7.9 %.
+    """
     if rig.expert_share is not None:
-        return rig.expert_share * float(np.std(found.records[0].position))
+        return rig.expert_share * float(np.sqrt(np.mean(found.records[0].position ** 2)))
     return math.nan if rig.expert_see is None else rig.expert_see
 
 

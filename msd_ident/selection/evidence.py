@@ -11,7 +11,8 @@ these directions, in units of the noise, the log likelihood is a sum over the oc
 Where a law is exact, χ² is that of N samples of noise, v is 1, and a set that leaves more loses ½ ν log v. Where no law
 is exact, only the ratio of what two sets leave counts, and structure that repeats with the motion is counted once in
 each octave. (A variance component with ν degrees of freedom in the place of the Gaussian process of Kennedy and O'Hagan
-2001, J. R. Stat. Soc. B 63.)
+2001, J. R. Stat. Soc. B 63.) What a model moves while the cart stands still (``residuals.standstill``) is one octave
+more.
 
 The evidence of a set is Laplace's approximation: this likelihood at the best parameters, times the share of the
 plausible space of its causes' parameters that the data leaves, det(I + S H S / v)^(-1/2). H is the information about
