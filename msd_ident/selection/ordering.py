@@ -78,8 +78,8 @@ def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
         return False
     if scale.shapes <= SHAPES and (within_law_error(causes, sets, scale.noise) or _adds_nothing(causes, sets, scale)):
         return False
-    limits = (*_sufficient(causes, sets, scale), *_simpler(causes), *_imitated(sets[causes]))
-    known = [sets[one] for one in limits if one in sets]
+    simpler = (*_sufficient(causes, sets, scale), *limits(causes), *_imitated(sets[causes]))
+    known = [sets[one] for one in simpler if one in sets]
     return all(scale.of(sets[causes]) > scale.of(limit) + CALLED for limit in known)
 
 
@@ -100,7 +100,7 @@ def _sufficient(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
     return (one for one in smaller if one in sets and leaves_noise(sets[one], scale.most))
 
 
-def _simpler(causes: Causes) -> Iterator[Causes]:
+def limits(causes: Causes) -> Iterator[Causes]:
     """Sets in which a law is replaced by its limit: the simple law of its cause, or Coulomb friction."""
     for name in causes:
         if form_of := by_name(name).form_of:

@@ -24,7 +24,7 @@ from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
-from msd_ident.selection.ordering import rank
+from msd_ident.selection.ordering import limits, rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
@@ -193,7 +193,10 @@ class Search:
     def _advance(self, front: Hypothesis, share: float) -> bool:
         """Fit the neighbours of a set, larger ones only if all others were fitted; False if all were."""
         near, middle = self.neighbours, share + 0.015
-        if self._fit(near.swapped(front.causes) + near.resolved(front.causes), share, middle):
+        swapped = near.swapped(front.causes)
+        if self.at_floor(front):  # what leaves only noise needs no law that holds it as a limit
+            swapped = [causes for causes in swapped if front.causes not in limits(causes)]
+        if self._fit(swapped + near.resolved(front.causes), share, middle):
             return True
         return not self.at_floor(front) and self._fit(near.grown(front.causes), middle, middle + 0.015)
 
