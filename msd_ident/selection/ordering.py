@@ -101,7 +101,13 @@ def _sufficient(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseS
 
 
 def limits(causes: Causes) -> Iterator[Causes]:
-    """Sets in which a law is replaced by its limit: the simple law of its cause, or Coulomb friction."""
+    """Sets in which a law is replaced by its limit: the simple law of its cause, or Coulomb friction.
+
+    A set counts only if it is likelier than these (``rank``).
+
+    Args:
+        causes: of the set.
+    """
     for name in causes:
         if form_of := by_name(name).form_of:
             yield causes - {name} | {form_of}

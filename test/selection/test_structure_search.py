@@ -325,6 +325,29 @@ def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypat
     assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"
 
 
+@pytest.mark.parametrize("noise_only", [True, False])
+def test_a_law_that_holds_a_leading_one_is_not_fitted_in_its_place_where_only_noise_is_left(
+    noise_only: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It could not count: it has more numbers, and nothing more to explain."""
+    data = steps()
+    pair = fitted(data, BASE + QuadraticDrag(1.0) + CoulombFriction(0.1), 5e5)
+    search = Search(data, lambda one: noise_only, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e7), pair)}
+    asked: list[frozenset[str]] = []
+
+    def fit(wanted: Sequence[frozenset[str]], start: float, end: float) -> bool:
+        asked.extend(wanted)
+        return True
+
+    monkeypatch.setattr(search, "_fit", fit)
+    search._advance(pair, 0.5)
+    for form in ({"quadratic_drag", "rubbing_second_mode"}, {"coulomb_friction", "power_drag"}):
+        assert (frozenset(form) in asked) == (not noise_only), form
+    assert frozenset({"quadratic_drag", "fading_damping"}) in asked, "one that is another cause"
+    assert frozenset({"quadratic_drag"}) in asked
+
+
 def test_friction_beside_a_simple_law_is_fitted_together_with_the_forms_of_it() -> None:
     """A drive at its limit with dry friction was "explained" by a stop with buffers, with 0.95: its four numbers left
     only noise, so that nothing else was fitted.
