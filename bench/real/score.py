@@ -124,7 +124,7 @@ def _expert(rig: Rig, found: Diagnosis) -> float:
     less than 11.8 % of the deviation about the mean (9.1 % of this), and its authors' linear model leaves 7.9 %.
     """
     if rig.expert_share is not None:
-        return rig.expert_share * float(np.sqrt(np.mean(found.records[0].position ** 2)))
+        return rig.expert_share * float(np.sqrt(np.mean(np.square(found.records[0].position))))
     return math.nan if rig.expert_see is None else rig.expert_see
 
 

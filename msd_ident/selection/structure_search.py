@@ -19,6 +19,7 @@ from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
+from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
@@ -194,8 +195,8 @@ class Search:
         """Fit the neighbours of a set, larger ones only if all others were fitted; False if all were."""
         near, middle = self.neighbours, share + 0.015
         swapped = near.swapped(front.causes)
-        if self.at_floor(front):  # what leaves only noise needs no law that holds it as a limit
-            swapped = [causes for causes in swapped if front.causes not in limits(causes)]
+        if self.at_floor(front):
+            swapped = [causes for causes in swapped if not _form_of(front.causes, causes)]
         if self._fit(swapped + near.resolved(front.causes), share, middle):
             return True
         return not self.at_floor(front) and self._fit(near.grown(front.causes), middle, middle + 0.015)
@@ -341,6 +342,14 @@ class Search:
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self.neighbours.parents(causes, dict(self.sets)))
+
+
+def _form_of(simple: Causes, causes: Causes) -> bool:
+    """Whether a set only has another form of a law of a simpler one, which this form holds as a limit.
+
+    Where the simpler one leaves only noise, such a form has more numbers and nothing more to explain.
+    """
+    return simple in limits(causes) and all(by_name(name).form_of for name in causes - simple)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
