@@ -12,6 +12,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import COMPARABLE
+from msd_ident.selection.ordering import limits
 from msd_ident.tuning import tuned
 
 LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
@@ -89,6 +90,18 @@ def with_coulomb(causes: Causes) -> list[Causes]:
     """The sets with Coulomb friction in place of a law that holds it as a limit."""
     laws = sorted(causes & set(HOLDING_COULOMB))
     return [causes - {name} | {COULOMB} for name in laws if COULOMB not in causes]
+
+
+def only_another_form(causes: Causes, simple: Causes) -> bool:
+    """Whether a set differs from a simpler one only by another form of a law, which this form holds as a limit.
+
+    Where the simpler one leaves only noise, such a form has more numbers and nothing more to explain.
+
+    Args:
+        causes: the set.
+        simple: the simpler one.
+    """
+    return simple in limits(causes) and all(by_name(name).form_of for name in causes - simple)
 
 
 def rubs_and_is_linear(causes: Causes) -> bool:

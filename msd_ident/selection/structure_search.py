@@ -19,13 +19,12 @@ from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
-from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
-from msd_ident.selection.neighbours import Neighbours, rubs_and_is_linear, with_coulomb
-from msd_ident.selection.ordering import limits, rank
+from msd_ident.selection.neighbours import Neighbours, only_another_form, rubs_and_is_linear, with_coulomb
+from msd_ident.selection.ordering import rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
@@ -196,7 +195,7 @@ class Search:
         near, middle = self.neighbours, share + 0.015
         swapped = near.swapped(front.causes)
         if self.at_floor(front):
-            swapped = [causes for causes in swapped if not _form_of(front.causes, causes)]
+            swapped = [causes for causes in swapped if not only_another_form(causes, front.causes)]
         if self._fit(swapped + near.resolved(front.causes), share, middle):
             return True
         return not self.at_floor(front) and self._fit(near.grown(front.causes), middle, middle + 0.015)
@@ -342,14 +341,6 @@ class Search:
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
         return proposals(self.experiment, causes, self.neighbours.parents(causes, dict(self.sets)))
-
-
-def _form_of(simple: Causes, causes: Causes) -> bool:
-    """Whether a set only has another form of a law of a simpler one, which this form holds as a limit.
-
-    Where the simpler one leaves only noise, such a form has more numbers and nothing more to explain.
-    """
-    return simple in limits(causes) and all(by_name(name).form_of for name in causes - simple)
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
