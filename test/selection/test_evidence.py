@@ -42,6 +42,22 @@ def test_what_repeats_in_one_octave_counts_once_and_in_three_octaves_three_times
     assert falls[1] == pytest.approx(3.0 * falls[0], rel=1e-2)
 
 
+def test_what_a_set_moves_while_the_cart_stands_still_is_one_octave_more() -> None:
+    time, step = np.arange(2400) / 400.0, 1e-5
+    swing = 0.02 * np.cos(20.0 * time)
+    read = np.where(time < 2.0, np.round(swing / step) * step, 0.0)
+    rig = Record(time=time, position=read, force_time=time, force=np.zeros(time.size))
+    readings = noise_model.of_record(rig, step / math.sqrt(12.0), step)
+    whole = fitted(Experiment((readings,), BASE, frozenset()), BASE, 1.0)
+    on = readings.root * np.where(time < 2.0, 0.0, 0.02 * swing)
+    swings_on = replace(whole, state=replace(whole.state, residual=on))
+    held = replace(swings_on, model=BASE + CoulombFriction(BASE.stiffness))
+    assert swings_on.creeping > 100.0 and held.creeping == 0.0
+    scale, features = evidence.NoiseScale(0.0), evidence.OCTAVE_SHAPES
+    expected = 0.5 * features * math.log1p(swings_on.creeping / features)
+    assert scale.of(held) - scale.of(swings_on) == pytest.approx(expected)
+
+
 @pytest.mark.parametrize("samples", [1e3, 1e5, 1e7])
 def test_far_from_the_noise_only_the_ratio_of_what_is_left_counts(samples: float) -> None:
     """A record of a hundred swings shows the same wrong law a hundred times: its length is no evidence."""
