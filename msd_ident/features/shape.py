@@ -15,8 +15,8 @@ from msd_ident.quantity import Quantity
 
 #: Damping ratios that the search starts from.
 _STARTS = (0.3, 0.8, 1.5, 4.0)
-#: Samples that the search for the right valley uses.
-_SEARCH = 300
+#: Samples that the search for the right valley uses, and the relative fall of its cost at which it ends.
+_SEARCH, _VALLEY = 300, 1e-4
 #: Distance to critical damping below which the two roots are moved apart, so that their difference can divide.
 _CRITICAL = 1e-6
 #: Logarithms beyond this, of ωn and ζ, are of no plant: the search ran away, and the response no longer feels them.
@@ -97,7 +97,7 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
     # The early samples tell the fast root, so the search for the valley uses them more densely than the late ones.
     some = np.unique(np.geomspace(1.0, time.size, _SEARCH).astype(int)) - 1
     coarse = ResponseProblem(time[some], position[some], problem.weight[some], initial, onset, floor)
-    found = [coarse.solve(start) for start in problem.starts()]
+    found = [coarse.solve(start, _VALLEY) for start in problem.starts()]
     best = min((one for one in found if np.all(np.isfinite(one.x))), key=lambda one: float(one.cost), default=None)
     if best is None:
         return None
@@ -166,10 +166,10 @@ class ResponseProblem:
         before = min(self.floor / self.initial.std, 1e3) if self.initial.std > 0.0 else 1.0
         return before, max(self.floor / self.size, 1e-9)
 
-    def solve(self, start: FloatArray) -> scipy.optimize.OptimizeResult:
-        """Levenberg–Marquardt from a point (5,)."""
+    def solve(self, start: FloatArray, least_fall: float = 1e-8) -> scipy.optimize.OptimizeResult:
+        """Levenberg–Marquardt from a point (5,), until the cost falls by less than a part ``least_fall``."""
         with np.errstate(all="ignore"):  # a search that diverges shows in its result
-            return scipy.optimize.least_squares(self.residual, start, self.slopes, method="lm", max_nfev=300)
+            return scipy.optimize.least_squares(self.residual, start, self.slopes, method="lm", ftol=least_fall, max_nfev=300)
 
 
 def _plant(point: FloatArray) -> tuple[float, float]:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from msd_ident.data.record import FloatArray
-from msd_ident.estimate.broyden import State, Weighting, descend
+from msd_ident.estimate.broyden import State, Weighting, descend, step
 from msd_ident.estimate.effort import LOOK, THOROUGH
-from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, MOST_OF, NEGLIGIBLE
+from msd_ident.estimate.levels import ALIKE, BEYOND_DOUBT, DAMPING, MOST_OF, NEGLIGIBLE
 from msd_ident.estimate.problem import Initial, Problem
 from msd_ident.model import Model
 from msd_ident.model.effects import by_name
@@ -183,15 +183,18 @@ def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 
 def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
+    hopeless = _hopeless(experiment, least)
+    if fitted.chi > hopeless and step(fitted.problem, fitted.state, DAMPING**2)[1] < 0.5 * fitted.chi:
+        return fitted
     for _ in range(THOROUGH // LOOK):
         before = fitted.chi
         fitted = _lower(experiment, fitted, LOOK)
         fall = before - fitted.chi
         if fall <= _settled_gain(experiment, fitted):
             break
-        if fitted.chi > _hopeless(experiment, least) and fall < 0.5 * before:
+        if fitted.chi > hopeless and fall < 0.5 * before:
             return fitted
-    return exactly(experiment, fitted) if fitted.chi < _hopeless(experiment, least) else fitted
+    return exactly(experiment, fitted) if fitted.chi < hopeless else fitted
 
 
 def _hopeless(experiment: Experiment, least: float) -> float:

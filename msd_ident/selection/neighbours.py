@@ -65,21 +65,25 @@ class Neighbours:
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
     def parents(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> list[Hypothesis]:
-        """Fitted sets to start from: the best two that lack just one of the causes, if they are comparable, or else
-        the base; and those that have Coulomb friction in place of a law that holds it as a limit. A set with a ripple
-        that a regression shows starts next to the base too, where regressions are made.
+        """Fitted sets to start from: the best two that lack just one of the causes, or else the base; and those that
+        have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far more than
+        one of the others is left out. A single cause starts next to the base in any case, and so does a set with a
+        ripple that a regression shows: there regressions are made.
 
         Args:
             causes: of the set.
             known: all fitted sets by their causes.
         """
         smaller = [known[causes - {name}] for name in sorted(causes) if causes - {name} in known]
-        smaller.sort(key=lambda fitted: fitted.chi)
-        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * smaller[0].chi]
         twins = with_coulomb(causes)
         twins += [causes - {name} | {by_name(name).form_of} for name in sorted(causes) if by_name(name).form_of]
-        plain = [known[frozenset()]] if not worth or (causes & self.rippled and worth[0].causes) else []
-        return worth + plain + [known[twin] for twin in twins if twin in known]
+        alike = [known[twin] for twin in twins if twin in known]
+        smaller.sort(key=lambda fitted: fitted.chi)
+        least = min((fitted.chi for fitted in smaller[:1] + (alike if len(causes) > 1 else [])), default=0.0)
+        worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * least]
+        rippled = causes & self.rippled and worth and worth[0].causes
+        plain = [known[frozenset()]] if rippled or not worth + alike else []
+        return worth + plain + alike
 
     def singles_beside(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> int:
         """How many single causes a set may start from, see ``parents``."""

@@ -39,14 +39,10 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         sets: every fitted set by its causes.
         scale: noise and number of features of the error.
     """
-    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
-    values = {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
+    values = _values(sets, scale)
     order = sorted(values, key=lambda causes: -values[causes])
     top = values[order[0]]
-    same = [one for one in order if _same_motion(sets[one], sets[order[0]], scale)]
-    simpler = [one for one in order if kinds(one) <= kinds(order[0])]
-    near = [one for one in simpler if values[one] >= _beyond(one, same, values) - CALLED]
-    first = min(near, key=lambda one: (len(one), _forms(one), -values[one]))
+    first = _first(order, values, sets, scale)
     order.remove(first)
     order.insert(0, first)
     weights = np.exp(np.array([values[causes] for causes in order]) - top)
@@ -64,6 +60,28 @@ def rank(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Ranking:
         rubbing={causes: sets[rubs] for causes in order if (rubs := causes | {COULOMB}) in sets and rubs not in values},
         leaves={causes: part for causes in order if (part := left_over(causes, sets, scale.noise)) > LEFT_PART},
     )
+
+
+def leading(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> Hypothesis:
+    """The first set of ``rank``, without what is asked of the others."""
+    values = _values(sets, scale)
+    return sets[_first(sorted(values, key=lambda causes: -values[causes]), values, sets, scale)]
+
+
+def _values(sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> dict[Causes, float]:
+    """Log evidence [nats] of the sets that are more than a simpler one."""
+    own = {causes: log_evidence(one, scale) for causes, one in sets.items() if _called_for(causes, sets, scale)}
+    return {causes: min([value, *_ceilings(causes, own, sets, scale)]) for causes, value in own.items()}
+
+
+def _first(
+    order: Sequence[Causes], values: Mapping[Causes, float], sets: Mapping[Causes, Hypothesis], scale: NoiseScale
+) -> Causes:
+    """The set that leads, of those in ``order`` by falling evidence (``rank``)."""
+    same = [one for one in order if _same_motion(sets[one], sets[order[0]], scale)]
+    simpler = [one for one in order if kinds(one) <= kinds(order[0])]
+    near = [one for one in simpler if values[one] >= _beyond(one, same, values) - CALLED]
+    return min(near, key=lambda one: (len(one), _forms(one), -values[one]))
 
 
 def _called_for(causes: Causes, sets: Mapping[Causes, Hypothesis], scale: NoiseScale) -> bool:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from operator import is_not
 from typing import TypeVar
 
 from msd_ident import parallel
@@ -24,7 +25,7 @@ from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, only_another_form, rubs_and_is_linear, with_coulomb
-from msd_ident.selection.ordering import rank
+from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
@@ -57,6 +58,7 @@ class Search:
         tried: sets that need not be fitted again.
         pruned: leading sets whose simpler sets were fitted again already.
         told: fraction of the work that was reported last.
+        led: fitted sets, and the leading one of these, when it was asked last.
     """
 
     experiment: Experiment
@@ -66,6 +68,7 @@ class Search:
     tried: set[Causes] = field(default_factory=set)
     pruned: set[Causes] = field(default_factory=set)
     told: float = 0.0
+    led: tuple[tuple[Hypothesis, ...], Hypothesis] | None = None
 
     @cached_property
     def neighbours(self) -> Neighbours:
@@ -278,7 +281,10 @@ class Search:
 
     def _leader(self) -> Hypothesis:
         """The set whose neighbours are tried, by an evidence that counts more features of the error (``SOUGHT``)."""
-        return rank(self.sets, scale_from(list(self.sets.values()), self.experiment.readings, SOUGHT)).best
+        fitted = tuple(self.sets.values())
+        if self.led is None or len(fitted) != len(self.led[0]) or any(map(is_not, fitted, self.led[0])):
+            self.led = fitted, leading(self.sets, scale_from(fitted, self.experiment.readings, SOUGHT))
+        return self.led[1]
 
     def _fit(self, wanted: Iterable[Causes], start: float, end: float) -> bool:
         """Fit those of the sets that are new; False when none was.
@@ -297,8 +303,21 @@ class Search:
 
     def _fit_new(self, new: Sequence[Causes], start: float, end: float) -> None:
         near = start + 0.3 * (end - start)
-        found = [starts for starts in self._each(self._propose, new, (start, near)) if starts]
+        able = [causes for causes in new if not self._larger_is_out_of_reach(causes)]
+        found = [starts for starts in self._each(self._propose, able, (start, near)) if starts]
         self._fit_group(found, (near, end))
+
+    def _larger_is_out_of_reach(self, causes: Causes) -> bool:
+        """Whether a set with one cause more was fitted, and leaves far more than a leading one that leaves only noise.
+
+        A set leaves at least as much as one that has all its causes.
+        """
+        leads = min(self.sets.values(), key=lambda fitted: fitted.chi)
+        if not self.at_floor(leads):
+            return False
+        reach = self.experiment.worse(leads.chi, REACH)
+        larger = (one for one in self.sets.values() if one.causes > causes and len(one.causes) == len(causes) + 1)
+        return any(one.chi > reach for one in larger)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
