@@ -169,7 +169,9 @@ class ResponseProblem:
     def solve(self, start: FloatArray, least_fall: float = 1e-8) -> scipy.optimize.OptimizeResult:
         """Levenberg–Marquardt from a point (5,), until the cost falls by less than a part ``least_fall``."""
         with np.errstate(all="ignore"):  # a search that diverges shows in its result
-            return scipy.optimize.least_squares(self.residual, start, self.slopes, method="lm", ftol=least_fall, max_nfev=300)
+            return scipy.optimize.least_squares(
+                self.residual, start, self.slopes, method="lm", ftol=least_fall, max_nfev=300
+            )
 
 
 def _plant(point: FloatArray) -> tuple[float, float]:

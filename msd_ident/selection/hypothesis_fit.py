@@ -184,7 +184,7 @@ def _distinct(begun: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypothesis:
     hopeless = _hopeless(experiment, least)
-    if fitted.chi > hopeless and step(fitted.problem, fitted.state, DAMPING**2)[1] < 0.5 * fitted.chi:
+    if fitted.chi > hopeless and _promises_too_little(experiment, fitted, least):
         return fitted
     for _ in range(THOROUGH // LOOK):
         before = fitted.chi
@@ -195,6 +195,14 @@ def _settled(experiment: Experiment, fitted: Hypothesis, least: float) -> Hypoth
         if fitted.chi > hopeless and fall < 0.5 * before:
             return fitted
     return exactly(experiment, fitted) if fitted.chi < hopeless else fitted
+
+
+def _promises_too_little(experiment: Experiment, fitted: Hypothesis, least: float) -> bool:
+    """Whether a step with hardly any damping would not halve the chi², beside a set that leaves little more than noise.
+
+    Far from the noise no model is right, and what a step promises says little.
+    """
+    return least < FAR * experiment.evidence and step(fitted.problem, fitted.state, DAMPING**2)[1] < 0.5 * fitted.chi
 
 
 def _hopeless(experiment: Experiment, least: float) -> float:
