@@ -10,6 +10,7 @@ from msd_ident.estimate.problem import Initial
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.selection import hypothesis_fit
+from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import StartingPoint, _stronger, begin, exactly, finish, refine
 
 RUB = CoulombFriction(0.3)
@@ -101,3 +102,25 @@ def test_far_from_the_noise_only_a_set_that_leads_is_begun_from_other_starts() -
     near, far = (times * hypothesis_fit.FAR * data.evidence for times in (0.9, 1.1))
     assert hypothesis_fit._worth_kicking(data, far) == far
     assert hypothesis_fit._worth_kicking(data, near) > near
+
+
+def test_a_set_is_given_up_by_what_its_next_step_promises_where_another_leaves_only_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Far from the noise no model is right: there a promise says little, and the steps are made."""
+    data = rubbing()
+    alone = refine(data, frozenset(), BASE, (Initial(),))  # at its least, without the friction that acts
+    made: list[int] = []
+
+    def lower(experiment: object, fitted: Hypothesis, steps: int) -> Hypothesis:
+        made.append(steps)
+        return fitted
+
+    monkeypatch.setattr(hypothesis_fit, "_lower", lower)
+    assert alone.chi > 100.0 * data.evidence
+    for least, steps in ((1.01 * data.evidence, 0), (30.0 * data.evidence, 1)):
+        made.clear()
+        assert hypothesis_fit._settled(data, alone, least) is alone and len(made) == steps
+    far = stood(data, BASE.with_values({"stiffness": 300.0}))
+    hypothesis_fit._settled(data, far, 1.01 * data.evidence)
+    assert made, "a step would take most of what it leaves"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from setrigs import steps
+from setrigs import BASE, fitted, steps
 
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.selection.neighbours import LARGEST, Neighbours, rubs_and_is_linear, with_coulomb
 
 PAIR = frozenset({"coulomb_friction", "cubic_spring"})
@@ -42,6 +44,17 @@ def test_a_law_that_holds_coulombs_as_a_limit_may_be_that_and_a_further_cause() 
     assert frozenset({*PAIR, "quadratic_drag"}) in resolved
     assert all(one > PAIR and "stribeck_friction" not in one for one in resolved)
     assert near().resolved(PAIR) == []
+
+
+def test_a_smaller_set_is_not_started_from_where_the_limit_of_a_law_leaves_far_less() -> None:
+    """A single law starts next to the base too: there a regression is made."""
+    data, spring = steps(), BASE + CubicSpring(1e6)
+    for left, begins in ((8e3, [frozenset({"cubic_spring"}), PAIR]), (100.0, [PAIR])):
+        models = {BASE: 9e6, spring: 1e4, BASE + CoulombFriction(0.1): 2e3, spring + CoulombFriction(0.1): left}
+        known = {one.causes: one for model, chi in models.items() if (one := fitted(data, model, chi))}
+        assert [one.causes for one in near().parents(RUBS, known)] == begins
+        alone = [one.causes for one in near().parents(frozenset({"stribeck_friction"}), known)]
+        assert alone == [frozenset(), frozenset({"coulomb_friction"})]
 
 
 def test_coulomb_friction_beside_linear_laws_is_what_such_a_law_imitates() -> None:

@@ -139,7 +139,7 @@ def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() 
     search._fit_new = fit  # type: ignore[method-assign]
     assert search._fit([peak, drag, rubs], 0.0, 1.0)
     assert begun == [(drag, False), (rubs, False), (peak, True)]
-    assert [one.causes for one in search.neighbours.parents(peak, search.sets)] == [frozenset({"end_stop"}), rubs]
+    assert [one.causes for one in search.neighbours.parents(peak, search.sets)] == [rubs]
     assert not search._fit([peak], 0.0, 1.0)
 
 
@@ -323,6 +323,34 @@ def test_neighbours_of_the_likeliest_set_that_came_last_are_fitted_too(monkeypat
     search._around_likeliest()
     assert frozenset({"cogging", "stribeck_friction"}) in asked, "another law in place of one"
     assert frozenset({"cogging", "coulomb_friction", "quadratic_drag"}) in asked, "one more"
+
+
+def test_a_set_is_not_fitted_where_one_with_a_cause_more_leaves_far_more_than_noise() -> None:
+    """It leaves at least as much: beside a set at the noise it cannot count."""
+    data = steps()
+    drag, spring, rubs = QuadraticDrag(1.0), CubicSpring(1e6), CoulombFriction(0.1)
+    models = {BASE: 9e7, BASE + rubs: 9e6, BASE + drag + rubs: 840.0, BASE + spring + rubs: 8e6}
+    for noise_only, asked_for in ((True, {"quadratic_drag"}), (False, {"quadratic_drag", "cubic_spring"})):
+        search = Search(data, lambda one, noise_only=noise_only: noise_only, lambda stage, part, cause: None)
+        search.sets = {one.causes: one for model, chi in models.items() if (one := fitted(data, model, chi))}
+        proposed: list[frozenset[str]] = []
+        search._propose = lambda causes, proposed=proposed: proposed.append(causes) or []  # type: ignore[method-assign]
+        search._fit([frozenset({name}) for name in ("quadratic_drag", "cubic_spring")], 0.0, 1.0)
+        assert proposed == [frozenset({name}) for name in ("quadratic_drag", "cubic_spring") if name in asked_for]
+
+
+def test_the_leading_set_is_asked_again_only_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = steps()
+    search = Search(data, lambda one: False, lambda stage, part, cause: None)
+    search.sets = {one.causes: one for one in (fitted(data, BASE, 9e5), fitted(data, BASE + Backlash(1e-3), 9e3))}
+    before = search._leader()
+    assert before is search.sets[frozenset({"backlash"})]
+    better = fitted(data, BASE + Backlash(1e-3), 5e3)
+    with monkeypatch.context() as patched:
+        patched.setattr("msd_ident.selection.structure_search.leading", lambda sets, scale: sets[frozenset()])
+        assert search._leader() is before
+        search._keep(better)
+        assert search._leader() is search.sets[frozenset()]
 
 
 @pytest.mark.parametrize("noise_only", [True, False])
