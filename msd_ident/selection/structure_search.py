@@ -15,7 +15,7 @@ from operator import is_not
 from typing import TypeVar
 
 from msd_ident import parallel
-from msd_ident.estimate.effort import LOOK
+from msd_ident.estimate.effort import KEPT, LOOK
 from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
@@ -69,6 +69,7 @@ class Search:
     pruned: set[Causes] = field(default_factory=set)
     told: float = 0.0
     led: tuple[tuple[Hypothesis, ...], Hypothesis] | None = None
+    beyond: set[Causes] = field(default_factory=set)
 
     @cached_property
     def neighbours(self) -> Neighbours:
@@ -316,17 +317,27 @@ class Search:
         if not self.at_floor(leads):
             return False
         reach = self.experiment.worse(leads.chi, REACH)
-        larger = (one for one in self.sets.values() if one.causes > causes and len(one.causes) == len(causes) + 1)
-        return any(one.chi > reach for one in larger)
+        far = {one.causes for one in self.sets.values() if one.chi > reach} | (self.beyond - set(self.sets))
+        return any(larger > causes and len(larger) == len(causes) + 1 for larger in far)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
+        """Fit sets from their starts, the most promising few first: if one leaves only noise, few others can count."""
+        likely = sorted(group, key=lambda starts: starts[0].promise)
+        first = likely[:KEPT]
+        for some in (first, [starts for starts in group if all(starts is not one for one in first)]):
+            if some:
+                self._follow(some, share)
+
+    def _follow(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         least = min(fitted.chi for fitted in self.sets.values())
         reach = self.experiment.worse(least, REACH)
         leads, resolved = min(self.sets.values(), key=lambda fitted: fitted.chi), []
         if self.at_floor(leads):
             if leads.causes & set(HOLDING_COULOMB):
                 resolved = [starts for starts in group if rubs_and_is_linear(starts[0].fitted.causes)]
-            group = [starts for starts in group if any(start.worth(reach) for start in starts)]
+            far = [starts for starts in group if not any(start.worth(reach) for start in starts)]
+            self.beyond |= {starts[0].fitted.causes for starts in far}
+            group = [starts for starts in group if all(starts is not one for one in far)]
             resolved = [starts for starts in resolved if all(starts is not one for one in group)]
         begun = self._each(lambda starts: begin(self.experiment, starts, reach), promising(group, self.scale()), share)
         begun.sort(key=lambda tries: tries[0].chi)
