@@ -59,6 +59,7 @@ class Search:
         pruned: leading sets whose simpler sets were fitted again already.
         told: fraction of the work that was reported last.
         led: fitted sets, and the leading one of these, when it was asked last.
+        beyond: sets whose starts promise too little beside a leading set that leaves only noise.
     """
 
     experiment: Experiment
@@ -309,7 +310,7 @@ class Search:
         self._fit_group(found, (near, end))
 
     def _larger_is_out_of_reach(self, causes: Causes) -> bool:
-        """Whether a set with one cause more was fitted, and leaves far more than a leading one that leaves only noise.
+        """Whether a set with one cause more leaves, or promises, far more than a leading one that leaves only noise.
 
         A set leaves at least as much as one that has all its causes.
         """

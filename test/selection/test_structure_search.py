@@ -28,7 +28,8 @@ from msd_ident.model.effects.stiffness_drift import StiffnessDrift
 from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.hypothesis import Hypothesis
+from msd_ident.selection.hypothesis_fit import StartingPoint, refine
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.structure_search import Search
 from msd_sim.api import simulate
@@ -337,6 +338,38 @@ def test_a_set_is_not_fitted_where_one_with_a_cause_more_leaves_far_more_than_no
         search._propose = lambda causes, proposed=proposed: proposed.append(causes) or []  # type: ignore[method-assign]
         search._fit([frozenset({name}) for name in ("quadratic_drag", "cubic_spring")], 0.0, 1.0)
         assert proposed == [frozenset({name}) for name in ("quadratic_drag", "cubic_spring") if name in asked_for]
+
+
+def test_the_most_promising_sets_are_fitted_first_and_others_only_if_these_leave_more_than_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What the others promise is then out of reach, and so are the sets that lack one of their causes."""
+    data, rubs = steps(), CoulombFriction(0.1)
+    laws = (QuadraticDrag(1.0), CubicSpring(1e6), EndStop(1e-3, 1e4), Backlash(1e-3), StiffnessDrift(1.0))
+    pairs = [fitted(data, BASE + law + rubs, 9e6) for law in laws]
+    group = [[StartingPoint(8e6 - 1e6 * i, one, beside=9e6)] for i, one in enumerate(pairs)]
+    begun: list[frozenset[str]] = []
+    ends: list[float] = []
+
+    def start(experiment: Experiment, starts: Sequence[StartingPoint], reach: float) -> list[Hypothesis]:
+        begun.append(starts[0].fitted.causes)
+        return [starts[0].fitted]
+
+    def end(experiment: Experiment, tries: Sequence[Hypothesis], least: float) -> Hypothesis:
+        return fitted(data, tries[0].model, ends[-1] if tries[0] is pairs[-1] else 9e6)
+
+    monkeypatch.setattr("msd_ident.selection.structure_search.begin", start)
+    monkeypatch.setattr("msd_ident.selection.structure_search.finish", end)
+    for left, count in ((840.0, 3), (8e6, 5)):
+        ends.append(left)
+        search = Search(data, lambda one: one.chi < 1e3, lambda stage, part, cause: None)
+        monkeypatch.setattr(search, "_converged", lambda one, least, search=search: search._keep(one) or one)
+        search.sets = {one.causes: one for one in (fitted(data, BASE, 9e7), fitted(data, BASE + rubs, 9e6))}
+        begun.clear()
+        search._fit_group(group, (0.0, 1.0))
+        assert len(begun) == count and set(begun[:3]) == {one.causes for one in pairs[2:]}
+        assert search.beyond == ({one.causes for one in pairs[:2]} if count == 3 else set())
+        assert search._larger_is_out_of_reach(frozenset({"quadratic_drag"})) == (count == 3)
 
 
 def test_the_leading_set_is_asked_again_only_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
