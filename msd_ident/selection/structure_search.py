@@ -30,7 +30,7 @@ from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.starting_points import proposals
-from msd_ident.selection.worthwhile import promising
+from msd_ident.selection.worthwhile import promising, within_reach
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
 _Done = TypeVar("_Done")
@@ -305,21 +305,20 @@ class Search:
 
     def _fit_new(self, new: Sequence[Causes], start: float, end: float) -> None:
         near = start + 0.3 * (end - start)
-        able = [causes for causes in new if not self._larger_is_out_of_reach(causes)]
-        found = [starts for starts in self._each(self._propose, able, (start, near)) if starts]
+        found = [starts for starts in self._each(self._propose, self._within_reach(new), (start, near)) if starts]
         self._fit_group(found, (near, end))
 
-    def _larger_is_out_of_reach(self, causes: Causes) -> bool:
-        """Whether a set with one cause more leaves, or promises, far more than a leading one that leaves only noise.
-
-        A set leaves at least as much as one that has all its causes.
-        """
-        leads = min(self.sets.values(), key=lambda fitted: fitted.chi)
+    def _within_reach(self, new: Sequence[Causes]) -> Sequence[Causes]:
+        """Beside a set that leaves only noise, those of the sets that may come near to it (``within_reach``)."""
+        leads = self._least
         if not self.at_floor(leads):
-            return False
-        reach = self.experiment.worse(leads.chi, REACH)
-        far = {one.causes for one in self.sets.values() if one.chi > reach} | (self.beyond - set(self.sets))
-        return any(larger > causes and len(larger) == len(causes) + 1 for larger in far)
+            return new
+        return within_reach(new, self.sets, self.beyond, self.experiment.worse(leads.chi, REACH))
+
+    @property
+    def _least(self) -> Hypothesis:
+        """The set that leaves least."""
+        return min(self.sets.values(), key=lambda fitted: fitted.chi)
 
     def _fit_group(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
         """Fit sets from their starts, the most promising few first: if one leaves only noise, few others can count."""
@@ -330,16 +329,15 @@ class Search:
                 self._follow(some, share)
 
     def _follow(self, group: list[list[StartingPoint]], share: tuple[float, float]) -> None:
-        least = min(fitted.chi for fitted in self.sets.values())
-        reach = self.experiment.worse(least, REACH)
-        leads, resolved = min(self.sets.values(), key=lambda fitted: fitted.chi), []
+        leads, resolved = self._least, []
+        least, reach = leads.chi, self.experiment.worse(leads.chi, REACH)
         if self.at_floor(leads):
-            if leads.causes & set(HOLDING_COULOMB):
-                resolved = [starts for starts in group if rubs_and_is_linear(starts[0].fitted.causes)]
-            far = [starts for starts in group if not any(start.worth(reach) for start in starts)]
+            near = [starts for starts in group if any(start.worth(reach) for start in starts)]
+            far = [starts for starts in group if all(starts is not one for one in near)]
             self.beyond |= {starts[0].fitted.causes for starts in far}
-            group = [starts for starts in group if all(starts is not one for one in far)]
-            resolved = [starts for starts in resolved if all(starts is not one for one in group)]
+            if leads.causes & set(HOLDING_COULOMB):
+                resolved = [starts for starts in far if rubs_and_is_linear(starts[0].fitted.causes)]
+            group = near
         begun = self._each(lambda starts: begin(self.experiment, starts, reach), promising(group, self.scale()), share)
         begun.sort(key=lambda tries: tries[0].chi)
         # The best goes first, alone: what counts as hopeless must not depend on which thread is faster.

@@ -7,8 +7,10 @@ to leave out most sets before the first step.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
+
 from msd_ident.selection.evidence import NoiseScale, log_prior, occam
-from msd_ident.selection.hypothesis import COULOMB, Causes
+from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import StartingPoint
 from msd_ident.selection.ranking import LEADERS
 from msd_ident.tuning import tuned
@@ -20,6 +22,23 @@ _BEGUN = tuned(
     chosen="on 112 rigs (`python -m bench.blind`, seeds 482000 and 483000; `--variants`, 473000): in 175 of 176 rounds "
     "that lowered the error by a tenth, the set that lowered it most was among the first 15",
 )
+
+
+def within_reach(
+    new: Sequence[Causes], sets: Mapping[Causes, Hypothesis], beyond: Collection[Causes], reach: float
+) -> list[Causes]:
+    """The sets of which no set with one cause more leaves, or promises, more than ``reach``.
+
+    A set leaves at least as much as one that has all its causes.
+
+    Args:
+        new: sets that may be fitted.
+        sets: fitted sets by their causes.
+        beyond: sets whose starts promise more than ``reach``; those that were fitted all the same do not count.
+        reach: chi² up to which a set can count.
+    """
+    far = {causes for causes, one in sets.items() if one.chi > reach} | (set(beyond) - set(sets))
+    return [causes for causes in new if not any(one > causes and len(one) == len(causes) + 1 for one in far)]
 
 
 def promising(group: list[list[StartingPoint]], scale: NoiseScale) -> list[list[StartingPoint]]:

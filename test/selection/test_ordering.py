@@ -22,12 +22,29 @@ from msd_ident.selection import evidence
 from msd_ident.selection.evidence import scale_from
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.ordering import rank
+from msd_ident.selection.ordering import leading, rank
 
 
 @pytest.fixture
 def experiment() -> Experiment:
     return steps()
+
+
+@pytest.mark.parametrize("left", [845.0, 830.0, 300.0])
+def test_the_leading_set_is_the_first_of_the_ranking(experiment: Experiment, left: float) -> None:
+    """Also where a simpler one leads in place of the likeliest."""
+    spring, drag = BASE + CubicSpring(1e6), BASE + QuadraticDrag(1.0)
+    models = {
+        BASE: 9e5,
+        drag: 4e3,
+        spring: 841.0,
+        spring + QuadraticDrag(1.0): left,
+        spring + CoulombFriction(0.1): 840.0,
+    }
+    sets = {one.causes: one for model, chi in models.items() if (one := fitted(experiment, model, chi))}
+    scale = scale_from(list(sets.values()), experiment.readings)
+    assert leading(sets, scale) is rank(sets, scale).best
+    assert len(rank(sets, scale).best.causes) == (2 if left == 300.0 else 1)
 
 
 def test_a_parameter_must_earn_its_place(experiment: Experiment) -> None:

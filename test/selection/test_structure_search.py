@@ -369,7 +369,7 @@ def test_the_most_promising_sets_are_fitted_first_and_others_only_if_these_leave
         search._fit_group(group, (0.0, 1.0))
         assert len(begun) == count and set(begun[:3]) == {one.causes for one in pairs[2:]}
         assert search.beyond == ({one.causes for one in pairs[:2]} if count == 3 else set())
-        assert search._larger_is_out_of_reach(frozenset({"quadratic_drag"})) == (count == 3)
+        assert (search._within_reach([frozenset({"quadratic_drag"})]) == []) == (count == 3)
 
 
 def test_the_leading_set_is_asked_again_only_after_a_fit(monkeypatch: pytest.MonkeyPatch) -> None:
