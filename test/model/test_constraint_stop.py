@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from effect_examples import DAMPING, MASS, STIFFNESS, followed, plant, record
 
-from msd_ident.model import Simulator
+from msd_ident.data.record import from_samples
+from msd_ident.model import Plant, Simulator
 from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.constraint_stop import ConstraintStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -65,3 +66,20 @@ def test_a_mass_at_rest_in_the_stop_stays_there() -> None:
     carried = 1e5 * (np.abs(moved[rest]) - 0.001)[inside]
     others = (np.sign(moved[rest]) * held - STIFFNESS * np.abs(moved[rest]))[inside]
     assert np.all(np.abs(others - carried) <= 0.4 + 1e-6)
+
+
+def test_contact_after_contact_the_motion_stays_smooth_in_its_parameters() -> None:
+    """Errors of the solver that change abruptly with the stiffness were more than a fit's minimum is deep."""
+    model = Plant(1.0, 3.0, 600.0) + ConstraintStop(1e-4, 0.004, 600.0, 6.0, 0.9)
+    time, moved = 2e-3 * np.arange(2500), np.linspace(-1.0, 1.0, 21)
+    rows = np.tile(model.values, (21, 1))
+    rows[:, 2] *= 1.0 + 1e-7 * moved
+    rough = []
+    for seed in range(8):
+        force = np.repeat(np.random.default_rng(seed).uniform(-8.0, 8.0, 25), 100)
+        measured = from_samples(time, force, np.zeros(time.size), hold="zero")
+        found = Simulator(model, measured).positions_many(rows, np.zeros(21), np.zeros(21))
+        straight = np.polynomial.polynomial.polyfit(moved, found, 1)
+        left = found - np.polynomial.polynomial.polyval(moved, straight).T
+        rough.append(np.std(left) / np.std(found))
+    assert np.median(rough) < 3e-8

@@ -65,6 +65,8 @@ SPEED_BITS = sum(BIT[e.name] for e in LIBRARY if e.asks_speed())
 DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects beside which a jump of the force is no jump of the acceleration by that force alone.
 JUMPING_BITS = DRIVEN_BITS | CONTACT_BITS
+#: Effects whose force begins with a jump at a knee, so that every error of the motion has a part in it.
+ROUGH_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.jumps)
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
