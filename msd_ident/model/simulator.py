@@ -59,12 +59,24 @@ def _load(say: Callable[[str], None]) -> Any:
     from msd_ident.model.kernel import cache
 
     entries = cache.load(say)
-    loaded = cache.compiled(entries)
+    if not cache.compiled(entries):
+        # Code that was compiled in this process may round in another way than the same code from the cache, and stays
+        # in use where that is loaded later.
+        cache.compile_apart()
+        entries = cache.load(_nobody)
     _run_once(entries)
-    if not loaded:  # code that was compiled in this process rounds in another way than the same code from the cache
-        entries = cache.load(say)
-        _run_once(entries)
     return entries
+
+
+def compile_here() -> None:
+    """Compile the solver in this process, into the cache."""
+    from msd_ident.model.kernel import cache
+
+    _run_once(cache.load(_nobody))
+
+
+def _nobody(line: str) -> None:
+    del line
 
 
 def _run_once(entries: Any) -> None:

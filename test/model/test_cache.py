@@ -22,21 +22,20 @@ t = np.linspace(0.0, 1.0, 50)
 print(simulate(Plant(1.0, 1.0, 100.0), Record(time=t, position=t, force_time=t, force=t)).position[-1])
 """
 
-#: A cart that rubs, hits stops and hangs on a bent spring: all digits of its positions.
-RUB = """
+#: Carts on springs that bend: all digits of their positions.
+BENT = """
 import numpy as np
 from msd_ident.model import Plant, simulate
 from msd_ident.model.effects import by_name
 from msd_ident.data.record import Record
 t = np.linspace(0.0, 4.0, 800)
-model = Plant(1.0, 1.0, 100.0)
+record = Record(t, t, np.array([0.0, 1.0, 2.0]), np.array([4.0, -3.0, 2.0]))
 for name, values in (
-    ("stribeck_friction", (0.2, 0.3, 0.01)), ("end_stop", (0.02, 500.0)), ("cubic_spring", (3e4,)),
+    ("bilinear_spring", (0.006, 150.0)), ("end_stop", (0.018, 5e3)), ("one_sided_stop", (0.018, 5e3)),
 ):
     names = [p.name for p in by_name(name).parameters]
-    model = model + by_name(name).from_values(dict(zip(names, values, strict=True)))
-record = Record(t, t, np.array([0.0, 1.0, 2.0]), np.array([4.0, -3.0, 2.0]))
-print(simulate(model, record).position.tolist())
+    model = Plant(1.0, 1.0, 100.0) + by_name(name).from_values(dict(zip(names, values, strict=True)))
+    print(simulate(model, record, 0.01, 0.1).position.tolist())
 """
 
 
@@ -55,13 +54,24 @@ def test_a_second_process_compiles_nothing(repository: Path) -> None:
 def test_the_process_that_compiles_has_the_digits_of_those_that_load(repository: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(repository)}
     environment.pop("NUMBA_CACHE_DIR", None)
-    command = [sys.executable, "-c", RUB]
+    command = [sys.executable, "-c", BENT]
     first, second = (
         subprocess.run(command, capture_output=True, text=True, check=True, env=environment, cwd=repository)
         for _ in range(2)
     )
     assert "compiling" in first.stderr and "compiling" not in second.stderr
     assert first.stdout == second.stdout and len(first.stdout) > 1000
+
+
+@pytest.mark.long
+def test_without_another_process_the_solver_is_compiled_in_this_one(repository: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(repository)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    alone = "import sys; sys.executable = '/nowhere/python'\n" + SIMULATE
+    done = subprocess.run(
+        [sys.executable, "-c", alone], capture_output=True, text=True, check=True, env=environment, cwd=repository
+    )
+    assert done.stderr.count("compiling") == 1 and float(done.stdout) == pytest.approx(0.0, abs=1.0)
 
 
 def test_a_cold_start_says_so_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib.util
+import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -33,6 +35,12 @@ def run(bits, rows, place, plan, measured, out_x, out_v):
         _row(bits, rows[i], place, plan, Path(out_x[i], out_v[i]))
         _compare(rows[i], measured, out_x[i])
 '''
+_APART = """
+import json, sys
+sys.path[:] = json.loads(sys.argv[1])
+from msd_ident.model.simulator import compile_here
+compile_here()
+"""
 
 
 def fingerprint() -> str:
@@ -106,6 +114,15 @@ def load(say: Callable[[str], None]) -> ModuleType:
         say("msd: compiling the solver, once (about half a minute); later runs start at once")
         _prune(path)
     return module
+
+
+def compile_apart() -> None:
+    """Compile the solver in a process of its own. Where there can be none, the cache stays as it is."""
+    with contextlib.suppress(OSError):
+        subprocess.run(
+            [sys.executable, "-c", _APART, json.dumps(sys.path)],
+            check=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
 
 
 def _prune(present: Path) -> None:
