@@ -12,7 +12,8 @@ variance; Hoeting et al. 1999, Stat. Sci. 14):
 
     var θ = var(θ | leading set) + Σ p_i (θ_i − θ)².
 
-What a measured force may do between its samples moves the parameters too (``residuals.force_between``).
+What a force may do between the samples moves the parameters too: a measured one (``residuals.force_between``), or that
+of a stop, which may begin late (``residuals.late_contact``).
 
 Friction too weak to be seen is no explanation, but possible on every rig, and what there is of it counts as damping.
 The set with friction beside is such an i, with its own variance too: p (var(θ | i) − var(θ | leading set)) more.
@@ -34,7 +35,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.model.parameters import FORCES
 from msd_ident.model.rest import AT_REST, slope_at_rest
 from msd_ident.quantity import Quantity
-from msd_ident.residuals import force_between
+from msd_ident.residuals import force_between, late_contact
 from msd_ident.selection import rest_constraint
 from msd_ident.selection.evidence import NoiseScale, log_evidence
 from msd_ident.selection.hypothesis import COULOMB, Hypothesis
@@ -144,8 +145,10 @@ def _of_laws(fitted: Hypothesis, variance: float, before: FloatArray | float = 0
 
 
 def _sampled(fitted: Hypothesis) -> FloatArray:
-    """Covariance (q, q) of the entries by what the force may do between its samples."""
-    slopes = force_between.slopes(fitted.readings, fitted.model, fitted.state.jacobian)
+    """Covariance (q, q) of the entries by what the force, measured or of a stop, may do between the samples."""
+    jacobian = fitted.state.jacobian
+    slopes = force_between.slopes(fitted.readings, fitted.model, jacobian)
+    slopes += late_contact.slopes(fitted.readings, fitted.model, fitted.initial, jacobian)
     if not slopes.any():
         return slopes
     inverse = _of_laws(fitted, 1.0)

@@ -14,11 +14,15 @@ from msd_ident.diagnosis import intervals
 from msd_ident.estimate import FitResult
 from msd_ident.estimate.least_squares import Solution
 from msd_ident.estimate.summary import summarise_fit
+from msd_ident.model import simulate as model_motion
+from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.rest import slope_at_rest
+from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.evidence import SHAPES, NoiseScale
+from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.workflow import pipeline
@@ -59,6 +63,20 @@ def test_what_the_laws_leave_widens_them_as_the_evidence_counts_it(plain: Hypoth
     assert root > 10.0
     for name, factor in found.items():
         assert factor == pytest.approx(root * least[name], rel=0.3)
+
+
+def test_contacts_that_may_begin_late_widen_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the stop's force jumps, by what hides of it in the scatter of chi²: without a jump by nothing."""
+    stop = BufferedStop(0.0, 0.015, 4000.0, 60.0)
+    record = pushed().readings[0].record
+    moved = model_motion(BASE + stop, record).position + np.random.default_rng(1).normal(0.0, 1e-5, record.samples)
+    experiment = Experiment(prepare([replace(record, position=moved)]), BASE, frozenset())
+    touching = stood(experiment, BASE + stop)
+    late = growth(touching, touching.chi)
+    monkeypatch.setattr(BufferedStop, "jumps", False)
+    known = growth(touching, touching.chi)
+    assert late["damping"] > 1.2 * known["damping"]
+    assert all(late[name] >= known[name] for name in known)
 
 
 def test_a_rival_widens_what_it_moves_as_likely_as_it_is(plain: Hypothesis) -> None:

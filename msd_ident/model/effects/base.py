@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
 from msd_ident.model.declarations import PLACE, TIME, RecordScales
-from msd_ident.model.effects.law import ARGUMENTS, Law, arguments
+from msd_ident.model.effects.law import ABOVE, ARGUMENTS, AT_ZERO, BOTH, OUTSIDE, Law, arguments
 
 if TYPE_CHECKING:
     import numpy as np
@@ -124,9 +124,30 @@ class Effect(Law):
         law = self.laws().get("friction")
         if law is None:
             return math.nan
-        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | dict(self.memory)
-        given |= {**dict.fromkeys(ARGUMENTS, 0.0), "v": speed, "speed": speed, "direction": 1.0}
-        return float(law(*(given[name] for name in arguments(law))))
+        return self._law_value(law, {"v": speed, "speed": speed, "direction": 1.0})
+
+    def _law_value(self, law: Callable[..., float], given: Mapping[str, float]) -> float:
+        """What a law of it is with its values, as the motion begins; arguments that are not given are 0."""
+        values = {p.name: value for p, value in zip(self.parameters, self.values, strict=True)}
+        known = {**dict.fromkeys(ARGUMENTS, 0.0), **values, **dict(self.memory), **given}
+        return float(law(*(known[name] for name in arguments(law))))
+
+    def knee_places(self) -> tuple[tuple[float, float], ...]:
+        """Position [m] of each of its knees, and the sign of the side that is beyond (see ``Law.knee``)."""
+        if self.knee is None or self.knee == AT_ZERO:
+            return ()
+        place, side = float(getattr(self, self.knee[0])), self.knee[2]
+        if side in (BOTH, ABOVE, OUTSIDE):
+            above = (place, math.copysign(1.0, place) if side == OUTSIDE else 1.0)
+            return (above, (-place, -1.0)) if side == BOTH else (above,)
+        reach = float(getattr(self, side))
+        return (place + reach, 1.0), (place - reach, -1.0)
+
+    def begins_with(self, x: float, v: float, net: float) -> float:
+        """Jump of its force [N] where a motion at v [m/s] passes a knee at x [m]; ``net``: all other forces [N]."""
+        given = {"x": x, "v": v, "speed": abs(v), "direction": math.copysign(1.0, v), "net": net}
+        laws, without = self.laws(), {"force": 0.0, "contact": net}
+        return sum(self._law_value(laws[kind], given) - before for kind, before in without.items() if kind in laws)
 
     def keeps_gain(self) -> bool:
         """Whether some range of commands acts on the plant with a gain of 1, change for change."""
@@ -137,8 +158,7 @@ class Effect(Law):
         law = self.laws().get("input_map")
         if law is None:
             return u
-        given = dict(zip((p.name for p in self.parameters), self.values, strict=True)) | {"u": u, "t": t}
-        return float(law(*(given[name] for name in arguments(law))))
+        return self._law_value(law, {"u": u, "t": t})
 
     def longest_period(self) -> float:
         """Longest period [s] of a motion that it brings by itself; 0 if it brings none."""
