@@ -5,6 +5,7 @@ compared with the truth.
 from __future__ import annotations
 
 import math
+import sys
 import tempfile
 import time
 from collections.abc import Mapping
@@ -17,6 +18,7 @@ from bench.blind.rigs import Author, Sealed
 from bench.blind.truth import STIFFNESS_BEYOND, allowed, same
 from msd_ident.data.record import Record
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.errors import MsdError
 from msd_ident.estimate import fit
 from msd_ident.io import SourceOptions, read
 from msd_ident.model import Plant
@@ -30,6 +32,8 @@ from msd_sim.effects import ALL
 
 #: What is compared of the plant.
 PLANT = ("mass", "damping", "stiffness")
+#: Verdict of a record that the diagnosis does not take.
+REFUSED = "refused"
 
 
 @dataclass(frozen=True)
@@ -166,9 +170,35 @@ def run(case: Case) -> Outcome:
         noise = rig.write(path)
         began = time.perf_counter(), time.process_time()
         record = read(path, SourceOptions())
-        diagnosis = pipeline.diagnose([record])
+        try:
+            diagnosis = pipeline.diagnose([record])
+        except MsdError as error:
+            print(f"{case} is refused: {error}", file=sys.stderr)
+            return _refused(case, rig, time.perf_counter() - began[0])
         seconds = time.perf_counter() - began[0], time.process_time() - began[1]
     return _opened(case, rig, noise, record, diagnosis, seconds)
+
+
+def _refused(case: Case, rig: Sealed, seconds: float) -> Outcome:
+    """A record that the diagnosis does not take counts as one of which all is left, nothing is named and m and k are
+    not found.
+    """
+    return Outcome(
+        case=case,
+        truth=tuple(sorted(rig.truth)),
+        odd=case.kind in ("odd", "variant"),
+        strength=rig.strength,
+        verdict=REFUSED,
+        named=(),
+        base_floors=math.inf,
+        extended_floors=math.inf,
+        without_floors=math.inf,
+        heldout_floors=math.inf,
+        removed=math.nan,
+        seconds=seconds,
+        plant_error=math.inf,
+        plant_stated=math.inf,
+    )
 
 
 def _opened(

@@ -15,6 +15,7 @@ from bench.blind.__main__ import chosen, main
 from bench.blind.cases import Case, Outcome, run, sealed
 from bench.blind.truth import FAMILIES
 from bench.mujoco_rigs.rig import EXPERIMENTS, FAULTS
+from msd_ident.errors import DataError
 from msd_ident.model.effects import LIBRARY
 from msd_ident.model.effects.law import OUTSIDE
 from msd_sim import foreign, lottery
@@ -186,6 +187,20 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
         "`explained` with a false cause",
         "m or k off by 3.0 %, covered",
     ]
+
+
+def test_a_record_that_is_refused_counts_as_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A study that leaves it out shows better figures than a user sees."""
+
+    def refuse(records: object) -> None:
+        raise DataError("all causes of the library explain 44 % of the position's variance")
+
+    monkeypatch.setattr("bench.blind.cases.pipeline.diagnose", refuse)
+    found = run(Case(7, "uneven_stops", False, "release", author="foreign"))
+    assert Outcome.from_json_dict(json.loads(json.dumps(found.to_json_dict()))).plant_error == math.inf
+    assert score.failed(found) == ["family not named", "m or k not found"]
+    assert "| all | 1 | 1 | 0 | 0 | 0 | 0 | 0 |" in told.variants([found])
+    assert any("refused" in line and "m or k not found" in line for line in told.variants([found]))
 
 
 def test_all_variants_are_planned_where_they_can_be_seen() -> None:
