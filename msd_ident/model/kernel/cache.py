@@ -117,10 +117,13 @@ def load(say: Callable[[str], None]) -> ModuleType:
 
 
 def compile_apart() -> None:
-    """Compile the solver in a process of its own. Where there can be none, the cache stays as it is."""
+    """Compile the solver in a process of its own.
+
+    Where there can be none, as in a program that embeds Python, the cache stays as it is.
+    """
     with contextlib.suppress(OSError):
         subprocess.run(
-            [sys.executable, "-c", _APART, json.dumps(sys.path)],
+            [sys.executable or "", "-c", _APART, json.dumps(sys.path)],
             check=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
