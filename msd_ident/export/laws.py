@@ -109,14 +109,9 @@ def constants(effects: Iterable[Effect]) -> list[str]:
     return list(lines.values())
 
 
-def functions(effects: Iterable[Effect], kinds: Callable[[str], bool] = lambda kind: True) -> str:
-    """Source of all laws of some kinds.
-
-    Args:
-        effects: of a model.
-        kinds: whether a kind is wanted; all by default.
-    """
-    found = [source(type(effect), kind) for effect in effects for kind in effect.laws() if kinds(kind)]
+def functions(effects: Iterable[Effect]) -> str:
+    """Source of all laws of a model's effects but what only the solver asks."""
+    found = [source(type(effect), kind) for effect in effects for kind in effect.laws() if kind != "grip"]
     return "\n\n\n".join(found)
 
 

@@ -91,6 +91,8 @@ def _passive(called: Sequence[Effect], kinds: set[str], remembers: bool) -> str:
         "    t, x, v = data.time, data.qpos[place] - ZERO, data.qvel[dof]",
         "    speed = abs(v)",
     ]
+    if _uses(called, "piece_x"):
+        lines.append("    piece_x = x")
     if remembers:
         lines.append("    direction, kept = memory.at(t, x, v, data.qacc[dof], model.opt.timestep)")
         names = [name for effect in called for name, _ in effect.memory]

@@ -51,11 +51,11 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "HELD": held(plan.model, "level"),
         "FRICTION": laws.one(effects, "friction", "0.0"),
         "BREAKAWAY": laws.one(effects, "breakaway", "0.0"),
-        "MOVED": laws.chained(effects, "contact", "net", "force"),
+        "MOVED": laws.chained(effects, "contact", "net", "force").replace("piece_x", "ahead(x, mode)"),
         "RESTED": _at_rest(effects),
         "READING": laws.chained(effects, "reading", "x", "x"),
         "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if any(e.asks_drive() for e in effects) else "",
-        "FORCES": "".join(f"    total -= {one}\n" for one in calls),
+        "FORCES": "".join(f"    total -= {one}\n" for one in calls).replace("piece_x", "ahead(x, direction)"),
     }
 
 

@@ -44,7 +44,8 @@ def _bends(effect: Effect) -> bool:
 
 def _force(model: Model, x: float) -> float:
     """Force [N] of the spring, its bends and the constant forces at a position [m]."""
-    known = {**dict.fromkeys(ARGUMENTS, 0.0), **dict(zip(model.names, model.values.tolist(), strict=True)), "x": x}
+    known = dict.fromkeys(ARGUMENTS, 0.0) | dict(zip(model.names, model.values.tolist(), strict=True))
+    known |= {"x": x, "piece_x": x}
     laws = [law for effect in model.effects if _bends(effect) for kind, law in effect.laws().items() if kind == "force"]
     laws += [effect.laws()["constant"] for effect in model.effects if "constant" in effect.laws()]
     return model.stiffness * x + math.fsum(law(*(known[n] for n in inspect.signature(law).parameters)) for law in laws)

@@ -82,4 +82,4 @@ def test_contact_after_contact_the_motion_stays_smooth_in_its_parameters() -> No
         straight = np.polynomial.polynomial.polyfit(moved, found, 1)
         left = found - np.polynomial.polynomial.polyval(moved, straight).T
         rough.append(np.std(left) / np.std(found))
-    assert np.median(rough) < 3e-8
+    assert np.median(rough) < 1e-12

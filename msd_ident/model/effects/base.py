@@ -32,7 +32,9 @@ class Effect(Law):
     ``t`` [s], position ``x`` [m], velocity ``v`` [m/s], ``speed`` = abs(v), ``direction`` = the sign of the
     motion (0 at rest), ``spring_force`` [N] of the linear spring (behind its backlash), ``driven`` (1 while a force is
     commanded, else 0), ``lagged_v`` [m/s] (see ``VELOCITY_LAG``), ``second_v`` [m/s] of the second mass, a commanded
-    force ``u`` [N], the ``net`` force [N], any parameter of the effect or of the plant, any of its ``memory``.
+    force ``u`` [N], the ``net`` force [N], ``piece_x`` [m], a place on the same side of all knees as the step (see
+    ``knee``), any parameter of the effect or of the plant, any of its ``memory``. A force that begins with a jump at a
+    knee asks ``piece_x`` whether it acts: a step that ends at the knee must not see beyond it.
     Exports copy a law's source, so it uses nothing but its arguments, ``math`` and built-in functions.
     The kernel looks for
 
@@ -47,6 +49,7 @@ class Effect(Law):
     - ``contact(...)`` [N]: the force that moves the mass, of the ``net`` force on the cart, dry friction included,
       while it moves: what a contact leaves of it, or what does the same to another inertia;
       ``contact_at_rest(...)`` [N]: what dry friction has to hold of the net force of all else at rest;
+    - ``grip(...)``: of a force with two formulas beyond its knee, tells by its sign which one holds;
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
     - ``reading(...)`` [m]: what the sensor makes of x.
 
@@ -145,7 +148,9 @@ class Effect(Law):
 
     def begins_with(self, x: float, v: float, net: float) -> float:
         """Jump of its force [N] where a motion at v [m/s] passes a knee at x [m]; ``net``: all other forces [N]."""
-        given = {"x": x, "v": v, "speed": abs(v), "direction": math.copysign(1.0, v), "net": net}
+        ahead = math.copysign(1.0, v)
+        beyond = x + ahead * (1.0 + abs(x))
+        given = {"x": x, "v": v, "speed": abs(v), "direction": ahead, "net": net, "piece_x": beyond}
         laws, without = self.laws(), {"force": 0.0, "contact": net}
         return sum(self._law_value(laws[kind], given) - before for kind, before in without.items() if kind in laws)
 

@@ -72,7 +72,7 @@ class BufferedStop(Effect):
     def force(
         x: float,
         v: float,
-        direction: float,
+        piece_x: float,
         buffer_centre: float,
         buffer_reach: float,
         buffer_stiffness: float,
@@ -81,12 +81,27 @@ class BufferedStop(Effect):
         """Force [N] against +x beyond that of the buffers' springs."""
         off = x - buffer_centre
         side = 1.0 if off > 0.0 else -1.0
-        depth = side * off - buffer_reach
-        touch = 1e-12 * (buffer_reach + abs(buffer_centre))  # the solver stops where contact begins, but for rounding
-        if depth < -touch or (depth <= touch and side * direction <= 0.0):
+        if side * (piece_x - buffer_centre) <= buffer_reach:
             return 0.0
-        spring = buffer_stiffness * depth
+        spring = buffer_stiffness * (side * off - buffer_reach)
         return side * (max(spring + side * buffer_damping * v, 0.0) - spring)
+
+    @staticmethod
+    def grip(
+        x: float,
+        v: float,
+        piece_x: float,
+        buffer_centre: float,
+        buffer_reach: float,
+        buffer_stiffness: float,
+        buffer_damping: float,
+    ) -> float:
+        """Force [N] of spring and damper together, into the free travel, in contact: below 0 the buffer lets go."""
+        off = x - buffer_centre
+        side = 1.0 if off > 0.0 else -1.0
+        if side * (piece_x - buffer_centre) <= buffer_reach:
+            return 1.0
+        return buffer_stiffness * (side * off - buffer_reach) + side * buffer_damping * v
 
     def same_as(self, model: Model) -> str:
         """Stops about the relaxed spring beside a force offset, where the stops' middle is off it."""

@@ -59,6 +59,7 @@ class ConstraintStop(Effect):
         net: float,
         x: float,
         v: float,
+        piece_x: float,
         buffer_centre: float,
         buffer_reach: float,
         buffer_stiffness: float,
@@ -68,13 +69,31 @@ class ConstraintStop(Effect):
         """Net force [N] towards +x, of one that has the stops' springs in it already."""
         off = x - buffer_centre
         side = 1.0 if off > 0.0 else -1.0
-        depth = side * off - buffer_reach
-        touch = 1e-12 * (buffer_reach + abs(buffer_centre))  # the solver stops where contact begins, but for rounding
-        if depth < -touch or (depth <= touch and side * v <= 0.0):
+        if side * (piece_x - buffer_centre) <= buffer_reach:
             return net
-        spring = buffer_stiffness * depth
+        spring = buffer_stiffness * (side * off - buffer_reach)
         others = side * net + spring
         return side * (others - max(spring + side * buffer_damping * v + constraint_share * others, 0.0))
+
+    @staticmethod
+    def grip(
+        net: float,
+        x: float,
+        v: float,
+        piece_x: float,
+        buffer_centre: float,
+        buffer_reach: float,
+        buffer_stiffness: float,
+        buffer_damping: float,
+        constraint_share: float,
+    ) -> float:
+        """What the stop pushes with [N], into the free travel, in contact; below 0 it lets go."""
+        off = x - buffer_centre
+        side = 1.0 if off > 0.0 else -1.0
+        if side * (piece_x - buffer_centre) <= buffer_reach:
+            return 1.0
+        spring = buffer_stiffness * (side * off - buffer_reach)
+        return spring + side * buffer_damping * v + constraint_share * (side * net + spring)
 
     @staticmethod
     def contact_at_rest(

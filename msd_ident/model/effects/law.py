@@ -10,10 +10,12 @@ from typing import Any, ClassVar, Literal, cast
 from msd_ident.model.declarations import PLACE, Harmonic, Parameter
 
 #: Names that a law may take as arguments besides parameter and memory names.
-ARGUMENTS = ("t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "second_v", "u", "net")
+ARGUMENTS = (
+    "t", "x", "v", "speed", "direction", "spring_force", "driven", "lagged_v", "second_v", "u", "net", "piece_x",
+)  # fmt: skip
 
 #: Those of a force law that make it depend on more than the place.
-_NOT_PLACE = frozenset(ARGUMENTS) - {"x"}
+_NOT_PLACE = frozenset(ARGUMENTS) - {"x", "piece_x"}
 
 #: Sides of a knee, see ``Effect.knee``.
 BOTH, ABOVE, OUTSIDE = "both", "above", "outside"
@@ -41,6 +43,7 @@ KINDS = (
     "second_force",
     "contact",
     "contact_at_rest",
+    "grip",
     "input_map",
     "reading",
 )

@@ -14,7 +14,7 @@ from msd_ident.model.kernel.compiled import lean
 from msd_ident.model.kernel.exponential import second_is_stiff
 from msd_ident.model.kernel.groups import Line, Place, State, Step
 from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, step_to
-from msd_ident.model.kernel.rk import breakaway, forces_at, held
+from msd_ident.model.kernel.rk import breakaway, forces_at, grip_at, held
 from msd_ident.model.kernel.roots import first_exit
 
 _SEARCHES = 60
@@ -102,6 +102,28 @@ def knee(phase, step, edge):
             break
         tau = new if low < new < high else 0.5 * (low + high)
     return tau, there
+
+
+@lean
+def release(phase, step):
+    """The step that ends just beyond a change of sign of ``grip_at``, which the one given passes; see ``turn``."""
+    method, t, h, start, end = step
+    low, high = 0.0, h
+    before = grip_at(phase, t, Place(start.x, start.v, start.y, start.u))
+    after = grip_at(phase, t + h, Place(end.x, end.v, end.y, end.u))
+    grips, side = before > 0.0, 0
+    for _ in range(_SEARCHES):  # false position, with the value halved of an end that stays (Illinois)
+        if high - low <= _SETTLED * h:
+            break
+        tau = low + (high - low) * before / (before - after)
+        tau = min(max(tau, low + 0.4 * _SETTLED * h), high - 0.4 * _SETTLED * h)
+        there, _, _ = step_to(method, phase, t, tau, start)
+        value = grip_at(phase, t + tau, Place(there.x, there.v, there.y, there.u))
+        if (value > 0.0) == grips:
+            low, before, after, side = tau, value, 0.5 * after if side == 1 else after, 1
+        else:
+            high, end, after, before, side = tau, there, value, 0.5 * before if side == -1 else before, -1
+    return high, end
 
 
 @lean

@@ -28,7 +28,7 @@ from msd_ident.model.kernel.groups import (
     Tolerances,
     World,
 )
-from msd_ident.model.kernel.passage import RETRY, calm, near_turn, passage, piece_of
+from msd_ident.model.kernel.passage import RETRY, calm, lets_go, near_turn, passage, piece_of
 from msd_ident.model.kernel.rk import (
     acceleration_at,
     beside,
@@ -44,10 +44,6 @@ from msd_ident.model.kernel.spring import piece
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
 #: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
 TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
-#: Part of them that counts where a stop's force jumps as contact begins. Contact by contact such a motion multiplies
-#: its errors, which change abruptly as a step does, and a fit stops at them: a rig of another author had its damping at
-#: 12 to 27 ten-thousandths too much by rounding alone, and has it at 13 to 14.
-STRICT = 0.1
 #: Steps are even when their lengths differ by no more than this part; and so little that they are the same but for
 #: rounding.
 _EVEN, _SAME = 1e-7, 1e-11
@@ -137,7 +133,7 @@ def _cruise(run, j, segments, progress, path):
     eventful, quick = run.eventful, run.quick
     start, length, _, _, level, slope, transient, decay = segments
     tolerances, out_x, out_v = run.tolerances, path.x, path.v
-    keep, second = out_v.size > 0, world.m2 > 0.0
+    keep, second, gripped = out_v.size > 0, world.m2 > 0.0, (world.active & laws.GRIP_BITS) != 0
     known, even, half = 0, 0.0, 1.0
     past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     while j < length.size:
@@ -170,7 +166,10 @@ def _cruise(run, j, segments, progress, path):
             )  # fmt: skip
         if not accurate:
             break
-        if eventful and not calm(s, spring, a0, State(x1, v1, a1, y1, u1, c1)):
+        here, end = State(x, v, a0, y, u, c), State(x1, v1, a1, y1, u1, c1)
+        if eventful and not calm(s, spring, a0, end):
+            break
+        if gripped and lets_go(Phase(run.world, spring, drive, left, s), 0.0, left, here, end):
             break
         past = _later(a0, past)
         if second:
@@ -243,9 +242,7 @@ def _held(run, j, segments, progress, path):
 @joined
 def run_of(world, spring, m, scales):
     """What stays the same during a run; ``scales``: sizes of the motion that errors are compared with."""
-    active = world.cart.active
-    part = STRICT if active & laws.ROUGH_BITS else 1.0
-    far, fast = part * scales.x, part * scales.v
+    active, far, fast = world.cart.active, scales.x, scales.v
     return Run(
         world,
         spring,
@@ -253,7 +250,7 @@ def run_of(world, spring, m, scales):
         (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or spring.edges.size > 2,
         (active & laws.RESTLESS_BITS) != 0 or world.cart.m2 > 0.0,
         (active & laws.QUICK_BITS) != 0,
-        1e12 * scales.x,
+        1e12 * far,
         Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast),
     )
 

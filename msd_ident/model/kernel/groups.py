@@ -196,12 +196,13 @@ class World(NamedTuple):
 
 
 class Elastic(NamedTuple):
-    """The spring force on one piece, intercept + slope x, and that of the linear spring without stops."""
+    """The spring force on one piece, intercept + slope x; that of the linear spring alone; a place [m] in the piece."""
 
     slope: float
     intercept: float
     own_slope: float
     own_intercept: float
+    inside: float
 
 
 class Piece(NamedTuple):

@@ -65,8 +65,8 @@ SPEED_BITS = sum(BIT[e.name] for e in LIBRARY if e.asks_speed())
 DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects beside which a jump of the force is no jump of the acceleration by that force alone.
 JUMPING_BITS = DRIVEN_BITS | CONTACT_BITS
-#: Effects whose force begins with a jump at a knee, so that every error of the motion has a part in it.
-ROUGH_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.jumps)
+#: Effects whose force has two formulas beyond a knee.
+GRIP_BITS = sum(BIT[effect.name] for effect in LIBRARY if "grip" in effect.laws())
 #: Effects whose force changes by itself while the cart is at rest.
 RESTLESS_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.acts_on == "force" and not effect.steady)
 
@@ -171,6 +171,8 @@ def _knees() -> Any:
         # A law with a kink at x = 0 has a knee there that bends nothing to speak of: the solver stops at it.
         kink = effect.knee == AT_ZERO
         place, stiffness = ("0.0", "1e-300") if kink else (f"p[{INDEX[place]}]", f"p[{INDEX[stiffness]}]")
+        if effect.jumps:  # there is a piece beyond its knee without that stiffness too
+            stiffness = f"{stiffness} if {stiffness} != 0.0 else 1e-300"
         lines += [f"    if active & {BIT[effect.name]}:"]
         for row in _rows(place, stiffness, side):
             lines += [f"        found[n, 0], found[n, 1], found[n, 2] = {row}", "        n += 1"]
@@ -193,13 +195,14 @@ def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
 disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, lagged_v", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, lagged_v, piece_x", "0.0", "+=")
 knees = _knees()
 friction = _dispatcher("friction", "x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "x, spring_force", "0.0", "=")
 second_force = _dispatcher("second_force", "second_v", "0.0", "+=")
-contact = _dispatcher("contact", "net, x, v", "net", "=")
+contact = _dispatcher("contact", "net, x, v, piece_x", "net", "=")
 contact_at_rest = _dispatcher("contact_at_rest", "net, x", "net", "=")
+grip = _dispatcher("grip", "net, x, v, piece_x", "1.0", "=")
 input_map = _dispatcher("input_map", "t, u", "u", "=")
 reading = _dispatcher("reading", "t, x", "x", "=")
 remember = _remember()

@@ -13,11 +13,11 @@ import math
 
 from msd_ident.model.kernel import laws
 from msd_ident.model.kernel.compiled import inlined, joined, lean
-from msd_ident.model.kernel.events import EASY, knee, rest, slowest, turn
+from msd_ident.model.kernel.events import EASY, knee, release, rest, slowest, turn
 from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff, second_is_stiff
 from msd_ident.model.kernel.groups import Elastic, Longest, Phase, Piece, Place, Progress, State, Step
 from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, FOURTH, step_to
-from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at
+from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at, grip_at
 from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
@@ -27,7 +27,7 @@ _SHORTEST = 1e-10
 _SOON = 1e-6
 #: Growth, each fifth-order step, of the step that fourth order may take: now and then it is worth another try.
 RETRY = 1.02
-_NONE, _TURN, _KNEE, _AGAIN = 0, 1, 2, 3
+_NONE, _TURN, _KNEE, _AGAIN, _RELEASE = 0, 1, 2, 3, 4
 
 
 @lean
@@ -55,6 +55,15 @@ def calm(s, piece, a, end):
     return s * end.v > 0.0 and piece.low <= end.x <= piece.high and (s * a >= 0.0 or s * end.a <= 0.0)
 
 
+@lean
+def lets_go(phase, t, h, start, end):
+    """Whether another formula of a stop's force holds at the end of a step than at its start."""
+    if not phase.world.cart.active & laws.GRIP_BITS:
+        return False
+    before = grip_at(phase, t, Place(start.x, start.v, start.y, start.u))
+    return (before > 0.0) != (grip_at(phase, t + h, Place(end.x, end.v, end.y, end.u)) > 0.0)
+
+
 @inlined
 def near_turn(left, v, a):
     """Whether the cart turns about within the segment: there a ``quick`` law asks for fifth order."""
@@ -65,7 +74,7 @@ def near_turn(left, v, a):
 def piece_of(spring, i):
     """Piece i of the spring."""
     edges, lines = spring
-    return Piece(i, edges[i], edges[i + 1], Elastic(lines[0, i], lines[1, i], lines[2, i], lines[3, i]))
+    return Piece(i, edges[i], edges[i + 1], Elastic(lines[0, i], lines[1, i], lines[2, i], lines[3, i], lines[4, i]))
 
 
 @lean
@@ -97,6 +106,10 @@ def _first_event(phase, step):
         h, there = knee(phase, Step(method, t, h, start, end), edge)
         v = there.v if s * there.v > 0.0 else 0.0
         end = State(edge, v, there.a, there.y, there.u, there.c)
+    if h > _SOON * phase.length and lets_go(phase, t, h, start, end):
+        sooner, there = release(phase, Step(method, t, h, start, end))
+        if sooner < h:
+            event, h, end = _RELEASE, sooner, there
     return event, h, end
 
 
@@ -186,7 +199,7 @@ def passage(run, drive, length, progress):
                 budget = 0
             continue
         event, end = _NONE, step.end
-        if run.eventful and not calm(s, phase.piece, state.a, end):
+        if run.eventful and not (calm(s, phase.piece, state.a, end) and not lets_go(phase, t, h, state, end)):
             event, h, end = _first_event(phase, step)
             events += event != _NONE
             if event == _AGAIN:
@@ -196,7 +209,7 @@ def passage(run, drive, length, progress):
                 event, end = _TURN, State(end.x, 0.0, end.a, end.y, end.u, end.c)
         state = end
         t = length if h >= left else t + h
-        if event != _NONE:
+        if event in (_TURN, _KNEE):
             s, i, a = _after(event, run, phase, t, state)
             state = State(state.x, state.v, a, state.y, state.u, state.c)
             if event == _KNEE:  # beyond it the motion may be slower

@@ -67,14 +67,14 @@ def outer(world, p, w, drive, t):
 def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     """Sum of all forces on the cart but dry friction [N]; ``outside`` is that of ``outer``."""
     active, _, b, _, m2, k2, b2 = world
-    slope, intercept, own_slope, own_intercept = piece
+    slope, intercept, own_slope, own_intercept, inside = piece
     plain = outside - intercept - (slope * x + b * v)
     if m2 > 0.0:
         plain -= k2 * (x - y) + b2 * (v - u)
     driven = 1.0 if drive[1] != 0.0 or drive[2] != 0.0 else 0.0
     lagged = u if m2 > 0.0 else v
     own = own_intercept + own_slope * x
-    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, lagged)
+    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, lagged, inside)
 
 
 @inlined
@@ -84,8 +84,21 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     if world[0] & laws.DRY_BITS:
         net -= s * laws.friction(world[0], p, w, x, s * v, piece[3] + piece[2] * x)
     if world[0] & laws.CONTACT_BITS:
-        net = laws.contact(world[0], p, w, net, x, v)
+        net = laws.contact(world[0], p, w, net, x, v, piece[4])
     return net * world[1]
+
+
+@lean
+def grip_at(phase, t, place):
+    """What tells by its sign which formula of a stop's force holds."""
+    world, piece, drive, _, s = phase
+    cart, p, w, _ = world
+    elastic = piece.elastic
+    x, v, y, u = place
+    net = net_force(cart, p, w, elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
+    if cart.active & laws.DRY_BITS:
+        net -= s * laws.friction(cart.active, p, w, x, s * v, elastic.own_intercept + elastic.own_slope * x)
+    return laws.grip(cart.active, p, w, net, x, v, elastic.inside)
 
 
 @inlined

@@ -20,7 +20,7 @@ def characteristic(k, gap, knees):
 
     Returns:
         (edges, springs): piece i lies between edges[i] and edges[i + 1], the outer edges are infinite; springs[:, i] is
-        its slope, intercept, and slope and intercept of the linear spring without the stops.
+        its slope, intercept, slope and intercept of the linear spring without the stops, and a place [m] within it.
     """
     edges = np.empty(knees.shape[0] + 4)
     edges[0] = -np.inf
@@ -31,7 +31,7 @@ def characteristic(k, gap, knees):
         if knees[n, 1] != 0.0:
             count = _with_edge(count, edges, knees[n, 0])
     edges[count] = np.inf
-    springs = np.empty((4, count))
+    springs = np.empty((5, count))
     for i in range(count):
         own_slope, own_intercept = _beyond(k, gap, edges[i], edges[i + 1])
         more, shift = 0.0, 0.0
@@ -40,7 +40,7 @@ def characteristic(k, gap, knees):
             if abs(place) < np.inf and ((side > 0.0 and edges[i] >= place) or (side < 0.0 and edges[i + 1] <= place)):
                 more, shift = more + stiffness, shift - stiffness * place
         springs[0, i], springs[1, i] = own_slope + more, own_intercept + shift
-        springs[2, i], springs[3, i] = own_slope, own_intercept
+        springs[2, i], springs[3, i], springs[4, i] = own_slope, own_intercept, _within(edges[i], edges[i + 1])
     return edges[: count + 1], springs
 
 
@@ -56,6 +56,16 @@ def _with_edge(count, edges, edge):
         edges[j] = edges[j - 1]
     edges[i] = edge
     return count + 1
+
+
+@lean
+def _within(low, high):
+    """A place between low and high."""
+    if low > -np.inf and high < np.inf:
+        return 0.5 * (low + high)
+    if low > -np.inf:
+        return low + (1.0 + abs(low))
+    return high - (1.0 + abs(high)) if high < np.inf else 0.0
 
 
 @lean
