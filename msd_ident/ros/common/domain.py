@@ -15,6 +15,8 @@ DOMAINS = range(1, 101)
 FIRST_CLAIM = 32768
 #: UDP port of the first participant of domain 0, and what a domain adds (DDSI-RTPS 9.6.1).
 FIRST_PORT, PORTS_PER_DOMAIN = 7410, 250
+#: Most participants of a domain that have ports of their own there.
+PARTICIPANTS = 120
 
 #: What keeps discovery on this machine; other settings of discovery are put aside.
 PRIVATE = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
@@ -62,8 +64,11 @@ def in_domain(number: int) -> Iterator[dict[str, str]]:
 
 
 def _silent(number: int) -> bool:
-    """Whether no participant listens in the domain: the first ones have fixed ports."""
-    for participant in range(4):
+    """Whether no participant listens in the domain.
+
+    Their ports follow from their numbers. Of a graph that ends, any may be the last one, not only the first.
+    """
+    for participant in range(PARTICIPANTS):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             if not _binds(probe, FIRST_PORT + PORTS_PER_DOMAIN * number + 2 * participant):
                 return False
