@@ -129,10 +129,11 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
     found = []
     near = [starts(experiment, causes, parent) for parent in parents]
     for parent, models in zip(parents, near, strict=True):
-        ahead = _beside(experiment, causes, parent, models)
+        states: dict[tuple[int, bytes], State] = {}
+        ahead = _beside(experiment, causes, parent, models, states)
         far = [i for i, start in enumerate(ahead) if start.fitted.chi > parent.chi and parent.causes < causes]
         weakened = [_weakened(models[i], causes - parent.causes) for i in far]
-        for i, weak in zip(far, _beside(experiment, causes, parent, weakened), strict=True):
+        for i, weak in zip(far, _beside(experiment, causes, parent, weakened, states), strict=True):
             ahead[i] = weak if weak.promise < MOST_OF * ahead[i].promise else ahead[i]
         found += ahead
     found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
@@ -164,18 +165,29 @@ def _distinct(found: Sequence[StartingPoint]) -> list[StartingPoint]:
     return list(found[:1]) + [one for before, one in pairs if one.promise > (1.0 + SAME) * before.promise]
 
 
-def _beside(experiment: Experiment, causes: Causes, parent: Hypothesis, models: Sequence[Model]) -> list[StartingPoint]:
-    """Starts next to a fitted parent, whose Jacobian they take over, one for each model of the set."""
+def _beside(
+    experiment: Experiment,
+    causes: Causes,
+    parent: Hypothesis,
+    models: Sequence[Model],
+    states: dict[tuple[int, bytes], State],
+) -> list[StartingPoint]:
+    """Starts next to a fitted parent, whose Jacobian they take over, one for each model of the set.
+
+    ``states``: those that are known, to which new ones are added; within the bounds several models may be one point.
+    """
     posed = [formulated(experiment, model, parent.initial) for model in models]
-    states: dict[int, State] = {}
+    keys = [(id(weighting), point.tobytes()) for _, weighting, point in posed]
     for weighting in {id(one): one for _, one, _ in posed}.values():
-        alike = [i for i, (_, one, _) in enumerate(posed) if one is weighting]
-        made = extended(weighting, parent.problem, parent.state, [posed[i][2] for i in alike])
-        states |= dict(zip(alike, made, strict=True))
+        pairs = zip(keys, posed, strict=True)
+        new = {key: point for key, (_, one, point) in pairs if one is weighting and key not in states}
+        made = extended(weighting, parent.problem, parent.state, list(new.values()))
+        states |= zip(new, made, strict=True)
     found = []
-    for i, (model, (problem, _, _)) in enumerate(zip(models, posed, strict=True)):
-        promised, most = (step(problem, states[i], damping)[1] for damping in (DAMPING, DAMPING**2))
-        here = Hypothesis(causes, model, problem, states[i], experiment.readings, experiment.rests)
+    for key, model, (problem, _, _) in zip(keys, models, posed, strict=True):
+        state = states[key]
+        promised, most = (step(problem, state, damping)[1] for damping in (DAMPING, DAMPING**2))
+        here = Hypothesis(causes, model, problem, state, experiment.readings, experiment.rests)
         found.append(StartingPoint(here.chi - promised, here, parent.chi, here.chi - most))
     return found
 

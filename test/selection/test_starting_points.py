@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from setrigs import BASE, pushed
 
 from msd_ident.data.record import Record
 from msd_ident.design import Profile, Segment
+from msd_ident.estimate.broyden import State, Weighting, extended
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Plant
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
@@ -155,6 +157,21 @@ def test_what_stood_on_fewer_records_is_tried_on_more_of_them(
     found = pipeline.diagnose(records, earlier=earlier)
     assert {cause.name for cause in found.causes} == {"backlash", "coulomb_friction"}
     assert found.extended.model["backlash_half_width"] == pytest.approx(0.0013837, rel=1e-2)
+
+
+def test_starts_at_one_point_are_simulated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Close to doing nothing, a stop is the same wherever it stands: several of its guesses become one start."""
+    points = []
+
+    def counted(weighting: Weighting, *given: Any) -> list[State]:
+        points.extend((id(weighting), point.tobytes()) for point in given[-1])
+        return extended(weighting, *given)
+
+    experiment = pushed(CoulombFriction(0.3))
+    parent = refine(experiment, frozenset(), BASE, (Initial(0.0, 0.0, 0.0),))
+    monkeypatch.setattr(starting_points, "extended", counted)
+    assert proposals(experiment, frozenset({"one_sided_stop"}), [parent])
+    assert len(points) > 4 and len(points) == len(set(points))
 
 
 def test_a_guess_that_is_too_strong_is_tried_weakly() -> None:
