@@ -48,7 +48,7 @@ class Segments(NamedTuple):
 
 
 class Spring(NamedTuple):
-    """The spring as straight pieces: ``edges`` (n + 1,) [m] and ``lines`` (4, n), see ``spring.characteristic``."""
+    """The spring as straight pieces: ``edges`` (n + 1,) [m] and ``lines`` (5, n), see ``spring.characteristic``."""
 
     edges: FloatArray
     lines: FloatArray
