@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
@@ -12,13 +14,27 @@ from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.hysteresis import Hysteresis
 from msd_ident.model.effects.second_mode import SecondMode
-from msd_ident.model.kernel.adams import _ONWARD, _V0, _V1, _X0, _X1, _sum, _weights
+from msd_ident.model.kernel.adams import (
+    _ERROR,
+    _ONWARD,
+    _V0,
+    _V1,
+    _X0,
+    _X1,
+    FEWEST,
+    PAST,
+    _sum,
+    _weights,
+)
 from msd_ident.model.plant import Model
 
 PLANT = Plant(0.94, 3.9, 694.0)
 
 
-@pytest.mark.parametrize("nodes", [tuple(range(0, -7, -1)), tuple(range(1, -7, -1))])
+ORDERS = range(FEWEST, PAST + 1)
+
+
+@pytest.mark.parametrize("nodes", [tuple(range(first, -n, -1)) for n in ORDERS for first in (0, 1)])
 def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
     once, twice = _weights(nodes)
     random = np.random.default_rng(1)
@@ -30,18 +46,31 @@ def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
         assert twice @ values == pytest.approx(velocity.integ()(1.0), rel=1e-12)
 
 
-def test_the_seventh_difference_puts_a_step_right() -> None:
+@pytest.mark.parametrize("n", ORDERS)
+def test_the_last_difference_puts_a_step_right(n: int) -> None:
     """With it a step is exact one degree further: the polynomial through the acceleration at the end as well."""
     random = np.random.default_rng(2)
-    acceleration = Polynomial(random.normal(size=8))
+    acceleration = Polynomial(random.normal(size=n + 1))
     a, *past = acceleration(np.arange(0.0, -8.0, -1.0))
-    seventh = acceleration(1.0) - _sum.py_func(_ONWARD, a, past)
-    assert seventh == pytest.approx(acceleration.deriv(7)(0.0), rel=1e-8)
+    last = acceleration(1.0) - _sum.py_func(_ONWARD, n, a, past)
+    assert last == pytest.approx(acceleration.deriv(n)(0.0), rel=1e-8)
     velocity = acceleration.integ()
     for weights, one, exact in ((_V0, _V1, velocity(1.0)), (_X0, _X1, velocity.integ()(1.0))):
-        foreseen = _sum.py_func(weights, a, past)
-        assert foreseen + one * seventh == pytest.approx(exact, rel=1e-8)
+        foreseen = _sum.py_func(weights, n, a, past)
+        assert foreseen + one[n] * last == pytest.approx(exact, rel=1e-8)
         assert foreseen != pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("n", ORDERS)
+def test_the_next_difference_tells_the_error(n: int) -> None:
+    """One degree beyond that, the velocity is wrong by the difference after the last one, times its weight."""
+    acceleration = Polynomial([0.0] * (n + 1) + [1.0])
+    a, *past = acceleration(np.arange(0.0, -9.0, -1.0))
+    last = acceleration(1.0) - _sum.py_func(_ONWARD, n, a, past)
+    beyond = last - (a - _sum.py_func(_ONWARD, n, past[0], past[1:]))
+    made = _sum.py_func(_V0, n, a, past) + _V1[n] * last
+    assert beyond == pytest.approx(math.factorial(n + 1), rel=1e-12)
+    assert abs(made - acceleration.integ()(1.0)) == pytest.approx(_ERROR[n] * beyond, rel=1e-9)
 
 
 @pytest.mark.parametrize(

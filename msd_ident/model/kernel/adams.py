@@ -2,8 +2,9 @@
 
 Adams' method (Bashforth & Adams 1883; Hairer, Nørsett & Wanner 1993, Solving Ordinary Differential Equations I,
 section III.1) for x'' = a: the polynomial through the last accelerations at even times is integrated once for the
-velocity and twice for the position. What the acceleration found at the end is beyond that polynomial, the seventh
-difference, puts both right, as if it had gone through that one too. Names: see ``rk``.
+velocity and twice for the position. What the acceleration found at the end is beyond that polynomial, the next
+difference, puts both right, as if it had gone through that one too. The order grows with the number of accelerations
+that are known, up to the eighth. Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -12,16 +13,19 @@ difference, puts both right, as if it had gone through that one too. Names: see 
 from __future__ import annotations
 
 from fractions import Fraction
-from math import prod
+from math import comb, prod
+
+import numpy as np
 
 from msd_ident.model.kernel.compiled import inlined
+from msd_ident.model.kernel.groups import FloatArray
 from msd_ident.model.kernel.rk import acceleration, pull, second_acceleration
 
-#: Accelerations before the present one that a step needs: six to be made from, one more for its error.
-PAST = 7
-#: Error of the velocity in parts of the eighth difference of the accelerations, times the length of the step; and part
-#: of the seventh that the eighth is taken for at least: a difference may pass through zero.
-_ERROR, _LEAST = 33953 / 3628800, 0.3
+#: Accelerations before the present one that a step takes at most, and at least; the oldest serves for its error only.
+PAST, FEWEST = 7, 4
+#: Part of the last difference but one that the last one, which tells the error, is taken for at least: a difference may
+#: pass through zero.
+_LEAST = 0.3
 #: Velocity that turns out other than foreseen, in tolerances, from which on the acceleration is found once more: a step
 #: is short beside what the acceleration takes to answer, so that by far less of it remains.
 _AMISS = 8.0
@@ -44,52 +48,69 @@ def _weights(nodes: tuple[int, ...]) -> tuple[tuple[float, ...], tuple[float, ..
     return tuple(once), tuple(twice)
 
 
-_V0, _X0 = _weights(tuple(range(0, -PAST, -1)))
-#: Weights of the acceleration at the end, in the polynomial through it as well; and what the one before it foresees.
-_V1, _X1 = (weights[0] for weights in _weights(tuple(range(1, -PAST, -1))))
-_ONWARD = (7.0, -21.0, 35.0, -35.0, 21.0, -7.0, 1.0)
+def _table() -> tuple[FloatArray, ...]:
+    """What a step is made of, in row n if it takes n accelerations before the present one.
+
+    Returns:
+        Weights (PAST + 1, PAST) of the present acceleration and those before it, newest first: for the velocity, for
+        the position, and for the acceleration that they foresee at the end. Weights (PAST + 1,) of the n-th difference,
+        between that and the one found, for velocity and position. And the error (PAST + 1,) of the velocity in parts of
+        the difference after it, which is the weight that the next order would give it.
+    """
+    velocity, position, onward = (np.zeros((PAST + 1, PAST)) for _ in range(3))
+    right_v, right_x, error = (np.zeros(PAST + 1) for _ in range(3))
+    for n in range(FEWEST, PAST + 1):
+        velocity[n, :n], position[n, :n] = _weights(tuple(range(0, -n, -1)))
+        right_v[n], right_x[n] = (weights[0] for weights in _weights(tuple(range(1, -n, -1))))
+        onward[n, :n] = [(-1) ** i * comb(n, i + 1) for i in range(n)]
+        error[n] = abs(_weights(tuple(range(1, -n - 1, -1)))[0][0] - right_v[n])
+    return velocity, position, onward, right_v, right_x, error
+
+
+_V0, _X0, _ONWARD, _V1, _X1, _ERROR = _table()
 
 
 @inlined
-def _sum(weights, a, past):
-    """Weighted sum of the present acceleration and the six before it."""
-    late = (weights[0] * a + weights[1] * past[0]) + (weights[2] * past[1] + weights[3] * past[2])
-    return late + ((weights[4] * past[3] + weights[5] * past[4]) + weights[6] * past[5])
+def _sum(weights, n, a, past):
+    """Weighted sum of the present acceleration and the n - 1 before it."""
+    late = (weights[n, 0] * a + weights[n, 1] * past[0]) + (weights[n, 2] * past[1] + weights[n, 3] * past[2])
+    return late + ((weights[n, 4] * past[3] + weights[n, 5] * past[4]) + weights[n, 6] * past[5])
 
 
 @inlined
-def _differences(a1, a, past):
-    """Seventh difference of the accelerations up to the one at the end, and what the error is a multiple of."""
-    seventh = a1 - _sum(_ONWARD, a, past)
-    eighth = seventh - (a - _sum(_ONWARD, past[0], past[1:]))
-    return seventh, max(abs(eighth), _LEAST * abs(seventh))
+def _differences(n, a1, a, past):
+    """n-th difference of the accelerations up to the one at the end, and what the error is a multiple of."""
+    last = a1 - _sum(_ONWARD, n, a, past)
+    beyond = last - (a - _sum(_ONWARD, n, past[0], past[1:]))
+    return last, max(abs(beyond), _LEAST * abs(last))
 
 
 @inlined
-def step_adams(world, p, w, piece, drive, last, s, h, x, v, a, y, u, c, past, past_c, tolerance):
+def step_adams(n, world, p, w, piece, drive, last, s, h, x, v, a, y, u, c, past, past_c, tolerance):
     """(x, v, a, y, u, c) a time h after the segment began, and the error of velocity [m/s].
 
-    last: what ``outer`` gives then. past, past_c: accelerations of both masses one step ago and before, the steps being
-    of length h. Where the velocity turns out as foreseen, within ``_AMISS`` tolerances [m/s], so did the acceleration.
+    last: what ``outer`` gives then. past, past_c: accelerations of both masses one step ago and before, of which the
+    newest n are used (``FEWEST`` to ``PAST``), all h apart. Where the velocity turns out as foreseen, within ``_AMISS``
+    tolerances [m/s], so did the acceleration.
     """
     second = world[4] > 0.0
     square = h * h
-    xp, vp = x + h * v + square * _sum(_X0, a, past), v + h * _sum(_V0, a, past)
+    xp, vp = x + h * v + square * _sum(_X0, n, a, past), v + h * _sum(_V0, n, a, past)
     yp, up, cp = y, u, c
     if second:
-        yp, up = y + h * u + square * _sum(_X0, c, past_c), u + h * _sum(_V0, c, past_c)
+        yp, up = y + h * u + square * _sum(_X0, n, c, past_c), u + h * _sum(_V0, n, c, past_c)
         cp = second_acceleration(world, p, w, pull(world, xp, vp, yp, up), up)
     ap = acceleration(world, p, w, piece, drive, last, s, h, xp, vp, yp, up)
-    seventh, rough = _differences(ap, a, past)
-    x1, v1, a1 = xp + square * _X1 * seventh, vp + h * _V1 * seventh, ap
+    beyond, rough = _differences(n, ap, a, past)
+    x1, v1, a1 = xp + square * _X1[n] * beyond, vp + h * _V1[n] * beyond, ap
     y1, u1, c1 = yp, up, cp
-    amiss = abs(seventh)
+    amiss = abs(beyond)
     if second:
-        seventh, rough_c = _differences(cp, c, past_c)
-        y1, u1 = yp + square * _X1 * seventh, up + h * _V1 * seventh
-        rough, amiss = rough + rough_c, amiss + abs(seventh)
-    error = _ERROR * h * rough
-    if error <= tolerance and h * _V1 * amiss > _AMISS * tolerance:
+        beyond, rough_c = _differences(n, cp, c, past_c)
+        y1, u1 = yp + square * _X1[n] * beyond, up + h * _V1[n] * beyond
+        rough, amiss = rough + rough_c, amiss + abs(beyond)
+    error = _ERROR[n] * h * rough
+    if error <= tolerance and h * _V1[n] * amiss > _AMISS * tolerance:
         a1 = acceleration(world, p, w, piece, drive, last, s, h, x1, v1, y1, u1)
         if second:
             c1 = second_acceleration(world, p, w, pull(world, x1, v1, y1, u1), u1)

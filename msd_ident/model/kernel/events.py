@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel.compiled import lean
+from msd_ident.model.kernel.compiled import inlined, lean
 from msd_ident.model.kernel.exponential import second_is_stiff
 from msd_ident.model.kernel.groups import Line, Place, State, Step
 from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, step_to
@@ -20,8 +20,10 @@ from msd_ident.model.kernel.roots import first_exit
 _SEARCHES = 60
 #: Error, in parts of what is allowed, below which the next step of fifth order may be twice as long.
 EASY = 0.02
-#: A correction this small, in parts of the step, is left out: far below the error of the step itself.
+#: Length known to this part of the step is known well enough: far below the error of the step itself.
 _SETTLED = 1e-8
+#: Correction by Newton's method, in parts of the step, that leaves an error of about its square: no step is made anew.
+_NEARLY = 1e-5
 
 
 @lean
@@ -41,10 +43,19 @@ def turn(phase, step):
         else:
             high = tau
         new = tau - there.v / there.a if s * there.a < 0.0 else 0.5 * (low + high)
-        if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
+        if high - low <= 1e-15 * h:
             break
+        if abs(new - tau) <= _NEARLY * h and 0.0 < new < h:
+            return new, _shifted(new - tau, there)
         tau = new if low < new < high else 0.5 * (low + high)
     return tau, there
+
+
+@inlined
+def _shifted(h, state):
+    """The state so short a time h later, or before if h < 0, that no acceleration changes."""
+    x, v, a, y, u, c = state
+    return State(x + h * (v + 0.5 * h * a), v + h * a, a, y + h * (u + 0.5 * h * c), u + h * c, c)
 
 
 @lean
@@ -98,8 +109,10 @@ def knee(phase, step, edge):
         else:
             high = tau
         new = tau - (there.x - edge) / there.v if s * there.v > 0.0 else 0.5 * (low + high)
-        if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
+        if high - low <= 1e-15 * h:
             break
+        if abs(new - tau) <= _NEARLY * h and 0.0 < new < h and s * there.v > 0.0:
+            return new, _shifted(new - tau, there)
         tau = new if low < new < high else 0.5 * (low + high)
     return tau, there
 

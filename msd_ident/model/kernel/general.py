@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from msd_ident.model.kernel import laws
-from msd_ident.model.kernel.adams import PAST, step_adams
+from msd_ident.model.kernel.adams import FEWEST, PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean
 from msd_ident.model.kernel.exponential import is_stiff, second_is_stiff, step_exponential
 from msd_ident.model.kernel.groups import (
@@ -43,7 +43,7 @@ from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
 #: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
-TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 2e-7, 2e-8, 3e-8
+TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 1e-7, 1e-7, 3e-8
 #: Steps are even when their lengths differ by no more than this part; and so little that they are the same but for
 #: rounding.
 _EVEN, _SAME = 1e-7, 1e-11
@@ -115,6 +115,13 @@ def _alone(
 
 
 @inlined
+def _meets_event(s, piece, h, start):
+    """Whether the cart seems to turn or to leave its piece of the spring within a time h: a parabola does."""
+    ahead = start.x + h * (start.v + 0.5 * h * start.a)
+    return not (s * (start.v + h * start.a) > 0.0 and piece.low <= ahead <= piece.high)
+
+
+@inlined
 def _later(value, past):
     """The past values one step later."""
     return value, past[0], past[1], past[2], past[3], past[4], past[5]
@@ -146,28 +153,28 @@ def _cruise(run, j, segments, progress, path):
         a0 = a + _jump(segments, j) * world.lightness
         if world.active & laws.JUMPING_BITS:  # the drive may go on or off as the segment begins
             a0 = acceleration_at(Phase(run.world, spring, drive, left, s), 0.0, Place(x, v, y, u))
+        here = State(x, v, a0, y, u, c)
+        if eventful and _meets_event(s, spring, left, here):
+            break
         turning = quick and near_turn(left, v, a0)
         fifth = turning or left > longest4
-        known = known if known > 0 and _goes_on(j, segments) else 0
-        accurate = False
-        if known == PAST and not turning:
+        accurate, known = False, known if known > 0 and _goes_on(j, segments) else 0
+        if known >= FEWEST and not turning:
             x1, v1, a1, y1, u1, c1, error = step_adams(
-                world, p, w, elastic, drive, last, s, left, x, v, a0, y, u, c, past, past_c, tolerances.adams
+                known, world, p, w, elastic, drive, last, s, left, x, v, a0, y, u, c, past, past_c, tolerances.adams
             )
             accurate = error <= tolerances.adams
             if accurate:
                 longest4 *= RETRY
-            elif not fifth:
-                known = PAST - 3
+            elif known == PAST and not fifth:
+                known = 1
         if not accurate:
             accurate, x1, v1, a1, y1, u1, c1, longest4 = _alone(
                 fifth, world, p, w, elastic, drive, half, last, s, left, x, v, a0, y, u, c,
                 longest4, longest5, tolerances, k,
             )  # fmt: skip
-        if not accurate:
-            break
-        here, end = State(x, v, a0, y, u, c), State(x1, v1, a1, y1, u1, c1)
-        if eventful and not calm(s, spring, a0, end):
+        end = State(x1, v1, a1, y1, u1, c1)
+        if not accurate or (eventful and not calm(s, spring, a0, end)):
             break
         if gripped and lets_go(Phase(run.world, spring, drive, left, s), 0.0, left, here, end):
             break
