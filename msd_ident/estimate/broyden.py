@@ -131,9 +131,9 @@ class Weighting:
         parts = [self.problem.residuals(moved, r, root) for r, root in enumerate(self.roots)]
         simulated = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
         for first, point in zip(range(0, len(moved), 1 + entries.size), points, strict=True):
-            residual, *columns = simulated[first : first + 1 + entries.size]
-            lengths = moved[first + 1 + np.arange(entries.size), entries] - point[entries]
-            yield residual.copy(), (np.array(columns).reshape(entries.size, -1) - residual) / lengths[:, None]
+            residual, columns = simulated[first], simulated[first + 1 : first + 1 + entries.size] - simulated[first]
+            columns /= (moved[first + 1 + np.arange(entries.size), entries] - point[entries])[:, None]
+            yield residual.copy(), columns
 
     def steps(self, state: State | None) -> FloatArray:
         """Finite-difference steps: from the last Jacobian, or from natural sizes."""

@@ -138,7 +138,7 @@ class Problem:
         shared = [values[self.model.names[i]] for i in self.free]
         loose = {n.record for n in self.nuisances if n.kind == "zero"}
         states = [
-            start if r in loose else replace(start, position=start.position + start.zero - own.zero, zero=own.zero)
+            start if r in loose else Initial(start.position + start.zero - own.zero, start.velocity, own.zero)
             for r, (start, own) in enumerate(zip(initial, self.initial, strict=True))
         ]
         return np.array(shared + [_get(states[n.record], n.kind) for n in self.nuisances])

@@ -79,6 +79,7 @@ def _scanned(record: Record) -> list[Found]:
     waves = 1.0 / typical.pitches(span)
     pairs = _signals(waves, grid.position)
     fine = np.linspace(-1.0, 1.0, _FINE) * (waves[1] - waves[0])
+    finer: dict[int, FloatArray] = {}
     found: list[Found] = []
     for half in WIDTHS:
         if 2 * half + 1 > few.samples // 3:
@@ -89,7 +90,9 @@ def _scanned(record: Record) -> list[Found]:
             continue
         for peak in highest(_gain(means, left, pairs)[0]):
             near = waves[peak] + fine
-            gain, s, c = _gain(means, left, _signals(near, grid.position))
+            if peak not in finer:
+                finer[peak] = _signals(near, grid.position)
+            gain, s, c = _gain(means, left, finer[peak])
             i = int(np.argmax(gain))
             share = float(gain[i]) / max(float(left.force @ left.force), 1e-300)
             phase = math.atan2(c[i], s[i]) - 2.0 * math.pi * near[i] * level

@@ -204,7 +204,7 @@ def formulated(
     weighting = experiment.posed(model, held)
     problem = weighting.problem
     values = dict(zip(model.names, model.values.tolist(), strict=True))
-    point = np.clip(problem.vector(values, initial), problem.lower, problem.upper)
+    point = np.minimum(np.maximum(problem.vector(values, initial), problem.lower), problem.upper)
     return problem, weighting, point
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
@@ -69,7 +70,7 @@ class Effect(Law):
                     f"{parameter.lower:g} to {parameter.upper:g} {parameter.unit}"
                 )
 
-    @property
+    @cached_property
     def values(self) -> tuple[float, ...]:
         """Parameter values in the order of ``parameters``."""
         return tuple(float(getattr(self, parameter.name)) for parameter in self.parameters)
