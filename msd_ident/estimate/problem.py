@@ -268,8 +268,8 @@ class Problem:
         return int(2.0 * np.pi * self.typical.time / (A_SWING * record.period))
 
     def first_steps(self) -> FloatArray:
-        """Finite-difference steps before anything is known about the Jacobian."""
-        return RELATIVE_STEP * self.scale
+        """Finite-difference steps (p,) before anything is known about the Jacobian: far within the bounds."""
+        return RELATIVE_STEP * np.minimum(self.scale, self.upper - self.lower)
 
     def steps(self, matrix: FloatArray) -> FloatArray:
         """Steps that move the positions by ``RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""

@@ -131,7 +131,8 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
     for parent, models in zip(parents, near, strict=True):
         states: dict[tuple[int, bytes], State] = {}
         ahead = _beside(experiment, causes, parent, models, states)
-        far = [i for i, start in enumerate(ahead) if start.fitted.chi > parent.chi and parent.causes < causes]
+        most = parent.chi / MOST_OF if parent.causes < causes else math.inf
+        far = [i for i, start in enumerate(ahead) if start.fitted.chi > most]
         weakened = [_weakened(models[i], causes - parent.causes) for i in far]
         for i, weak in zip(far, _beside(experiment, causes, parent, weakened, states), strict=True):
             ahead[i] = weak if weak.promise < MOST_OF * ahead[i].promise else ahead[i]

@@ -23,8 +23,7 @@ from msd_ident.model.kernel.rk import acceleration, pull, second_acceleration
 
 #: Accelerations before the present one that a step takes at most, and at least; the oldest serves for its error only.
 PAST, FEWEST = 7, 4
-#: Part of the last difference but one that the last one, which tells the error, is taken for at least: a difference may
-#: pass through zero.
+#: The difference that tells the error counts as at least this part of the one before it: it may pass through zero.
 _LEAST = 0.3
 #: Velocity that turns out other than foreseen, in tolerances, from which on the acceleration is found once more: a step
 #: is short beside what the acceleration takes to answer, so that by far less of it remains.

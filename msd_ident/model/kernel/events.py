@@ -1,6 +1,7 @@
 """Where the smooth motion of the general path ends: turns, knees of the spring, breaking away from rest.
 
-A step that passes an event is repeated with another length until it ends on it. Names: see ``rk``.
+A step that passes an event is repeated with another length until it ends next to it; the last small way is that of a
+parabola. Names: see ``rk``.
 """
 
 # Compiled for the types that they are called with, so functions here have no annotations.
@@ -43,9 +44,9 @@ def turn(phase, step):
         else:
             high = tau
         new = tau - there.v / there.a if s * there.a < 0.0 else 0.5 * (low + high)
-        if high - low <= 1e-15 * h:
+        if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
             break
-        if abs(new - tau) <= _NEARLY * h and 0.0 < new < h:
+        if abs(new - tau) <= _NEARLY * h and 0.0 < new < h and s * there.a < 0.0:
             return new, _shifted(new - tau, there)
         tau = new if low < new < high else 0.5 * (low + high)
     return tau, there
@@ -53,7 +54,7 @@ def turn(phase, step):
 
 @inlined
 def _shifted(h, state):
-    """The state so short a time h later, or before if h < 0, that no acceleration changes."""
+    """The state a time h later, or before if h < 0, so short that the accelerations are still those of the state."""
     x, v, a, y, u, c = state
     return State(x + h * (v + 0.5 * h * a), v + h * a, a, y + h * (u + 0.5 * h * c), u + h * c, c)
 
@@ -109,7 +110,7 @@ def knee(phase, step, edge):
         else:
             high = tau
         new = tau - (there.x - edge) / there.v if s * there.v > 0.0 else 0.5 * (low + high)
-        if high - low <= 1e-15 * h:
+        if abs(new - tau) <= _SETTLED * h or high - low <= 1e-15 * h:
             break
         if abs(new - tau) <= _NEARLY * h and 0.0 < new < h and s * there.v > 0.0:
             return new, _shifted(new - tau, there)

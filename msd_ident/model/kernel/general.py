@@ -43,7 +43,7 @@ from msd_ident.model.kernel.spring import piece
 
 #: Estimated error of a step that is accepted, relative to the scales of position and velocity. Those of the Runge-Kutta
 #: steps are of an order below the step's own, so the motion is better than this by far; that of Adams' is its own.
-TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 1e-7, 1e-7, 3e-8
+TOLERANCE4, TOLERANCE5, TOLERANCE_ADAMS = 1e-7, 5e-8, 3e-8
 #: Steps are even when their lengths differ by no more than this part; and so little that they are the same but for
 #: rounding.
 _EVEN, _SAME = 1e-7, 1e-11

@@ -17,7 +17,7 @@ from msd_ident.model.kernel.events import EASY, knee, release, rest, slowest, tu
 from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff, second_is_stiff
 from msd_ident.model.kernel.groups import Elastic, Longest, Phase, Piece, Place, Progress, State, Step
 from msd_ident.model.kernel.methods import EXPONENTIAL, FIFTH, FOURTH, step_to
-from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at, grip_at
+from msd_ident.model.kernel.rk import acceleration_at, breakaway, forces_at, grip_at, pull, second_acceleration
 from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
@@ -147,19 +147,20 @@ def _adapt(step, error, longest):
 
 @joined
 def _after(event, run, phase, t, state):
-    """(direction, piece of the spring, acceleration) after a turn or at a knee."""
+    """(direction, piece of the spring, state with its accelerations) after a turn or at a knee."""
     world, came, drive, length, s = phase
-    i = came.i
+    i, (cart, p, w, _) = came.i, world
+    x, v, _, y, u, _ = state
     if event == _TURN:
-        laws.remember(world.cart.active, world.p, world.w, state.x, s)
+        laws.remember(cart.active, p, w, x, s)
         s = _settle(Phase(world, came, drive, length, 0.0), t, state)
-        i = piece(run.spring.edges, state.x, s)
+        i = piece(run.spring.edges, x, s)
     else:
         i += 1 if s > 0.0 else -1
-    if s == 0.0:
-        return s, i, 0.0
-    here = Place(state.x, state.v, state.y, state.u)
-    return s, i, acceleration_at(Phase(world, piece_of(run.spring, i), drive, length, s), t, here)
+    a = 0.0
+    if s != 0.0:
+        a = acceleration_at(Phase(world, piece_of(run.spring, i), drive, length, s), t, Place(x, v, y, u))
+    return s, i, State(x, v, a, y, u, second_acceleration(cart, p, w, pull(cart, x, v, y, u), u))
 
 
 @joined
@@ -210,8 +211,7 @@ def passage(run, drive, length, progress):
         state = end
         t = length if h >= left else t + h
         if event in (_TURN, _KNEE):
-            s, i, a = _after(event, run, phase, t, state)
-            state = State(state.x, state.v, a, state.y, state.u, state.c)
+            s, i, state = _after(event, run, phase, t, state)
             if event == _KNEE:  # beyond it the motion may be slower
                 longest = Longest(2.0 * length, longest.fifth)
     if budget <= 0:
