@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,13 +12,24 @@ from msd_ident.errors import SetupError
 
 
 def write_text(text: str, path: Path) -> None:
-    """Write text as UTF-8, over what may stand there.
+    """Write text as UTF-8. What stands there stays as it is until all of the text is on the disk.
 
     Raises:
         SetupError: the disk does not take it.
     """
     with writing_to(path, "a writable file"):
-        path.write_text(text, encoding="utf-8")
+        if path.exists() and not path.is_file():  # a device, a pipe
+            path.write_text(text, encoding="utf-8")
+            return
+        target = path.resolve()  # of a link, the file it names
+        part = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            part.write_text(text, encoding="utf-8")
+            if target.exists():
+                shutil.copymode(target, part)
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 @contextmanager

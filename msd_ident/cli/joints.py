@@ -41,7 +41,7 @@ def diagnose_joints(
             "--all-joints goes with one bag's joints; expected no --force, --position, --report, --markdown or "
             "--figures beside it: take one joint with --force and --position for those"
         )
-    output.check()
+    output.check(*paths)
     lines: list[dict[str, Any]] = []
     failures: list[MsdError] = []
     for path in paths:

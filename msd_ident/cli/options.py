@@ -23,6 +23,15 @@ output_option = partial(typer.Option, rich_help_panel=OUTPUT)
 rig_option = partial(typer.Option, rich_help_panel=RIG)
 batch_option = partial(typer.Option, rich_help_panel=BATCH)
 
+
+def _named(context: typer.Context, option: typer.CallbackParam, value: str) -> str:
+    """The file of an option, which must have a name if it is given: an unset variable of a shell has none."""
+    source = context.get_parameter_source(option.name or "")
+    if not value and source is not None and source.name == "COMMANDLINE":
+        raise UsageError(f"{option.opts[0]} names no file; expected a file's name, or - for standard output")
+    return value
+
+
 # Source: which records, and how they are read.
 PathsArgument = Annotated[list[Path], typer.Argument(metavar="PATH…", help="rosbag2 folder, .mcap, .csv or .mat file")]
 ResultArgument = Annotated[
@@ -92,6 +101,7 @@ JsonOption = Annotated[
         "--json",
         metavar="FILE|-",
         help="write results as JSON, one object per line; -: to standard output, without tables",
+        callback=_named,
     ),
 ]
 ReportOption = Annotated[

@@ -41,14 +41,19 @@ class Output:
     quiet: options.QuietOption = False
     overwrite: options.OverwriteOption = False
 
-    def check(self) -> None:
+    def check(self, *read: Path) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
 
+        Args:
+            read: files and folders that the work reads, which nothing may replace.
+
         Raises:
-            UsageError: a file exists and may not be replaced, or its folder does not exist.
+            UsageError: a file exists and may not be replaced, or its folder does not exist; it is one of those that are
+                read, or two results go to one file.
             SetupError: the disk does not take the folder.
         """
         json = None if self.json in ("", "-") else Path(self.json)
+        check_apart([path for path in (json, self.report, self.markdown) if path is not None], read)
         check_targets(self.overwrite, self.report, self.markdown)
         if json is not None:
             check_targets(self.overwrite or _holds_refusals_alone(json), json)
@@ -102,8 +107,23 @@ def check_targets(overwrite: bool, *paths: Path | None) -> None:
             raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
 
 
+def check_apart(written: Sequence[Path], read: Sequence[Path] = ()) -> None:
+    """Raise UsageError where two results go to one file, or one goes where a measurement or a model is read."""
+    places = [path.resolve() for path in written]
+    for path, place in zip(written, places, strict=True):
+        if places.count(place) > 1:
+            raise UsageError(f"two results go to {path}; expected a file for each: give one of them another name")
+        for source in (one.resolve() for one in read):
+            if place == source or (source.is_dir() and source in place.parents and place.exists()):
+                raise UsageError(
+                    f"{path} is read, and a result would replace it; expected another file: give the result a new name"
+                )
+
+
 def _holds_refusals_alone(path: Path) -> bool:
     """Whether a file is what a run wrote that gave no result: its objects say why, and nothing is lost with them."""
+    if not path.is_file():
+        return False  # a device may never end
     try:
         found = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     except (OSError, ValueError):
@@ -152,7 +172,7 @@ def each_path(paths: Sequence[Path], output: Output, handle: Callable[[Path], Ma
 
     A path that fails gets its one line on stderr and an object with ``error``; the others go on.
     """
-    output.check()
+    output.check(*paths)
     lines: list[Mapping[str, Any]] = []
     failed = False
     for path in paths:

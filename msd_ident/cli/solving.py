@@ -51,7 +51,7 @@ def work(
     Returns:
         The exit code, 2 when any path failed, and the results.
     """
-    output.check()
+    output.check(*data.paths)
     if further is not None:
         further.check(1 if data.together else len(data.paths), output.overwrite)
     groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]

@@ -77,7 +77,7 @@ def validate(
     output: results.Output,
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
-    output.check()
+    output.check(*filter(None, (result, mujoco, simulated)), *(paths or ()))
     if mujoco is not None or function or simulated is not None:
         from msd_ident.cli import user_simulation
 

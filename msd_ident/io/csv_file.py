@@ -73,7 +73,8 @@ def read_table(path: str | os.PathLike[str], options: SourceOptions) -> Record:
         f_unit, f_factor, f_note = units.of_column(units.FORCE, heading, options.force_unit, options.force_scale)
         t_f, f = _samples(time, read[chosen.force][there])
         f = f * f_factor
-        notes += [*filter(None, [f_note]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
+        gap = _without_force(heading, position, read[chosen.force][there])
+        notes += [*filter(None, [f_note, gap]), *constant_force.notes(f"column {heading}", f, f_unit, x)]
     return from_seconds(
         t_x,
         x,
@@ -271,6 +272,23 @@ def _short(column: str) -> tuple[str, ...]:
     """Shorter names that a heading goes by: without its unit, and without its run."""
     name, _ = runs.split(column.strip())
     return name.lower(), units.stem(name)
+
+
+def _without_force(heading: str, position: FloatArray, force: FloatArray) -> str:
+    """A sentence on lines (n,) with a position and no force between others that have both; empty for none.
+
+    Where most lines lack one of the two, each signal has its own lines.
+    """
+    both = np.flatnonzero(~np.isnan(position) & ~np.isnan(force))
+    if not both.size:
+        return ""
+    lacking = int(np.count_nonzero(np.isnan(force[both[0] : both[-1]]) & ~np.isnan(position[both[0] : both[-1]])))
+    if not 0 < lacking < both.size:
+        return ""
+    return (
+        f"column {heading} is empty in {lacking} of the lines that have a position: the force is held there. If it was "
+        "not, the parameters are wrong: complete the column, or cut the record with --start and --end."
+    )
 
 
 def _samples(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

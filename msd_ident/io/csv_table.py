@@ -30,6 +30,8 @@ _COMMENTS = ("#", "%", "//")
 _MISSING = {"na", "nan", "n/a"}
 #: The same word of spreadsheets, which begins like a comment.
 _HASHED = re.compile("#N/A", re.IGNORECASE)
+#: A comment behind numbers, with a space in front; not an error of a spreadsheet (#VALUE!), nor a C library's 1.#QNAN.
+_COMMENT = re.compile(r"(?:^|(?<=\s))#(?![A-Z]+(?:/0)?[!?]).*$")
 #: Lines in which a header of keys and values is looked for.
 _HEADER_LINES = 50
 #: Characters behind the first line of numbers that are looked at for a decimal comma.
@@ -120,7 +122,7 @@ class Table:
         rows: list[list[float]] = []
         missing: dict[int, tuple[int, str]] = {}  # by column: line and text of the first cell that says so
         for number, line in enumerate(self._body().splitlines(), start=self.layout.first + 1):
-            text = _HASHED.sub("NA", line).partition("#")[0].strip(" \r")
+            text = _COMMENT.sub("", _HASHED.sub("NA", line)).strip(" \r")
             if not text.strip() or text.lstrip().startswith(_COMMENTS):
                 continue
             cells = split(text, self.layout.separator)

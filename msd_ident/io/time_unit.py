@@ -26,12 +26,14 @@ def factor(heading: str, time: FloatArray, given: float | None) -> tuple[float, 
     """
     if given is not None:
         return given, ""
-    if units.has_time_unit(heading):
-        named = units.time_factor(heading)
+    named = units.time_factor(heading)
+    if named is not None:
         return named, f"column {heading} was multiplied by {named:g}, as its unit says." if named != 1.0 else ""
     scale, name = _counted(time)
     if not name:
-        return 1.0, ""
+        unknown = units.unknown_in_brackets(heading)
+        said = f"column {heading} is read in seconds: {unknown} is no unit of time. If it is one, give --time-scale."
+        return 1.0, said if unknown else ""
     period = scale * float(np.median(np.abs(np.diff(time))))
     return scale, (
         f"column {heading} has whole numbers and no unit: they are taken as {name}, which gives {1.0 / period:.4g} Hz; "

@@ -17,15 +17,22 @@ _LENGTH = {
     "cm": ("m", 1e-2),
     "mm": ("m", 1e-3),
     "um": ("m", 1e-6),
+    "km": ("m", 1e3),
+    "dm": ("m", 0.1),
     "ft": ("m", 0.3048),
+    "yd": ("m", 0.9144),
     "in": ("m", 0.0254),
     "inch": ("m", 0.0254),
+    **dict.fromkeys(("mil", "mils", "thou"), ("m", 2.54e-5)),
     "rad": ("rad", 1.0),
     "radian": ("rad", 1.0),
     "radians": ("rad", 1.0),
     "mrad": ("rad", 1e-3),
     "deg": ("rad", math.pi / 180),
     "°": ("rad", math.pi / 180),
+    "arcmin": ("rad", math.pi / 10800),
+    "arcsec": ("rad", math.pi / 648000),
+    **dict.fromkeys(("gon", "grad"), ("rad", math.pi / 200)),
     "degree": ("rad", math.pi / 180),
     "degrees": ("rad", math.pi / 180),
     "rev": ("rad", 2.0 * math.pi),
@@ -44,7 +51,12 @@ _FORCE = {
     "a": ("A", 1.0),
     "ma": ("A", 1e-3),
     "dan": ("N", 10.0),
+    "un": ("N", 1e-6),
+    "dyn": ("N", 1e-5),
+    "gf": ("N", 9.80665e-3),
     "kgf": ("N", 9.80665),
+    "kp": ("N", 9.80665),
+    "kip": ("N", 1e3 * _POUND),
     "ncm": ("N·m", 1e-2),
     "nmm": ("N·m", 1e-3),
     "mnm": ("N·m", 1e-3),
@@ -61,6 +73,15 @@ _TIME = {
     **dict.fromkeys(("us", "usec"), 1e-6),
     **dict.fromkeys(("ns", "nsec"), 1e-9),
 }
+#: Units of time that are one only in brackets, or behind a name of time: elsewhere ``min`` is a least value.
+_LONG_TIME = {
+    **dict.fromkeys(("min", "mins", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hrs", "hours"), 3600.0),
+    **dict.fromkeys(("d", "days"), 86400.0),
+}
+_NAMES_OF_TIME = ("time", "t", "elapsed", "elapsed time", "elapsed_time")
+#: What may be milli or mega, where headings are in capitals.
+_MILLI_OR_MEGA = re.compile(r"M(N|V|A|N[·*.\s-]?m|m|s)")
 #: Units in brackets that are none of a position or force.
 _OTHER = {"hz", "kg", "g", "w", "j", "%", "c", "°c", "k", "pa", "mps", "dps", "rpm", "rps"}
 _SYMBOLS = {*_LENGTH, *_FORCE, *_TIME, *_OTHER}
@@ -137,6 +158,8 @@ def of_column(quantity: Quantity, column: str, given: str, scale: float | None) 
     """
     name, written = unit(column)
     said = quantity.known.get(name)
+    if said and _MILLI_OR_MEGA.fullmatch(_as_written(column)) and not given and scale is None:
+        raise _milli_or_mega(column, f"--{quantity.option}-unit and --{quantity.option}-scale")
     if given:
         found = of_option(quantity, given, scale)
         own = of_option(quantity, given, None)
@@ -153,7 +176,9 @@ def of_column(quantity: Quantity, column: str, given: str, scale: float | None) 
         )
     found = said or (quantity.default, 1.0)
     if scale is None:
-        return *found, _note(f"column {column}", found[1], "its unit says")
+        unknown = f"column {column} is read in {found[0]}: {written} is no unit that is known here. If it is one, give "
+        unknown += f"--{quantity.option}-scale, the factor to {found[0]}."
+        return *found, unknown if written and not said else _note(f"column {column}", found[1], "its unit says")
     if abs(scale) == 1.0 != found[1]:
         raise _no_scale(quantity, column, name, found, scale)
     # Nobody scales to counts or volts.
@@ -190,14 +215,37 @@ def of_no_force(position: str) -> str:
     return "N·m" if position == "rad" else "N"
 
 
-def time_factor(column: str) -> float:
-    """Factor from the numbers of a time column to seconds."""
-    return _TIME.get(unit(column)[0], 1.0)
+def time_factor(column: str) -> float | None:
+    """Factor from the numbers of a time column to seconds; None where its heading ends with no unit of time.
+
+    Raises:
+        DataError: the unit may be of milliseconds or of megaseconds.
+    """
+    name, written = unit(column)
+    if name in _TIME and _MILLI_OR_MEGA.fullmatch(_as_written(column)):
+        raise _milli_or_mega(column, "--time-scale")
+    if name in _LONG_TIME and (written or stem(column) in _NAMES_OF_TIME):
+        return _LONG_TIME[name]
+    return _TIME.get(name)
 
 
-def has_time_unit(column: str) -> bool:
-    """Whether a heading ends with a unit of time."""
-    return unit(column)[0] in _TIME
+def unknown_in_brackets(column: str) -> str:
+    """What stands in brackets at the end of a heading and is no unit that is known here; empty for nothing."""
+    name, written = unit(column)
+    return "" if name in _SYMBOLS else written
+
+
+def _as_written(column: str) -> str:
+    """Unit of a heading as it is written there, in capitals or not."""
+    found = _in_brackets(column.strip()) or _ENDING.search(column.strip())
+    return found.group(1) if found else ""
+
+
+def _milli_or_mega(column: str, options: str) -> DataError:
+    return DataError(
+        f"column {column} ends with {_as_written(column)}, which may be milli or mega; expected one that is clear: "
+        f"correct the heading, or give {options}"
+    )
 
 
 def is_time(text: str) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 
 from msd_ident.data import quality
 from msd_ident.data.record import FloatArray, Record
+from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, explained, fit, noise_floor, see
 from msd_ident.estimate.base_fits import joint_fit, linear_fit, structure
 from msd_ident.estimate.formulation import Zero
@@ -135,6 +136,11 @@ def _joint(prepared: Prepared, sprung: bool, options: Options) -> tuple[FitResul
     """
     records, plant = prepared.records, prepared.plant
     known_parameters.check(options.known, structure(plant, sprung), records[0])
+    if not sprung and known_parameters.values(options.known).get("stiffness"):
+        raise UsageError(
+            "the stiffness is known, and the model has no spring; expected one of the two: leave --known stiffness "
+            "or --model no_spring away"
+        )
     fixed = {} if sprung else {"stiffness": 0.0}
     if sprung and _forceless(records) and not any(one.sets_scale for one in options.known):
         fixed["mass"] = 1.0

@@ -19,6 +19,8 @@ from msd_ident.model.parameters import PARAMETERS
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _FORM = re.compile(rf"\s*(\w+)\s*=\s*({_NUMBER})\s*(?:(?:±|\+/?-)\s*({_NUMBER}))?\s*(\S.*)?$")
+#: Sizes of a parameter in SI units beyond which no rig has one, and squares in a fit would leave all numbers.
+LEAST, LARGEST = 1e-18, 1e18
 #: Signs of a product in a unit, which is written with a dot here.
 _PRODUCT = re.compile(r"[*·\s]+")
 
@@ -48,11 +50,17 @@ class Known:
         if not inside or (self.name == "mass" and self.value == 0.0):
             raise UsageError(
                 f"{self.name} is {self.value:g} {parameter.unit}; expected a finite value {_bounds(parameter)}: "
-                "correct --known"
+                f"correct {_option(self.name)}"
+            )
+        if self.value != 0.0 and not LEAST <= abs(self.value) <= LARGEST:
+            raise UsageError(
+                f"{self.name} is {self.value:g} {parameter.unit}; expected a size from {LEAST:g} to {LARGEST:g}: "
+                f"correct {_option(self.name)}"
             )
         if not 0.0 <= self.std < math.inf:
             raise UsageError(
-                f"the standard deviation of {self.name} is {self.std:g}; expected 0 or more: correct --known"
+                f"the standard deviation of {self.name} is {self.std:g}; expected 0 or more: "
+                f"correct {_option(self.name)}"
             )
 
     @property
@@ -68,9 +76,12 @@ def parse(text: str) -> Known:
         UsageError: another form, or what ``Known`` refuses.
     """
     found = _FORM.match(text)
-    if found is None:
+    if found is None or (found.group(4) or "").startswith((",", ".", "±", "+", "-")):
+        comma = ", with a decimal point" if "," in text else ""
+        if (mass := text.partition("="))[0] == "mass":
+            raise UsageError(f"mass {mass[2]!r} is not valid; expected VALUE or VALUE±STD{comma}, e.g. 0.986±0.002")
         raise UsageError(
-            f"--known {text!r} is not valid; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1"
+            f"--known {text!r} is not valid; expected NAME=VALUE or NAME=VALUE±STD{comma}, e.g. stiffness=24.25±0.1"
         )
     name, value, std, unit = found.groups()
     return Known(name, float(value), float(std or 0.0), _PRODUCT.sub("·", (unit or "").strip()))
@@ -142,6 +153,11 @@ def _parameter(name: str) -> Parameter:
     if name not in PARAMETERS:
         raise UsageError(f"no parameter is called {name!r}; expected one of {', '.join(PARAMETERS)}")
     return PARAMETERS[name]
+
+
+def _option(name: str) -> str:
+    """The option that gives a parameter."""
+    return "--mass or --known" if name == "mass" else "--known"
 
 
 def _bounds(parameter: Parameter) -> str:

@@ -14,6 +14,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.quantity import Quantity
+from msd_ident.workflow.known_parameters import LARGEST
 
 #: Schema → key of the model that the result ends with.
 SCHEMAS = {"msd.identification/1": "refined", "msd.diagnosis/1": "extended", "msd.diagnosis/2": "extended"}
@@ -126,7 +127,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             see=_number(told["see_m"]),
             force_unit=str(sheets[0]["force_unit"]),
             position_unit=str(sheets[0]["position_unit"]),
-            force_sign=int(result.get("force_sign", _old_sign(result))),
+            force_sign=_sign(result.get("force_sign", _old_sign(result))),
             force_hold=str(sheets[0].get("force_hold", "")),
             force_lead=float(sheets[0].get("force_lead_s", 0.0)),
             zeros=tuple(_finite("zero_m", _number(start["zero_m"])) for start in result.get("initial", ())),
@@ -148,21 +149,23 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
 
 def _objects(text: str, name: str) -> list[dict[str, Any]]:
     """The objects of a file: one a line, or one over several lines."""
+    expected = "expected a result that msd identify or msd diagnose wrote with --json"
     try:
         whole = json.loads(text)
-        return [whole] if isinstance(whole, dict) else list(whole)
-    except ValueError:
+    except (ValueError, RecursionError):
         pass
+    else:
+        found = whole if isinstance(whole, list) else [whole]
+        if not all(isinstance(one, dict) for one in found):
+            raise DataError(f"{name} is no JSON object; {expected}")
+        return found
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
         if line.strip():
             try:
                 found.append(dict(json.loads(line)))
-            except (TypeError, ValueError):
-                raise DataError(
-                    f"{name} line {number} is no JSON object; expected a result that msd identify or msd diagnose "
-                    "wrote with --json"
-                ) from None
+            except (TypeError, ValueError, RecursionError):
+                raise DataError(f"{name} line {number} is no JSON object; {expected}") from None
     return found
 
 
@@ -189,7 +192,7 @@ def _quantity(told: Mapping[str, Any]) -> Quantity:
 
 def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
     values = {name: quantity.value for name, quantity in parameters.items()}
-    model = Plant(values["mass"], values["damping"], values["stiffness"])
+    model = Plant(*(_finite(name, values[name]) for name in ("mass", "damping", "stiffness")))
     for name in effects:
         effect = by_name(name)
         given = {p.name: values.get(p.name, math.inf) for p in effect.parameters}
@@ -204,6 +207,8 @@ def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
 def _finite(name: str, value: float) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{name} has no finite value")
+    if abs(value) > LARGEST:
+        raise ValueError(f"{name} is {value:g}, beyond {LARGEST:g}")
     return value
 
 
@@ -232,6 +237,12 @@ def _effects_of(parameters: Mapping[str, Quantity]) -> tuple[str, ...]:
             found.append(effect.name)
             left -= own
     return tuple(sorted(found))
+
+
+def _sign(told: Any) -> int:
+    if told not in (1, -1):
+        raise ValueError(f"force_sign is {told}, neither 1 nor -1")
+    return int(told)
 
 
 def _old_sign(result: Mapping[str, Any]) -> int:

@@ -118,7 +118,7 @@ def test_a_unit_converts_alike_as_an_option_and_in_a_heading(
         *((unit, "N", 4.4482216152605) for unit in ("lbf", "lb")),
         *((unit, "N·m", 0.1129848290276167) for unit in ("lb-in", "in·lbf", "lbf in")),
         *((unit, "N·m", 1.3558179483314004) for unit in ("ft-lb", "lbf·ft", "ft.lbs")),
-        *(("oz-in", "N·m", 0.00706155181422604), ("kgf", "N", 9.80665)),
+        *(("oz-in", "N·m", 0.00706155181422604), ("kgf", "N", 9.80665), ("gf", "N", 0.00980665), ("dyn", "N", 1e-5)),
     ],
 )
 def test_a_force_unit_converts_alike(tmp_path: Path, unit: str, of_record: str, factor: float) -> None:
@@ -127,6 +127,74 @@ def test_a_force_unit_converts_alike(tmp_path: Path, unit: str, of_record: str, 
     for record in (given, named):
         assert record.force_unit == of_record
         np.testing.assert_allclose(record.force, factor * np.array(ROWS)[:, 1], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("km", 1e3), ("yd", 0.9144), ("mil", 2.54e-5)])
+def test_rare_units_of_a_position(tmp_path: Path, unit: str, factor: float) -> None:
+    record = read_text(tmp_path, table(header=f"time,force,position ({unit})"))
+    np.testing.assert_allclose(record.position, factor * np.array(ROWS)[:, 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("heading", "factor"), [("Time (min)", 60.0), ("time_min", 60.0), ("t (h)", 3600.0)])
+def test_long_units_of_time(tmp_path: Path, heading: str, factor: float) -> None:
+    record = read_text(tmp_path, table(header=f"{heading},force,position"), time=heading)
+    np.testing.assert_allclose(record.time - record.time[0], factor * (np.array(ROWS)[:, 0] - ROWS[0][0]), atol=1e-9)
+
+
+def test_a_least_value_is_no_minute(tmp_path: Path) -> None:
+    record = read_text(tmp_path, table(header="time,force,position_min"), position="position_min")
+    assert record.notes == ()
+
+
+@pytest.mark.parametrize("header", ["time,force (MN),position", "time,force,position (Mm)", "time (Ms),force,position"])
+def test_milli_or_mega_is_asked(tmp_path: Path, header: str) -> None:
+    with pytest.raises(
+        DataError, match="ends with M., which may be milli or mega; expected one that is clear: correct"
+    ):
+        read_text(tmp_path, table(header=header))
+    in_capitals = read_text(tmp_path, table(header="TIME (MS),force,POSITION (MM)"))
+    np.testing.assert_allclose(in_capitals.position, 1e-3 * np.array(ROWS)[:, 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ("time,force (smoot),position", "column force (smoot) is read in N: smoot is no unit that is known here"),
+        ("time,force,position (furlong)", "If it is one, give --position-scale, the factor to m."),
+        ("time (fortnight),force,position", "is read in seconds: fortnight is no unit of time. If it is one, give"),
+    ],
+)
+def test_a_unit_that_is_not_known_is_said(tmp_path: Path, header: str, says: str) -> None:
+    assert any(says in note for note in read_text(tmp_path, table(header=header)).notes)
+
+
+@pytest.mark.parametrize("cell", ["#VALUE!", "#DIV/0!", "1.#QNAN", "-1.#IND"])
+def test_cells_with_a_hash_are_no_comments(tmp_path: Path, cell: str) -> None:
+    """They were cut at the hash: a missing force was held, a missing position read as 1."""
+    for place in (1, 2):
+        rows = [list(map(str, row)) for row in ROWS]
+        rows[3][place] = cell
+        text = "time,force,position\n" + "".join(",".join(row) + "\n" for row in rows)
+        with pytest.raises(
+            DataError, match=f"line 5, column (force|position) holds '{cell}'; expected a finite number"
+        ):
+            read_text(tmp_path, text)
+
+
+def test_a_comment_behind_numbers_is_none_of_them(tmp_path: Path) -> None:
+    lines = table().splitlines()
+    lines[4] += "  # the hand touched it"
+    np.testing.assert_array_equal(read_text(tmp_path, "\n".join(lines) + "\n").position, np.array(ROWS)[:, 2])
+
+
+def test_empty_cells_of_the_force_are_said(tmp_path: Path) -> None:
+    lines = table().splitlines()
+    time, _, position = lines[3].split(",")
+    lines[3] = f"{time},,{position}"
+    assert any(
+        "column force_n is empty in 1 of the lines that have a position: the force is held there" in note
+        for note in read_text(tmp_path, "\n".join(lines) + "\n").notes
+    )
 
 
 def test_units_behind_a_comma_in_quoted_headings(tmp_path: Path) -> None:

@@ -95,9 +95,9 @@ def test_ways_to_write_it(text: str, known: Known) -> None:
             "--known 'heavy' is not valid; expected NAME=VALUE or NAME=VALUE±STD, e.g. stiffness=24.25±0.1",
         ),
         ("weight=3", "no parameter is called 'weight'; expected one of mass, damping, stiffness, "),
-        ("mass=0", "mass is 0 kg; expected a finite value above 0: correct --known"),
+        ("mass=0", "mass is 0 kg; expected a finite value above 0: correct --mass or --known"),
         ("stiffness=-2", "stiffness is -2 N/m; expected a finite value from 0: correct --known"),
-        ("mass=1±-1", "the standard deviation of mass is -1; expected 0 or more: correct --known"),
+        ("mass=1±-1", "the standard deviation of mass is -1; expected 0 or more: correct --mass or --known"),
     ],
 )
 def test_what_cannot_be_known(text: str, words: str) -> None:
