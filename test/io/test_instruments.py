@@ -512,7 +512,9 @@ def test_options_that_make_no_sense(options: dict[str, object], words: str) -> N
         SourceOptions(**options)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("words", "says"), [(("--rate", "100"), "--rate"), (("--run", "1"), "--run")])
+@pytest.mark.parametrize(
+    ("words", "says"), [(("--rate", "100"), "--rate"), (("--run", "1"), "--run"), (("--time", "x"), "--time")]
+)
 def test_bags_have_their_own_stamps(words: tuple[str, str], says: str) -> None:
     bag = Path(__file__).resolve().parents[2] / "bags" / "paper_step"
     found = run("identify", bag, *words)
