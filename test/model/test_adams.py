@@ -31,10 +31,11 @@ from msd_ident.model.plant import Model
 PLANT = Plant(0.94, 3.9, 694.0)
 
 
-ORDERS = range(FEWEST, PAST + 1)
+#: Numbers of accelerations before the present one that a step may take.
+COUNTS = range(FEWEST, PAST + 1)
 
 
-@pytest.mark.parametrize("nodes", [tuple(range(first, -n, -1)) for n in ORDERS for first in (0, 1)])
+@pytest.mark.parametrize("nodes", [tuple(range(first, -n, -1)) for n in COUNTS for first in (0, 1)])
 def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
     once, twice = _weights(nodes)
     random = np.random.default_rng(1)
@@ -46,7 +47,7 @@ def test_polynomials_are_integrated_exactly(nodes: tuple[int, ...]) -> None:
         assert twice @ values == pytest.approx(velocity.integ()(1.0), rel=1e-12)
 
 
-@pytest.mark.parametrize("n", ORDERS)
+@pytest.mark.parametrize("n", COUNTS)
 def test_the_last_difference_puts_a_step_right(n: int) -> None:
     """With it a step is exact one degree further: the polynomial through the acceleration at the end as well."""
     random = np.random.default_rng(2)
@@ -61,7 +62,7 @@ def test_the_last_difference_puts_a_step_right(n: int) -> None:
         assert foreseen != pytest.approx(exact, rel=1e-4)
 
 
-@pytest.mark.parametrize("n", ORDERS)
+@pytest.mark.parametrize("n", COUNTS)
 def test_the_next_difference_tells_the_error(n: int) -> None:
     """One degree beyond that, the velocity is wrong by the difference after the last one, times its weight."""
     acceleration = Polynomial([0.0] * (n + 1) + [1.0])
