@@ -19,12 +19,12 @@ def write_text(text: str, path: Path) -> None:
     """
     with writing_to(path, "a writable file"):
         if path.exists() and not path.is_file():  # a device, a pipe
-            path.write_text(text, encoding="utf-8")
+            path.write_text(text, encoding="utf-8", newline="\n")
             return
         target = path.resolve()  # of a link, the file it names
         part = target.with_name(f".{target.name}.{os.getpid()}.part")
         try:
-            part.write_text(text, encoding="utf-8")
+            part.write_text(text, encoding="utf-8", newline="\n")
             if target.exists():
                 shutil.copymode(target, part)
             part.replace(target)

@@ -16,7 +16,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.io import constant_force, even_stamps, runs, time_unit, units
 from msd_ident.io.columns import TIME_NAMES, Columns, open_columns
 from msd_ident.io.source_options import SourceOptions
-from msd_ident.writing import writing_to
+from msd_ident.writing import write_text, writing_to
 
 #: Headings that are taken without being named, the first that is there; those of a joint only with their unit, as a
 #: number without one is taken for newtons and metres.
@@ -215,9 +215,7 @@ def write_csv(record: Record, path: str | os.PathLike[str], overwrite: bool = Fa
     header = f"time_s,force{_suffix(record.force_unit)},position{_suffix(record.position_unit)}\n"
     with writing_to(target):
         target.parent.mkdir(parents=True, exist_ok=True)
-        with target.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(header)
-            file.writelines(_lines(record))
+    write_text(header + "".join(_lines(record)), target)
 
 
 def _lines(record: Record) -> list[str]:
