@@ -114,10 +114,18 @@ def check_apart(written: Sequence[Path], read: Sequence[Path] = ()) -> None:
         if places.count(place) > 1:
             raise UsageError(f"two results go to {path}; expected a file for each: give one of them another name")
         for source in (one.resolve() for one in read):
-            if place == source or (source.is_dir() and source in place.parents and place.exists()):
+            if place == source or (source == place.parent and place.exists() and _is_of_a_bag(place)):
                 raise UsageError(
                     f"{path} is read, and a result would replace it; expected another file: give the result a new name"
                 )
+
+
+def _is_of_a_bag(path: Path) -> bool:
+    """Whether a file in a bag's folder belongs to the bag; a result may stand beside these."""
+    from msd_ident.io.bag_folder import STORAGE
+    from msd_ident.io.compression import plain_name
+
+    return path.name == "metadata.yaml" or plain_name(path).endswith(STORAGE)
 
 
 def _holds_refusals_alone(path: Path) -> bool:

@@ -269,7 +269,8 @@ class Problem:
 
     def first_steps(self) -> FloatArray:
         """Finite-difference steps (p,) before anything is known about the Jacobian: far within the bounds."""
-        return RELATIVE_STEP * np.minimum(self.scale, self.upper - self.lower)
+        room = self.upper - self.lower
+        return RELATIVE_STEP * np.where(room > 0.0, np.minimum(self.scale, room), self.scale)
 
     def steps(self, matrix: FloatArray) -> FloatArray:
         """Steps that move the positions by ``RELATIVE_STEP`` of the motion, from the last Gauss–Newton matrix."""

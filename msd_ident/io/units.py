@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from msd_ident.errors import DataError, UsageError
+from msd_ident.io.columns import TIME_NAMES
 
 #: A pound as a force [N].
 _POUND, _POUNDS = 4.4482216152605, ("lb", "lbs", "lbf")
@@ -79,7 +80,6 @@ _LONG_TIME = {
     **dict.fromkeys(("h", "hr", "hrs", "hours"), 3600.0),
     **dict.fromkeys(("d", "days"), 86400.0),
 }
-_NAMES_OF_TIME = ("time", "t", "elapsed", "elapsed time", "elapsed_time")
 #: What may be milli or mega, where headings are in capitals.
 _MILLI_OR_MEGA = re.compile(r"M(N|V|A|N[·*.\s-]?m|m|s)")
 #: Units in brackets that are none of a position or force.
@@ -224,7 +224,7 @@ def time_factor(column: str) -> float | None:
     name, written = unit(column)
     if name in _TIME and _MILLI_OR_MEGA.fullmatch(_as_written(column)):
         raise _milli_or_mega(column, "--time-scale")
-    if name in _LONG_TIME and (written or stem(column) in _NAMES_OF_TIME):
+    if name in _LONG_TIME and (written or stem(column) in TIME_NAMES):
         return _LONG_TIME[name]
     return _TIME.get(name)
 

@@ -63,6 +63,18 @@ def test_nothing_that_is_read_is_replaced(tmp_path: Path) -> None:
     assert (path.read_bytes(), model.read_bytes()) == (before, kept)
 
 
+def test_a_result_may_stand_in_the_folder_of_its_bag(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    assert run("simulate", "--out", bag, "--experiment", "steps", "--quiet").code == 0
+    for _ in range(2):
+        assert run("identify", bag, "--json", bag / "result.json", "--overwrite", "--quiet").code == 0
+    (part,) = bag.glob("*.mcap")
+    before = part.read_bytes()
+    found = run("identify", bag, "--json", part, "--overwrite")
+    assert found.code == 2 and "is read, and a result would replace it" in found.err
+    assert part.read_bytes() == before
+
+
 def test_two_results_never_go_to_one_file(tmp_path: Path) -> None:
     path, both = table(step(), tmp_path / "in.csv"), tmp_path / "both"
     found = run("identify", path, "--json", both, "--report", tmp_path / "." / "both")
