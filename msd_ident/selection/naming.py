@@ -225,7 +225,7 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         if ranking.best.model.effect(name).repeats_after()
     ]
     said += [
-        f"nothing of {spoken(name)} is seen in motion: it only holds the cart where it rests, and a force that acts "
+        f"hardly anything of {spoken(name)} is seen in motion: it holds the cart where it rests, and a force that acts "
         "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
         for name in sorted(ranking.held.get(named, ()))
     ]

@@ -186,12 +186,12 @@ def _slow(fitted: Hypothesis) -> frozenset[str]:
 
 
 def _held(fitted: Hypothesis) -> frozenset[str]:
-    """Effects that hold the cart at rest, and of which nothing is left as soon as it moves."""
+    """Effects that hold the cart at rest, and of which hardly anything is left as soon as it moves."""
     slowest = NEGLIGIBLE * max(speed(record) for record in fitted.problem.records)
     return frozenset(
         effect.name
         for effect in fitted.model.effects
-        if effect.holding > 0.0 and effect.rubs(slowest) <= NEGLIGIBLE * effect.holding
+        if effect.holding > 0.0 and effect.rubs(slowest) <= TENTH * effect.holding
     )
 
 

@@ -72,7 +72,9 @@ def test_a_peak_is_that_of_block_diagrams(peak: float, falls: float, creep: floa
     found = Simulator(whole, measured).positions(whole.values)
     expected = following(measured, rubs)
     assert np.max(np.abs(found - expected)) < 1e-5 * np.ptp(expected)
-    assert SmoothStribeckFriction.force(falls / np.sqrt(2.0), 0.0, 0.5, falls, creep) == pytest.approx(0.5)
+    assert SmoothStribeckFriction.force(falls / np.sqrt(2.0), 0.1, 0.5, falls, creep) == pytest.approx(
+        0.4 + 0.1 * np.tanh(falls / np.sqrt(2.0) / creep)
+    )
 
 
 def test_far_below_all_speeds_it_is_coulomb_friction() -> None:

@@ -12,7 +12,7 @@ from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.law import RUBS
 from msd_ident.model.effects.smooth_friction import SmoothFriction
-from msd_ident.model.effects.stribeck_friction import StribeckFriction
+from msd_ident.model.effects.stribeck_friction import StribeckFriction, past_limit
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -27,7 +27,7 @@ class SmoothStribeckFriction(Effect):
     """Friction that rises over the creep speed vc, has its peak Fs near vs/sqrt(2) where vc is well below that, and
     falls to Fc beyond: the friction elements of block diagrams, which have vc = vs/14.
 
-    An Fs below Fc counts as Fc, as in Stribeck's law with a jump.
+    An Fs below Fc counts as Fc, and one above 10·Fc as that, as in Stribeck's law with a jump.
     """
 
     smooth_friction: float
@@ -63,8 +63,8 @@ class SmoothStribeckFriction(Effect):
         """Friction [N]."""
         part = v / peak_velocity
         bump = part * math.exp(0.5 - part * part) if part * part < 40.0 else 0.0
-        peak = math.sqrt(2.0) * max(peak_friction - smooth_friction, 0.0) * bump
-        return peak + smooth_friction * math.tanh(v / creep_speed)
+        above = max(min(peak_friction, 10.0 * smooth_friction) - smooth_friction, 0.0)
+        return math.sqrt(2.0) * above * bump + smooth_friction * math.tanh(v / creep_speed)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
@@ -96,6 +96,11 @@ class SmoothStribeckFriction(Effect):
     def _peaked(cls, sliding: float, speed: float) -> tuple[SmoothStribeckFriction, ...]:
         known = [(part * speed, turn * part * speed) for part in _FALLS for turn in _CREEPS]
         return tuple(cls.within_bounds(sliding, 1.5 * sliding, *one) for one in known)
+
+    def same_as(self, model: Model) -> str:
+        """Of a breakaway force that counts as less than its value."""
+        del model
+        return past_limit(self.smooth_friction, self.peak_friction)
 
     def neighbours(self, records: Sequence[Record]) -> tuple[SmoothStribeckFriction, ...]:
         """Without a peak, one begun anew: a breakaway below Fc counts as Fc, so that no small step brings it back."""

@@ -27,6 +27,13 @@ _NO_PEAK = 0.01
 _PEAKS = (1.03, 1.3)
 
 
+def past_limit(coulomb_force: float, static_force: float) -> str:
+    """A sentence where a breakaway force counts as less than its value; empty where it does not."""
+    if static_force <= 10.0 * coulomb_force:
+        return ""
+    return f"A breakaway friction counts up to ten times the sliding one: here {10.0 * coulomb_force:.3g}."
+
+
 def no_peak(coulomb_force: float, static_force: float) -> bool:
     """Whether a breakaway force is so little above the sliding one that nothing shows of it."""
     return static_force <= (1.0 + _NO_PEAK) * coulomb_force
@@ -36,7 +43,9 @@ def no_peak(coulomb_force: float, static_force: float) -> bool:
 class StribeckFriction(Effect):
     """Breakaway Fs at rest, falling to Fc over the velocity vs.
 
-    An Fs below Fc, which no dry friction has, counts as Fc: what grows with the speed is damping or drag.
+    An Fs below Fc, which no dry friction has, counts as Fc: what grows with the speed is damping or drag. An Fs above
+    10·Fc counts as that: the largest ratios that are known are about 5, and a force that vanishes as the motion starts
+    is not friction.
     """
 
     coulomb_force: float
@@ -72,12 +81,12 @@ class StribeckFriction(Effect):
         """Kinetic friction [N]."""
         square = speed * speed * (1.0 / stribeck_velocity**2)
         bump = math.exp(-square) if square < 40.0 else 0.0
-        return coulomb_force + max(static_force - coulomb_force, 0.0) * bump
+        return coulomb_force + max(min(static_force, 10.0 * coulomb_force) - coulomb_force, 0.0) * bump
 
     @staticmethod
     def breakaway(coulomb_force: float, static_force: float) -> float:
         """Largest force [N] that it holds at rest."""
-        return max(static_force, coulomb_force)
+        return max(min(static_force, 10.0 * coulomb_force), coulomb_force)
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
@@ -104,6 +113,11 @@ class StribeckFriction(Effect):
     def is_dry_friction(self) -> bool:
         """Without a peak."""
         return no_peak(self.coulomb_force, self.static_force)
+
+    def same_as(self, model: Model) -> str:
+        """Of a breakaway force that counts as less than its value."""
+        del model
+        return past_limit(self.coulomb_force, self.static_force)
 
     def by_lot(self, rng: np.random.Generator, record: Record, plant: Model) -> StribeckFriction:
         """A breakaway force of 1.1 to 5 times the sliding one; 2 to 50 % of the speed of free swings as large as the

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from msd_ident.model.declarations import Parameter
 from msd_ident.model.effects.base import Effect
 from msd_ident.model.effects.law import RUBS
-from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak
+from msd_ident.model.effects.stribeck_friction import StribeckFriction, no_peak, past_limit
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -49,12 +49,12 @@ class StribeckShape(Effect):
         """Kinetic friction [N]."""
         way = math.exp(stribeck_exponent * math.log(max(speed, 1e-300) / stribeck_velocity))
         bump = math.exp(-way) if way < 40.0 else 0.0
-        return coulomb_force + max(static_force - coulomb_force, 0.0) * bump
+        return coulomb_force + max(min(static_force, 10.0 * coulomb_force) - coulomb_force, 0.0) * bump
 
     @staticmethod
     def breakaway(coulomb_force: float, static_force: float) -> float:
         """Largest force [N] that it holds at rest."""
-        return max(static_force, coulomb_force)
+        return max(min(static_force, 10.0 * coulomb_force), coulomb_force)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
@@ -70,6 +70,11 @@ class StribeckShape(Effect):
     def is_dry_friction(self) -> bool:
         """Without a peak."""
         return no_peak(self.coulomb_force, self.static_force)
+
+    def same_as(self, model: Model) -> str:
+        """Of a breakaway force that counts as less than its value."""
+        del model
+        return past_limit(self.coulomb_force, self.static_force)
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[StribeckShape, ...]:
