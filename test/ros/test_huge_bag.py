@@ -1,10 +1,10 @@
-"""A bag of 10 GB: read as it streams, in bounded memory, with progress, and given up within a second."""
+"""A bag of 10 GB: read as it streams, in bounded memory, with progress, and given up in its middle."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,6 +19,7 @@ from rclpy.parameter import Parameter  # noqa: E402
 from msd_ident.errors import DataError  # noqa: E402
 from msd_ident.io import BagWriter, read  # noqa: E402
 from msd_ident.io import reader as bag_reader  # noqa: E402
+from msd_ident.io.reader import OnProgress, RawMessage  # noqa: E402
 from msd_ident.ros.identifier.node import Identifier  # noqa: E402
 from msd_interfaces.action import Diagnose  # noqa: E402
 
@@ -57,8 +58,19 @@ def memory() -> int:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def test_ten_gigabytes_stream_and_are_given_up_within_a_second(ros: Graph, tmp_path: Path) -> None:
+def test_ten_gigabytes_stream_and_are_given_up_in_their_middle(
+    ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     huge(tmp_path / "made")
+    given_messages: list[int] = []
+    counted = bag_reader._counted
+
+    def spied(messages: Iterable[RawMessage], on_progress: OnProgress | None) -> Iterable[RawMessage]:
+        for message in counted(messages, on_progress):
+            given_messages.append(1)
+            yield message
+
+    monkeypatch.setattr(bag_reader, "_counted", spied)
     given = [Parameter("bag_folder", value=str(tmp_path)), Parameter("auto_fit", value=False)]
     node = ros.add(Identifier(given, context=ros.context))
     before, most = memory(), 0
@@ -71,13 +83,14 @@ def test_ten_gigabytes_stream_and_are_given_up_within_a_second(ros: Graph, tmp_p
         time.sleep(0.01)
     assert not result.done() and told[-1].endswith("messages"), told
     assert most - before < MOST_MEMORY, f"{(most - before) / 1e6:.0f} MB more"
-    start = time.monotonic()
     handle.cancel_goal_async()
     until(result.done, "the answer to the cancelled goal")
-    assert time.monotonic() - start < 1.0 and result.result().status == GoalStatus.STATUS_CANCELED
+    assert result.result().status == GoalStatus.STATUS_CANCELED
     free: list[bool] = []
     node.worker.submit(lambda: free.append(True))
     until(lambda: free, "the worker to be free again", 5.0)
+    # How long it takes is measured by `bench.beside`; what is left of the 200 messages is not read.
+    assert 12 <= len(given_messages) < TIMES // 2
 
 
 def test_more_samples_than_a_small_machine_bears_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
