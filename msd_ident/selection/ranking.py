@@ -83,8 +83,8 @@ class Ranking:
         clear: how clearly a set needs each of its causes (``law_errors.clearness``).
         slow: causes of a set of whose periods the records hold too few: less than one of a motion that they bring, or
             less than two along the travel. A drift, or a bend, of another kind may do the same: they are not certain.
-        held: causes of a set that hold the cart at rest and do hardly anything in motion: a force that acts only while the
-            drive is on, or off, may do the same, so they are not certain.
+        held: causes of a set that hold the cart at rest and do hardly anything in motion: a force that acts only while
+            the drive is on, or off, may do the same, so they are not certain.
         sampled: causes of a set that explain no more than twice what the force may do between its samples: each is at
             most as likely as that.
         alike: laws of a set, each with a law of another cause that gives the same motion in its place
