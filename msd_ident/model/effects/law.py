@@ -83,8 +83,8 @@ class Law:
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
     dissipative: ClassVar[bool] = False
-    #: Its force fades after a push: over one decay it moves like a sensor that settles.
-    creeps: ClassVar[bool] = False
+    #: The place of rest settles after a push: over one decay it moves as this other cause does.
+    creeps_as: ClassVar[str] = ""
     #: Turning all forces and positions round turns the motion round.
     mirror: ClassVar[bool] = True
     #: Its law does not know what time it is: a record moved in time moves the motion, and that is all.

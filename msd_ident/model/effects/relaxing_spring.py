@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 #: Time constants to start from, in radians of the swing.
 STARTS = (0.3, 1.5)
+#: Part of the plant's spring with which a fit begins in the place of a sensor that settles.
+_LEAST = 0.02
 
 
 @dataclass(frozen=True)
@@ -46,10 +48,10 @@ class RelaxingSpring(Effect):
     law = "c·w, with T·w' + w = v and w = 0 at the start"
     source = "Maxwell element; with the plant's spring Zener's standard linear solid (Elasticity and Anelasticity)"
     neutral = (("relaxing_damping", 0.0),)
-    prior_odds = 1.0 / 40.0
+    prior_odds = 1.0 / 100.0
     family = "second state"
     structure = VELOCITY_LAG
-    creeps = True
+    creeps_as = "sensor_drift"
     or_else = "a drive that gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder)"
     measured_by = "disconnect the drive, hold the cart off its place, and read with a balance how the force falls"
 
@@ -62,6 +64,17 @@ class RelaxingSpring(Effect):
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """Within a sample it is damping; over more than the record it is a spring."""
         return {"relaxation_time": (seen.period, seen.duration)}
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """Over one decay a sensor that settles moves like it. By how much depends on the record: a fit begins with a
+        small part of the plant's spring.
+        """
+        if other.creeps_as != cls.name or not model.stiffness > 0.0:
+            return None
+        behind, time = _LEAST * model.stiffness, other.values[1]
+        others = tuple(effect for effect in model.effects if effect is not other and effect.family != cls.family)
+        return replace(model, effects=(*others, cls.within_bounds(behind * time, time)))
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[RelaxingSpring, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SettlingSensor(Effect):
-    """The reading is x + A·(1 - exp(-t/T))."""
+    """The reading is x + A·(1 - exp(-t/T)).
+
+    Over one decay a spring that relaxes moves alike. Of both, this is held to be the likelier: it leaves the plant as
+    it is.
+    """
 
     sensor_settling: float
     sensor_settling_time: float
@@ -32,7 +36,8 @@ class SettlingSensor(Effect):
     source = "position sensor that warms up, first order"
     neutral = (("sensor_settling", 0.0),)
     form_of = "sensor_drift"
-    prior_odds = 1.0 / 100.0
+    creeps_as = "relaxing_spring"
+    prior_odds = 1.0 / 40.0
     piecewise_linear = True
     mirror = False
     steady = False
@@ -52,6 +57,19 @@ class SettlingSensor(Effect):
         """A hundredth of the amplitude in a fifth of the record, either way."""
         drift = 0.01 * typical.amplitude(record)
         return cls(drift, 0.2 * record.duration), cls(-drift, 0.2 * record.duration)
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """Over one decay a spring that relaxes adds c/T to the plant's k and lets the place of rest settle in
+        T·(k + c/T)/k. How far it moves depends on the record: a fit begins without any.
+        """
+        if other.creeps_as != cls.form_of or not (model.stiffness > 0.0 and other.values[1] > 0.0):
+            return None
+        damping, time = other.values
+        whole = model.stiffness + damping / time
+        settling = cls.within_bounds(0.0, time * whole / model.stiffness)
+        others = tuple(effect for effect in model.effects if effect is not other and effect.cause() != cls.form_of)
+        return replace(model, stiffness=whole, effects=(*others, settling))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[SettlingSensor, ...]:
