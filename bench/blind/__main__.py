@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import traceback
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
@@ -23,7 +22,7 @@ from msd_ident import parallel
 parallel.one_blas_thread()  # as the `msd` command does, before numpy is imported
 
 from bench.blind import plan, told  # noqa: E402
-from bench.blind.cases import Case, Outcome, run  # noqa: E402
+from bench.blind.cases import CRASHED, Case, Outcome, run  # noqa: E402
 from bench.blind.picture import draw  # noqa: E402
 
 #: Plans besides the whole study.
@@ -123,7 +122,7 @@ damper.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the study; exit code 0 whatever it finds, 1 when no case could be run."""
+    """Run the study; exit code 0 whatever it finds, 1 where there are no cases."""
     parser = argparse.ArgumentParser(prog="python -m bench.blind", description="How often hidden effects are named.")
     parser.add_argument("--rounds", type=int, default=8, help="rounds of all effects (about 110 cases each)")
     parser.add_argument("--seed", type=int, default=1000)
@@ -143,19 +142,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--docs", type=Path, help="directory that gets the whole study's page and picture")
     parser.add_argument("--score", type=Path, nargs="+", help="only score outcomes written with --json before")
     given = parser.parse_args(arguments)
-    failed = 0
     if given.score:
         lines = [line for path in given.score for line in path.read_text(encoding="utf-8").splitlines()]
         outcomes = [Outcome.from_json_dict(json.loads(line)) for line in lines]
     else:
         cases = chosen(getattr(plan, given.plan)(given.rounds, given.seed), given.only)[:: given.every]
         outcomes = _all(cases, given.jobs, given.json)
-        failed = len(cases) - len(outcomes)
     if not outcomes:
         return 1
     seeds = [outcome.case.seed for outcome in outcomes]
     head = f"{len(outcomes)} cases, seeds {min(seeds)} to {max(seeds)}"
-    head += f"; {failed} ended in an error (not counted)" * (failed > 0)
+    crashed = sum(outcome.verdict == CRASHED for outcome in outcomes)
+    head += f"; {crashed} ended in an error" * (crashed > 0)
     kind = _kind(outcomes)
     text = "\n".join([head, "", *(_TOLD[kind](outcomes))])
     print(text)
@@ -203,10 +201,7 @@ def _all(cases: Sequence[Case], jobs: int, path: Path | None) -> list[Outcome]:
     """All outcomes, written one by one: a study that is interrupted keeps what it has."""
     outcomes: list[Outcome] = []
     with ProcessPoolExecutor(jobs) as pool, nullcontext() if path is None else path.open("w") as file:
-        for number, (case, outcome) in enumerate(zip(cases, pool.map(_safe, cases), strict=True), start=1):
-            if isinstance(outcome, str):
-                print(f"{number}/{len(cases)} {case}: failed\n{outcome}", file=sys.stderr, flush=True)
-                continue
+        for number, outcome in enumerate(pool.map(run, cases), start=1):
             outcomes.append(outcome)
             if file is not None:
                 file.write(json.dumps(outcome.to_json_dict()) + "\n")
@@ -223,13 +218,6 @@ def _line(outcome: Outcome) -> str:
         f"[{outcome.without_floors:.1f} of {outcome.base_floors:.1f}] -> {outcome.verdict}: {named or 'none'} "
         f"[{outcome.extended_floors:.2f}] {outcome.seconds:.1f} s"
     )
-
-
-def _safe(case: Case) -> Outcome | str:
-    try:
-        return run(case)
-    except Exception:  # a study goes on, and counts what failed
-        return traceback.format_exc(limit=-3)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import math
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -32,8 +33,8 @@ from msd_sim.effects import ALL
 
 #: What is compared of the plant.
 PLANT = ("mass", "damping", "stiffness")
-#: Verdict of a record that the diagnosis does not take.
-REFUSED = "refused"
+#: Verdicts where there is no diagnosis: the record is not taken, or the program fails.
+REFUSED, CRASHED = "refused", "crashed"
 
 
 @dataclass(frozen=True)
@@ -136,8 +137,10 @@ class Outcome:
 
     @property
     def exact(self) -> bool:
-        """The named set is the true set or one equivalent to it; a cause tied with a true one counts as that."""
-        return any(
+        """The named set is the true set or one equivalent to it; a cause tied with a true one counts as that. Without a
+        diagnosis nothing is right, not even that nothing is hidden.
+        """
+        return self.verdict not in (REFUSED, CRASHED) and any(
             len(self.named) == len(one) and all(self.counts_as(name) for name in one)
             for one in same(frozenset(self.truth))
         )
@@ -174,21 +177,22 @@ def run(case: Case) -> Outcome:
             diagnosis = pipeline.diagnose([record])
         except MsdError as error:
             print(f"{case} is refused: {error}", file=sys.stderr)
-            return _refused(case, rig, time.perf_counter() - began[0])
+            return _undiagnosed(case, rig, REFUSED, time.perf_counter() - began[0])
+        except Exception:  # a study goes on, and counts what failed
+            print(f"{case} fails:\n{traceback.format_exc(limit=-3)}", file=sys.stderr)
+            return _undiagnosed(case, rig, CRASHED, time.perf_counter() - began[0])
         seconds = time.perf_counter() - began[0], time.process_time() - began[1]
     return _opened(case, rig, noise, record, diagnosis, seconds)
 
 
-def _refused(case: Case, rig: Sealed, seconds: float) -> Outcome:
-    """A record that the diagnosis does not take counts as one of which all is left, nothing is named and m and k are
-    not found.
-    """
+def _undiagnosed(case: Case, rig: Sealed, verdict: str, seconds: float) -> Outcome:
+    """A record without a diagnosis counts as one of which all is left, nothing is named and m and k are not found."""
     return Outcome(
         case=case,
         truth=tuple(sorted(rig.truth)),
         odd=case.kind in ("odd", "variant"),
         strength=rig.strength,
-        verdict=REFUSED,
+        verdict=verdict,
         named=(),
         base_floors=math.inf,
         extended_floors=math.inf,

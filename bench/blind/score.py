@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import binomtest
 
-from bench.blind.cases import REFUSED, Outcome
+from bench.blind.cases import CRASHED, REFUSED, Outcome
 from bench.blind.truth import FAMILIES, UNNAMED, undecidable
 from msd_ident.quantity import Z95
 
@@ -291,7 +291,11 @@ def failed(outcome: Outcome) -> list[str]:
         wrong.append("`explained` with a false cause")
     if not outcome.plant_error <= NEAR:
         stated = "" if not outcome.plant_stated <= NEAR else ", covered"
-        off = f"off by {100.0 * outcome.plant_error:.1f} %{stated}" if outcome.verdict != REFUSED else "not found"
+        off = (
+            f"off by {100.0 * outcome.plant_error:.1f} %{stated}"
+            if outcome.verdict not in (REFUSED, CRASHED)
+            else "not found"
+        )
         wrong.append(f"m or k {off}")
     return wrong
 

@@ -203,6 +203,20 @@ def test_a_record_that_is_refused_counts_as_wrong(monkeypatch: pytest.MonkeyPatc
     assert any("refused" in line and "m or k not found" in line for line in told.variants([found]))
 
 
+@pytest.mark.parametrize("hidden", ["uneven_stops", None])
+def test_a_program_that_fails_counts_as_wrong(
+    hidden: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(records: object) -> None:
+        raise ZeroDivisionError("in a fit")
+
+    monkeypatch.setattr("bench.blind.cases.pipeline.diagnose", fail)
+    case = Case(7, hidden, False, "release", author="foreign") if hidden else Case(7, None, False)
+    found = run(case)
+    assert found.verdict == "crashed" and not found.exact and score.failed(found)
+    assert "ZeroDivisionError: in a fit" in capsys.readouterr().err
+
+
 def test_all_variants_are_planned_where_they_can_be_seen() -> None:
     cases = plan.variants(2, 100)
     assert {case.hidden for case in cases} == set(foreign.LAWS) and {case.kind for case in cases} == {"variant"}
