@@ -104,7 +104,9 @@ def check_targets(overwrite: bool, *paths: Path | None) -> None:
         if path.exists() and not overwrite:
             raise UsageError(f"{path} exists; expected a new name: give another one, or --overwrite to replace it")
         if not path.absolute().parent.is_dir():
-            raise UsageError(f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into")
+            raise UsageError(
+                f"folder {path.absolute().parent} does not exist; expected one to write {path.name} into: make it"
+            )
 
 
 def check_apart(written: Sequence[Path], read: Sequence[Path] = ()) -> None:

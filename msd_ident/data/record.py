@@ -7,6 +7,7 @@ changes and an encoder value every millisecond. ``time`` belongs to ``position``
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -256,8 +257,9 @@ class Record:
         keep = (self.time >= start) & (self.time <= end)
         if np.count_nonzero(keep) < MINIMUM_SAMPLES:
             raise DataError(
-                f"{np.count_nonzero(keep)} position samples between {start:.3f} s and {end:.3f} s; expected at "
-                f"least {MINIMUM_SAMPLES} of the record's {self.time[0]:.3f} s to {self.time[-1]:.3f} s"
+                f"{np.count_nonzero(keep)} position samples {_between(start, end)}; expected at least "
+                f"{MINIMUM_SAMPLES} of the record's {self.time[0]:.3f} s to {self.time[-1]:.3f} s: choose another "
+                "start or end"
             )
         first = max(int(np.searchsorted(self.force_time, start, side="right")) - 1, 0)
         last = int(np.searchsorted(self.force_time, end, side="right"))
@@ -287,6 +289,13 @@ class Record:
         if self.origin == 0.0:
             return self
         return replace(self, time=self.time - self.origin, force_time=self.force_time - self.origin, origin=0.0)
+
+
+def _between(start: float, end: float) -> str:
+    """A window in words; an end that is infinite is none."""
+    if not math.isfinite(end):
+        return f"from {start:.3f} s on"
+    return f"between {start:.3f} s and {end:.3f} s" if math.isfinite(start) else f"up to {end:.3f} s"
 
 
 def from_samples(

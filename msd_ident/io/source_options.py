@@ -66,7 +66,10 @@ class SourceOptions:
         for name in ("force_scale", "position_scale", "time_scale"):
             scale = getattr(self, name)
             if scale is not None and (scale == 0 or not math.isfinite(scale)):
-                raise UsageError(f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0")
+                raise UsageError(
+                    f"{name.replace('_', ' ')} is {scale}; expected a finite number other than 0: the size of the "
+                    "record's unit, such as 0.001"
+                )
         for quantity, unit, scale in (
             (units.FORCE, self.force_unit, self.force_scale),
             (units.POSITION, self.position_unit, self.position_scale),

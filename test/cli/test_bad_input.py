@@ -37,7 +37,7 @@ def test_paths_with_spaces_and_letters_of_any_language(name: str, tmp_path: Path
     ("options", "says"),
     [
         (("--figures", "in.csv"), "is no folder and cannot become one"),
-        (("--json", "nowhere/x.json"), "does not exist; expected one to write x.json into"),
+        (("--json", "nowhere/x.json"), "does not exist; expected one to write x.json into: make it"),
         (("--json", "."), "exists; expected a new name"),
     ],
 )

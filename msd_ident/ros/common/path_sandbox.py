@@ -52,7 +52,7 @@ class Place:
         if path.exists() or path.is_symlink():
             raise UsageError(f"{path} exists; expected a new name: nothing is overwritten")
         if suffix and not path.parent.is_dir():
-            raise UsageError(f"folder {path.parent} does not exist; expected one to write {path.name} into")
+            raise UsageError(f"folder {path.parent} does not exist; expected one to write {path.name} into: make it")
         return path
 
     def automatic(self, prefix: str) -> Path:
