@@ -25,6 +25,7 @@ PUSHING = (
 )  # fmt: skip
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see it, and could not tell what it is about
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("fault", datafaults.FAULTS, ids=lambda fault: fault.spoil.__name__)
 def test_bad_data_never_gives_a_confident_wrong_number(fault: Fault, seed: int) -> None:

@@ -101,8 +101,8 @@ def fit_shape(time: FloatArray, position: FloatArray, initial: Quantity, onset: 
     finite = [one for one in found if np.all(np.isfinite(one[0]))]
     if not finite:
         return None
-    point, residual = problem.solve(min(finite, key=lambda one: float(one[1] @ one[1]))[0])
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # a record that is no step response may leave more than a float holds
+        point, residual = problem.solve(min(finite, key=lambda one: float(one[1] @ one[1]))[0])
         slopes = problem.slopes(point)
     sound = np.all(np.abs(point[:2]) < _FAR) and float(np.max(np.abs(slopes))) < _SOUND
     return _shape(problem, point, residual, slopes) if sound else None
