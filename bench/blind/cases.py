@@ -166,21 +166,25 @@ def sealed(case: Case) -> Sealed:
 
 
 def run(case: Case) -> Outcome:
-    """Draw, write, diagnose, open the envelope."""
-    rig = sealed(case)
+    """Draw, write, diagnose, open the envelope. Where this fails the case counts, with nothing named."""
+    rig, began = sealed(case), time.perf_counter()
+    try:
+        return _diagnosed(case, rig)
+    except MsdError as error:
+        print(f"{case} is refused: {error}", file=sys.stderr)
+        return _undiagnosed(case, rig, REFUSED, time.perf_counter() - began)
+    except Exception:  # a study goes on, and counts what failed
+        print(f"{case} fails:\n{traceback.format_exc(limit=-3)}", file=sys.stderr)
+        return _undiagnosed(case, rig, CRASHED, time.perf_counter() - began)
+
+
+def _diagnosed(case: Case, rig: Sealed) -> Outcome:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "record.csv"
         noise = rig.write(path)
         began = time.perf_counter(), time.process_time()
         record = read(path, SourceOptions())
-        try:
-            diagnosis = pipeline.diagnose([record])
-        except MsdError as error:
-            print(f"{case} is refused: {error}", file=sys.stderr)
-            return _undiagnosed(case, rig, REFUSED, time.perf_counter() - began[0])
-        except Exception:  # a study goes on, and counts what failed
-            print(f"{case} fails:\n{traceback.format_exc(limit=-3)}", file=sys.stderr)
-            return _undiagnosed(case, rig, CRASHED, time.perf_counter() - began[0])
+        diagnosis = pipeline.diagnose([record])
         seconds = time.perf_counter() - began[0], time.process_time() - began[1]
     return _opened(case, rig, noise, record, diagnosis, seconds)
 

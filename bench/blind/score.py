@@ -252,9 +252,13 @@ def smallest(outcomes: Sequence[Outcome]) -> dict[str, float]:
 
 
 def family_named(outcome: Outcome) -> bool:
-    """A cause of the family of the hidden law is named, or tied with one that is, or the library has none."""
+    """A cause of the family of the hidden law is named, or tied with one that is, or the library has none. Without a
+    diagnosis nothing is right.
+    """
     hidden = str(outcome.case.hidden)
     said = outcome.names | {one for _, _, ties in outcome.named for one in ties}
+    if outcome.verdict in (REFUSED, CRASHED):
+        return False
     return hidden in UNNAMED or bool(said & FAMILIES[hidden])
 
 

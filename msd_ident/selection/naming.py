@@ -172,8 +172,6 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
     found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
-    if (other := ranking.settles_as(name)) and other not in kinds((*named, *found)):
-        found.append(other)
     if not found and sure <= CERTAIN:
         kind = by_name(name).cause()
         near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
@@ -234,8 +232,8 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     said += [*_sampled(ranking), *_aging(ranking), *_steered(ranking)]
     if not ranking.rich:
         said += [
-            f"over one decay {spoken(name)} and {spoken(by_name(name).creeps_as)} move alike, and one is as likely as "
-            "the other. Push again later in the record."
+            f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
+            "in the record."
             for name in sorted(named)
             if by_name(name).creeps_as
         ]

@@ -180,8 +180,7 @@ class Ranking:
         """Probability that a cause acts, in whatever law: of all sets that hold it together.
 
         Where the leading set leaves so much that the rig follows another law (``leaves``), sets that leave hardly less
-        make its causes no surer. In a poor experiment one of two causes in which the place of rest settles is at most
-        as likely as the other.
+        make its causes no surer.
         """
         kind = by_name(name).cause()
         found = sum(
@@ -195,15 +194,9 @@ class Ranking:
             found = min(found, *(self._greatest(self.best.causes, law) for law in own), 1.0)
         if self.pushed_unseen:
             found = min(found, probability_at(CERTAIN_ODDS))
-        if any(self.settles_as(law) for law in self.best.causes if by_name(law).cause() == kind):
-            found = min(found, probability_at(1.0))
         if not (self.unchecked or self.foretold):
             return found
         return min(found, probability_at(self.limit(kind)))
-
-    def settles_as(self, law: str) -> str:
-        """The other cause in which the place of rest settles alike, over one decay; empty where none does."""
-        return "" if self.rich else by_name(law).creeps_as
 
     def stated(self, causes: Causes) -> float:
         """Probability of a set as it is stated: no more than that of its least probable cause."""
@@ -218,10 +211,14 @@ class Ranking:
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another shape of
         the other laws, or of the controller's (``steered``). A law of another cause that gives the same motion is as
-        likely (``alike``); so is what the force may do between its samples (``sampled``).
+        likely (``alike``); so is what the force may do between its samples (``sampled``), and, in a poor experiment,
+        another shape of a drift of the sensor in the place of a law that creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
+        if twin := effect.creeps_as if not self.rich else "":
+            beside = by_name(twin).cause() in kinds(causes - {law})
+            odds = min(odds, 1.0 if beside else CERTAIN_ODDS)
         aged = effect.ages_spring() and not plain
         if law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ()):
             odds = min(odds, 1.0)

@@ -203,7 +203,7 @@ def test_a_record_that_is_refused_counts_as_wrong(monkeypatch: pytest.MonkeyPatc
     assert any("refused" in line and "m or k not found" in line for line in told.variants([found]))
 
 
-@pytest.mark.parametrize("hidden", ["uneven_stops", None])
+@pytest.mark.parametrize("hidden", ["uneven_stops", "random_force", None])
 def test_a_program_that_fails_counts_as_wrong(
     hidden: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

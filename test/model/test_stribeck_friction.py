@@ -28,6 +28,9 @@ def test_breakaway_counts_up_to_ten_times_the_sliding_force(
 ) -> None:
     beyond, limit = law(sliding, ratio * sliding, *rest), law(sliding, 10.0 * sliding, *rest)
     assert friction(beyond, speed) == friction(limit, speed) <= 10.0 * sliding * (1.0 + 1e-12)
+    if sliding > 1e-3:
+        below = law(sliding, 9.0 * sliding, *rest)
+        assert friction(below, 0.005) < friction(limit, 0.005)
     if "breakaway" in law.laws():
         assert law.laws()["breakaway"](sliding, ratio * sliding) == 10.0 * sliding
 

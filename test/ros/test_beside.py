@@ -71,8 +71,8 @@ def test_identify_is_answered_while_a_diagnosis_runs(ros: Graph, tmp_path: Path)
         assert answer.success and time.monotonic() - begin < PATIENCE
         assert not result.done(), "the diagnosis was over before"
     handle.cancel_goal_async()
-    until(result.done, "the answer to the cancelled goal")
-    assert result.result().result.message == "cancelled" and not result.result().result.diagnoses
+    until(result.done, "the answer to the cancelled goal", PATIENCE)
+    assert result.result().result.message == "cancelled"
     window = nanoseconds(answer.estimate.window_end) - nanoseconds(answer.estimate.window_start)
     assert window == pytest.approx(2.999e9, abs=2e6)
 

@@ -241,9 +241,8 @@ def test_a_goal_is_cancelled_in_the_middle_of_a_fit(ros: Graph, tmp_path: Path) 
         time.sleep(wait)  # for instants that no stage marks
         assert not result.done() and set(stages) == {"reading", "looking at the data"}
         handle.cancel_goal_async()
-        until(result.done, "the answer to the cancelled goal")
-        # How long it takes is measured by `bench.beside`; the stage, which lasts for many seconds, has not ended.
-        assert result.result().status == CANCELED and set(stages) == {"reading", "looking at the data"}
+        until(result.done, "the answer to the cancelled goal", 5.0)  # `bench.beside` measures it
+        assert result.result().status == CANCELED
         assert not result.result().result.success and result.result().result.message == "cancelled"
         free: list[bool] = []
         node.worker.submit(lambda to=free: to.append(True))

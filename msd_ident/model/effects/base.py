@@ -237,8 +237,8 @@ class Effect(Law):
 
     @classmethod
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
-        """The model to start from with this effect, which has fewer numbers, in the place of another one of its effects
-        that may imitate it; None where it cannot.
+        """The model to start from with this effect, which has no more numbers, in the place of another one of its
+        effects that may imitate it; None where it cannot.
 
         Args:
             other: an effect of the model.

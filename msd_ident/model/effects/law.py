@@ -83,7 +83,7 @@ class Law:
     angular: ClassVar[bool] = False
     #: It only ever takes energy out of the motion.
     dissipative: ClassVar[bool] = False
-    #: The place of rest settles after a push: over one decay it moves as this other cause does.
+    #: The place of rest settles after a push: over one decay it moves as this law of another cause does.
     creeps_as: ClassVar[str] = ""
     #: Turning all forces and positions round turns the motion round.
     mirror: ClassVar[bool] = True

@@ -51,7 +51,7 @@ class RelaxingSpring(Effect):
     prior_odds = 1.0 / 100.0
     family = "second state"
     structure = VELOCITY_LAG
-    creeps_as = "sensor_drift"
+    creeps_as = "settling_sensor"
     or_else = "a drive that gives way and lags (a motor's back-EMF behind its inductance, air in a cylinder)"
     measured_by = "disconnect the drive, hold the cart off its place, and read with a balance how the force falls"
 
@@ -70,11 +70,20 @@ class RelaxingSpring(Effect):
         """Over one decay a sensor that settles moves like it. By how much depends on the record: a fit begins with a
         small part of the plant's spring.
         """
-        if other.creeps_as != cls.name or not model.stiffness > 0.0:
+        relaxing = cls.moving_as(other, model)
+        if relaxing is None:
             return None
-        behind, time = _LEAST * model.stiffness, other.values[1]
-        others = tuple(effect for effect in model.effects if effect is not other and effect.family != cls.family)
-        return replace(model, effects=(*others, cls.within_bounds(behind * time, time)))
+        others = tuple(effect for effect in model.effects if effect is not other)
+        return replace(model, effects=(*others, relaxing))
+
+    @classmethod
+    def moving_as(cls, other: Effect, model: Model) -> RelaxingSpring | None:
+        """Its time; the motion is the same only where the rest is fitted too. A model has one second state."""
+        taken = any(effect.family == cls.family for effect in model.effects)
+        if other.name != cls.creeps_as or taken or not model.stiffness > 0.0:
+            return None
+        time = other.values[1]
+        return cls.within_bounds(_LEAST * model.stiffness * time, time)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[RelaxingSpring, ...]:

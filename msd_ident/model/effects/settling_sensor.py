@@ -36,7 +36,6 @@ class SettlingSensor(Effect):
     source = "position sensor that warms up, first order"
     neutral = (("sensor_settling", 0.0),)
     form_of = "sensor_drift"
-    creeps_as = "relaxing_spring"
     prior_odds = 1.0 / 40.0
     piecewise_linear = True
     mirror = False
@@ -63,13 +62,20 @@ class SettlingSensor(Effect):
         """Over one decay a spring that relaxes adds c/T to the plant's k and lets the place of rest settle in
         T·(k + c/T)/k. How far it moves depends on the record: a fit begins without any.
         """
-        if other.creeps_as != cls.form_of or not (model.stiffness > 0.0 and other.values[1] > 0.0):
+        settling = cls.moving_as(other, model)
+        if settling is None:
             return None
         damping, time = other.values
-        whole = model.stiffness + damping / time
-        settling = cls.within_bounds(0.0, time * whole / model.stiffness)
         others = tuple(effect for effect in model.effects if effect is not other and effect.cause() != cls.form_of)
-        return replace(model, stiffness=whole, effects=(*others, settling))
+        return replace(model, stiffness=model.stiffness + damping / time, effects=(*others, settling))
+
+    @classmethod
+    def moving_as(cls, other: Effect, model: Model) -> SettlingSensor | None:
+        """Its time; the motion is the same only where the rest is fitted too."""
+        if other.creeps_as != cls.name or not (model.stiffness > 0.0 and other.values[1] > 0.0):
+            return None
+        damping, time = other.values
+        return cls.within_bounds(0.0, time + damping / model.stiffness)
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[SettlingSensor, ...]:

@@ -114,6 +114,11 @@ class StribeckFriction(Effect):
         """Without a peak."""
         return no_peak(self.coulomb_force, self.static_force)
 
+    @property
+    def holding(self) -> float:
+        """See ``Effect``; a breakaway counts as far as it holds."""
+        return self.coulomb_force + min(self.static_force, 10.0 * self.coulomb_force)
+
     def same_as(self, model: Model) -> str:
         """Of a breakaway force that counts as less than its value."""
         del model

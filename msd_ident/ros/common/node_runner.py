@@ -11,12 +11,16 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import rclpy
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from msd_ident.errors import DataError, UsageError, fail
 from msd_ident.ros.common.signals import Signals
+
+#: Rounds of an executor in which what it waits for may be destroyed, one after the other.
+_ROUNDS = 20
 
 
 class NodeOwner(ABC):
@@ -74,13 +78,27 @@ class Spinner:
     def _spin(self) -> None:
         try:
             while not self._ending.is_set() and self.executor.context.ok():
-                self.executor.spin_once()
+                self._spin_once()
         except (ExternalShutdownException, ShutdownException):
             pass
         except Exception:
             self.failed = True
             traceback.print_exc()
             self._on_failure()
+
+    def _spin_once(self) -> None:
+        """One round of the executor. What another thread destroyed while the executor collected it is not there in the
+        next round: rclpy excludes such timers and subscriptions itself, but not the events of publishers (its issue
+        1284).
+        """
+        for left in reversed(range(_ROUNDS)):
+            try:
+                self.executor.spin_once()
+            except InvalidHandle:
+                if not left:
+                    raise
+            else:
+                return
 
 
 @contextmanager
