@@ -136,11 +136,16 @@ class Outcome:
         return any(name == one or (name in ties and len(ties) <= 2) for one, _, ties in self.named)
 
     @property
+    def diagnosed(self) -> bool:
+        """Whether there is a diagnosis."""
+        return self.verdict not in (REFUSED, CRASHED)
+
+    @property
     def exact(self) -> bool:
         """The named set is the true set or one equivalent to it; a cause tied with a true one counts as that. Without a
         diagnosis nothing is right, not even that nothing is hidden.
         """
-        return self.verdict not in (REFUSED, CRASHED) and any(
+        return self.diagnosed and any(
             len(self.named) == len(one) and all(self.counts_as(name) for name in one)
             for one in same(frozenset(self.truth))
         )

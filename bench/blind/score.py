@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import binomtest
 
-from bench.blind.cases import CRASHED, REFUSED, Outcome
+from bench.blind.cases import Outcome
 from bench.blind.truth import FAMILIES, UNNAMED, undecidable
 from msd_ident.quantity import Z95
 
@@ -257,9 +257,7 @@ def family_named(outcome: Outcome) -> bool:
     """
     hidden = str(outcome.case.hidden)
     said = outcome.names | {one for _, _, ties in outcome.named for one in ties}
-    if outcome.verdict in (REFUSED, CRASHED):
-        return False
-    return hidden in UNNAMED or bool(said & FAMILIES[hidden])
+    return outcome.diagnosed and (hidden in UNNAMED or bool(said & FAMILIES[hidden]))
 
 
 def explained_falsely(outcome: Outcome) -> bool:
@@ -295,11 +293,7 @@ def failed(outcome: Outcome) -> list[str]:
         wrong.append("`explained` with a false cause")
     if not outcome.plant_error <= NEAR:
         stated = "" if not outcome.plant_stated <= NEAR else ", covered"
-        off = (
-            f"off by {100.0 * outcome.plant_error:.1f} %{stated}"
-            if outcome.verdict not in (REFUSED, CRASHED)
-            else "not found"
-        )
+        off = f"off by {100.0 * outcome.plant_error:.1f} %{stated}" if outcome.diagnosed else "not found"
         wrong.append(f"m or k {off}")
     return wrong
 

@@ -214,6 +214,7 @@ def test_a_program_that_fails_counts_as_wrong(
     case = Case(7, hidden, False, "release", author="foreign") if hidden else Case(7, None, False)
     found = run(case)
     assert found.verdict == "crashed" and not found.exact and score.failed(found)
+    assert hidden is None or not score.family_named(found)
     assert "ZeroDivisionError: in a fit" in capsys.readouterr().err
 
 
