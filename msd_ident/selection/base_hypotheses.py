@@ -30,7 +30,7 @@ def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypoth
     """The base model and the one with Coulomb friction, each fitted from several starts.
 
     Both start where an identification of the same records ends. The base model also starts from the fit with friction
-    without its friction, and from a regression on few samples.
+    without its friction.
 
     Args:
         experiment: readings with their weights, and what is fixed in the base model.
@@ -39,15 +39,14 @@ def base_fit(experiment: Experiment, shared: Shared) -> tuple[Hypothesis, Hypoth
     Returns:
         The base model with the least chi², and the model with Coulomb friction.
     """
-    fixed, few = tuple(experiment.fixed), experiment.thinned(SAMPLES).records
+    fixed = tuple(experiment.fixed)
     rubbing, sprung = shared.joint, _sprung(experiment)
     if not sprung:
         rubbing = fit(rubbing.model.without(OFFSET), experiment.records, fixed=fixed, search="near")
-    plain = fit(experiment.base, few, fixed=fixed)
     bare = rubbing.model.without(COULOMB)
-    starts = [(shared.linear.model, shared.linear.initial), (plain.model, plain.initial), (bare, rubbing.initial)]
+    starts = [(shared.linear.model, shared.linear.initial), (bare, rubbing.initial)]
     if not sprung:
-        starts += plain_axes(few)
+        starts += plain_axes(experiment.thinned(SAMPLES).records)
     bases = [refine(experiment, NOTHING, model, initial) for model, initial in starts]
     friction = refine(experiment, frozenset({COULOMB}), rubbing.model, rubbing.initial)
     return min(bases, key=lambda one: one.chi), friction
