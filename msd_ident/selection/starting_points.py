@@ -139,8 +139,9 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
         found += ahead
     found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
     beside = min(parent.chi for parent in parents)
+    rubbing = any(COULOMB in parent.causes - causes for parent in parents)  # its law is begun from known friction
     for parent, models in zip(parents, near, strict=True):
-        if not parent.causes:
+        if not (parent.causes or rubbing):
             zero = parent.initial[_liveliest(experiment.records)].zero
             found += regressions(experiment, causes, [_counted(model, -zero) for model in models], beside)
     return sorted(found, key=lambda start: start.promise)
