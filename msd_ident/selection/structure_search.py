@@ -20,16 +20,17 @@ from msd_ident.estimate.explained import LEAST
 from msd_ident.estimate.levels import MOST_OF
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model
+from msd_ident.selection import starting_points
 from msd_ident.selection.evidence import NoiseScale, scale_from
 from msd_ident.selection.experiment import SOUGHT, Experiment, formulated
 from msd_ident.selection.hypothesis import COULOMB, HOLDING_COULOMB, Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.hypothesis_fit import COMPARABLE, FAR, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.neighbours import Neighbours, only_another_form, rubs_and_is_linear, with_coulomb
+from msd_ident.selection.observer import can_follow, followed
 from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
-from msd_ident.selection.starting_points import proposals
 from msd_ident.selection.worthwhile import promising, within_reach
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
@@ -57,6 +58,7 @@ class Search:
         sets: all fitted sets by their causes.
         tried: sets that need not be fitted again.
         pruned: leading sets whose simpler sets were fitted again already.
+        followed: sets that were fitted through observers already.
         told: fraction of the work that was reported last.
         led: fitted sets, and the leading one of these, when it was asked last.
         beyond: sets whose starts promise too little beside a leading set that leaves only noise.
@@ -68,6 +70,7 @@ class Search:
     sets: dict[Causes, Hypothesis] = field(default_factory=dict)
     tried: set[Causes] = field(default_factory=set)
     pruned: set[Causes] = field(default_factory=set)
+    followed: set[Causes] = field(default_factory=set)
     told: float = 0.0
     led: tuple[tuple[Hypothesis, ...], Hypothesis] | None = None
     beyond: set[Causes] = field(default_factory=set)
@@ -109,6 +112,7 @@ class Search:
         if not self.at_floor(leader):
             # What a set leaves may be another form of its laws, before it is a cause more.
             self._fit(self.neighbours.reformed(leader.causes), 0.35, 0.36)
+        self._follow_readings()
         if not self.at_floor(leader := self._leader()):
             # Friction is what most often stands beside another cause.
             fronts = [one.causes for one in self._fronts(leader)]
@@ -164,6 +168,7 @@ class Search:
         if self.carries_nothing:
             return self.ranking()
         for turn in range(LOOK):
+            self._follow_readings()
             best = self._pruned(self._leader())
             if turn >= _ROUNDS_FAR and best.chi > FAR * self.experiment.evidence:
                 break
@@ -238,6 +243,24 @@ class Search:
         for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial)
         return self._leader()
+
+    def _follow_readings(self) -> None:
+        """Fit sets again through observers (``observer``), if all sets leave far more than noise: with a cart that
+        sticks they may be in wrong minima.
+
+        The leading sets, and those of one law that leave least.
+        """
+        far = FAR * self.experiment.evidence
+        if self._least.chi < far:
+            return
+        alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda one: one.chi)
+        stuck = [one for one in (*self._fronts(self._leader()), *alone) if can_follow(one.model)]
+        for one in stuck[:KEPT]:
+            if one.causes not in self.followed and not self.at_floor(self._least):
+                self.followed.add(one.causes)
+                simple = len(one.causes) == 1 and one.causes <= set(self.experiment.tried_alone)
+                begun = starting_points.starts(self.experiment, one.causes, self.sets[NOTHING]) if simple else []
+                self._keep(followed(self.experiment, one.causes, [one.model, *begun], one.initial))
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf) -> None:
         """Fit a set again from a start that leaves less than ``most``, and less than ``COMPARABLE`` times a still cart.
@@ -369,7 +392,7 @@ class Search:
         return parallel.each(work, tasks, told if len(tasks) > 1 else None)
 
     def _propose(self, causes: Causes) -> list[StartingPoint]:
-        return proposals(self.experiment, causes, self.neighbours.parents(causes, dict(self.sets)))
+        return starting_points.proposals(self.experiment, causes, self.neighbours.parents(causes, dict(self.sets)))
 
 
 def _named(task: Causes | list[StartingPoint] | list[Hypothesis]) -> str:
