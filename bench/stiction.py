@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from msd_ident.data.record import Record
+from msd_ident.estimate.effort import SAMPLES
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
@@ -22,13 +23,13 @@ from msd_ident.selection.hypothesis_fit import refine
 from msd_ident.selection.observer import followed
 from msd_sim import api
 
-#: Rate [Hz] and force of the steps [N].
-EXPERIMENTS = ((1000.0, 3.0), (1000.0, 7.5), (250.0, 7.5))
+#: Rate [Hz], force of the steps [N] and the time for which each is held [s].
+EXPERIMENTS = ((1000.0, 3.0, 0.75), (1000.0, 7.5, 0.75), (250.0, 7.5, 0.75), (500.0, 7.5, 2.5))
 _PEAK = frozenset({"stribeck_friction"})
 _START = Plant(0.6, 1.0, 830.0)
 
 
-def drawn(rng: np.random.Generator, rate: float, force: float) -> Experiment:
+def drawn(rng: np.random.Generator, rate: float, force: float, hold: float) -> Experiment:
     """The record of a rig whose breakaway friction is 2 to 5 times the sliding one and gone at 4 to 30 mm/s."""
     sliding, peak, velocity = rng.uniform(0.1, 0.6), rng.uniform(2.0, 5.0), rng.uniform(0.004, 0.03)
     law = {"coulomb_force": sliding, "static_force": peak * sliding, "stribeck_velocity": velocity}
@@ -37,11 +38,11 @@ def drawn(rng: np.random.Generator, rate: float, force: float) -> Experiment:
             "mass": rng.uniform(0.5, 0.7), "damping": rng.uniform(0.5, 2.0), "stiffness": rng.uniform(700.0, 1000.0),
             "friction_coefficient": 0.0, "rate": rate, "effects": {"stribeck_friction": law},
             "encoder": {"counts_per_metre": 0.0, "noise": 1.1e-5}, "seed": int(rng.integers(2**31)),
-            "experiment": {"name": "steps", "force": force, "hold": 0.75},
+            "experiment": {"name": "steps", "force": force, "hold": hold},
         }
     )  # fmt: skip
     record = Record(made.time, made.position, made.force_time, made.force)
-    return Experiment(prepare([record]), _START, frozenset())
+    return Experiment(prepare([record]), _START, frozenset()).thinned(SAMPLES)
 
 
 def found(experiment: Experiment, fitted: Hypothesis) -> bool:
@@ -49,17 +50,17 @@ def found(experiment: Experiment, fitted: Hypothesis) -> bool:
     return fitted.chi < 1.2**2 * experiment.evidence
 
 
-def counted(rng: np.random.Generator, rigs: int, rate: float, force: float) -> tuple[int, int]:
+def counted(rng: np.random.Generator, rigs: int, steps: tuple[float, float, float]) -> tuple[int, int]:
     """Rigs whose truth is found from the guesses of the law alone, and through observers."""
-    alone = followed_ = 0
+    alone = through = 0
     for _ in range(rigs):
-        experiment = drawn(rng, rate, force)
+        experiment = drawn(rng, *steps)
         still = [Initial(0.0, 0.0, float(experiment.records[0].position[0]))]
         base = refine(experiment, frozenset(), _START, still)
         begun: list[Model] = [base.model + law for law in StribeckFriction.guess(experiment.records[0], base.model)]
         alone += any(found(experiment, refine(experiment, _PEAK, model, base.initial)) for model in begun)
-        followed_ += found(experiment, followed(experiment, _PEAK, begun, base.initial))
-    return alone, followed_
+        through += found(experiment, followed(experiment, _PEAK, begun, base.initial))
+    return alone, through
 
 
 def main(given: Sequence[str] | None = None) -> None:
@@ -69,10 +70,11 @@ def main(given: Sequence[str] | None = None) -> None:
     asked.add_argument("--seed", type=int, default=5)
     options = asked.parse_args(given)
     rng = np.random.default_rng(options.seed)
-    print("| rate | force | rigs | truth found from 6 guesses | through observers |\n|---|---|---|---|---|")
-    for rate, force in EXPERIMENTS:
-        alone, through = counted(rng, options.rigs, rate, force)
-        print(f"| {rate:.0f} Hz | {force:g} N | {options.rigs} | {alone} | {through} |", flush=True)
+    print("| rate | force, held for | rigs | truth found from 6 guesses | through observers |\n|---|---|---|---|---|")
+    for steps in EXPERIMENTS:
+        rate, force, hold = steps
+        alone, through = counted(rng, options.rigs, steps)
+        print(f"| {rate:.0f} Hz | {force:g} N, {hold:g} s | {options.rigs} | {alone} | {through} |", flush=True)
 
 
 if __name__ == "__main__":

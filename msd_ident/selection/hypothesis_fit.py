@@ -19,7 +19,6 @@ from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
-_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
 _STRONGER = tuned(
     1.5,
     unit="factor",
@@ -96,7 +95,7 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     ahead: list[Hypothesis] = []
     for start in found:
         if not ahead or start.worth(min(reach, *(fitted.chi for fitted in ahead))):
-            ahead.append(_lower(experiment, start.fitted, _FIRST))
+            ahead.append(_lower(experiment, start.fitted, LOOK))
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -132,7 +131,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
@@ -158,7 +157,7 @@ def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, poin
     """A few steps down from another point, with the set's present Jacobian."""
     known = fitted.state
     state = State(point, weighting.residual(point), known.jacobian, known.normal, False)
-    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
+    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK)
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
@@ -254,9 +253,13 @@ def refine(experiment: Experiment, causes: Causes, model: Model, initial: Sequen
         initial: initial state of each record to start from.
     """
     problem, weighting, point = formulated(experiment, model, initial)
+    return exactly(experiment, _at(experiment, causes, problem, descended(weighting, point)))
+
+
+def descended(weighting: Weighting, point: FloatArray) -> State:
+    """Where a descent from a point (p,) ends."""
     state = descend(weighting, weighting.exact(point, weighting.steps(None)), 3, LEAST_FALL)
-    state = descend(weighting, weighting.renewed(state), THOROUGH, LEAST_FALL)
-    return exactly(experiment, _at(experiment, causes, problem, state))
+    return descend(weighting, weighting.renewed(state), THOROUGH, LEAST_FALL)
 
 
 def _lower(experiment: Experiment, fitted: Hypothesis, steps: int) -> Hypothesis:

@@ -139,9 +139,11 @@ def proposals(experiment: Experiment, causes: Causes, parents: Sequence[Hypothes
         found += ahead
     found = _distinct(sorted(found, key=lambda start: start.promise))[:KEPT]
     beside = min(parent.chi for parent in parents)
-    rubbing = any(COULOMB in parent.causes - causes for parent in parents)  # its law is begun from known friction
+    # A law of friction is begun from the known friction; the strength of a ripple is seen by a regression alone.
+    known = any(COULOMB in parent.causes - causes for parent in parents)
+    known = known and not any(by_name(name).ripple() for name in causes)
     for parent, models in zip(parents, near, strict=True):
-        if not (parent.causes or rubbing):
+        if not (parent.causes or known):
             zero = parent.initial[_liveliest(experiment.records)].zero
             found += regressions(experiment, causes, [_counted(model, -zero) for model in models], beside)
     return sorted(found, key=lambda start: start.promise)

@@ -250,17 +250,17 @@ class Search:
 
         The leading sets, and those of one law that leave least.
         """
-        far = FAR * self.experiment.evidence
-        if self._least.chi < far:
+        if self._least.chi < FAR * self.experiment.evidence:
             return
         alone = sorted((one for one in self.sets.values() if len(one.causes) == 1), key=lambda one: one.chi)
-        stuck = [one for one in (*self._fronts(self._leader()), *alone) if can_follow(one.model)]
-        for one in stuck[:KEPT]:
-            if one.causes not in self.followed and not self.at_floor(self._least):
-                self.followed.add(one.causes)
-                simple = len(one.causes) == 1 and one.causes <= set(self.experiment.tried_alone)
-                begun = starting_points.starts(self.experiment, one.causes, self.sets[NOTHING]) if simple else []
-                self._keep(followed(self.experiment, one.causes, [one.model, *begun], one.initial))
+        ahead = {one.causes: one for one in (*self._fronts(self._leader()), *alone) if can_follow(one.model)}
+        for causes, one in list(ahead.items())[:KEPT]:
+            if causes not in self.followed and not self.at_floor(self._least):
+                self.followed.add(causes)
+                self.progress("search", self.told, _named(causes))
+                simple = len(causes) == 1 and causes <= set(self.experiment.tried_alone)
+                begun = starting_points.starts(self.experiment, causes, self.sets[NOTHING]) if simple else []
+                self._keep(followed(self.experiment, causes, [one.model, *begun], one.initial))
 
     def _look_again(self, causes: Causes, model: Model, initial: Sequence[Initial], most: float = math.inf) -> None:
         """Fit a set again from a start that leaves less than ``most``, and less than ``COMPARABLE`` times a still cart.

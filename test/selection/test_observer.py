@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import LARGEST, Record
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.drive_damping import DriveDamping
 from msd_ident.model.effects.load_dependent_friction import LoadDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.sensor_drift import SensorDrift
@@ -17,7 +20,7 @@ from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.observer import _held, _pulled, can_follow, followed
+from msd_ident.selection.observer import _frequency, _held, _pulled, _strength, can_follow, followed
 from msd_sim import api
 
 PEAK = frozenset({"stribeck_friction"})
@@ -71,6 +74,7 @@ def test_observers_lead_to_a_breakaway_friction_that_no_start_finds(sticking: Ex
         (PLANT + CoulombFriction(1.0) + TimeOffset(0.01), False),  # it would delay the observer's pull
         (PLANT + CoulombFriction(1.0) + SensorDrift(0.01), False),  # the readings are not the cart's place
         (PLANT + LoadDependentFriction(1.0, 0.1), False),  # the observer's spring would load it
+        (PLANT + CoulombFriction(1.0) + DriveDamping(1.0), False),  # an observer would count as a drive that is on
     ],
 )
 def test_only_a_cart_that_sticks_and_is_read_as_it_is_can_be_followed(model: Model, may: bool) -> None:
@@ -79,17 +83,44 @@ def test_only_a_cart_that_sticks_and_is_read_as_it_is_can_be_followed(model: Mod
 
 @pytest.mark.parametrize("hold", ["zero", "linear"])
 @pytest.mark.parametrize("encoder_zero", [0.0, 0.3])
-def test_an_observer_does_not_pull_a_model_that_is_right(hold: str, encoder_zero: float) -> None:
-    """The pulled cart follows the readings to a thousandth, where the plant's force is as held or as linear."""
-    time = np.arange(0.0, 3.0, 1e-3)
-    force = 5.0 * np.sign(np.sin(4.0 * time)) if hold == "zero" else 5.0 * np.sin(9.0 * time)
-    bare = Record(time, np.zeros(time.size), time, force, hold=hold)  # type: ignore[arg-type]
-    moved = simulate(PLANT, bare).position
-    read = Record(time, moved + encoder_zero, time, force, hold=hold)  # type: ignore[arg-type]
-    for spring, damper in ((8300.0, 150.0), (0.0, 45.0), (0.0, 4.5)):
-        pulled = _pulled(read, encoder_zero, spring, damper, 37.0)
-        left = simulate(_held(PLANT, spring, damper), pulled).position - moved
-        assert np.max(np.abs(left)) < 1e-3 * np.max(np.abs(moved))
+@pytest.mark.parametrize("plant", [PLANT, Plant(0.6, 1.0, 0.0)], ids=["sprung", "axis"])
+@pytest.mark.parametrize("begin", [0.0, 0.5])
+def test_an_observer_does_not_pull_a_model_that_is_right(
+    hold: str, encoder_zero: float, plant: Model, begin: float
+) -> None:
+    """The pulled cart follows the readings to a thousandth, with a held force and a linear one, from its start or
+    later, with a spring and without.
+    """
+    time = np.arange(0.0, 6.0, 1e-3)
+    force = 5.0 * np.sign(np.cos(4.0 * time)) if hold == "zero" else 5.0 * np.cos(9.0 * time)
+    acts = time >= begin
+    bare = Record(time, np.zeros(time.size), time[acts], force[acts], hold=hold)  # type: ignore[arg-type]
+    moved = simulate(plant, bare).position
+    read = replace(bare, position=moved + encoder_zero)
+    data = Experiment(prepare([read]), plant, frozenset())
+    for observer in ((10.0, 1.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.1)):
+        frequency = _frequency(data)
+        spring, damper = _strength(plant.mass, frequency, observer)
+        pulled = _pulled(read, encoder_zero, spring, damper, frequency)
+        left = simulate(_held(plant, spring, damper), pulled).position - moved
+        assert np.max(np.abs(left)) < 1e-3 * np.ptp(moved)
+
+
+def test_an_axis_is_followed_at_the_pace_of_its_motion_however_long_it_is_recorded() -> None:
+    time = np.arange(0.0, 60.0, 5e-3)
+    force = np.sin(4.4 * time) + np.sin(12.0 * time)
+    read = simulate(Plant(0.6, 1.0, 0.0), Record(time, np.zeros(time.size), time, force)).position
+    data = Experiment(prepare([Record(time, read, time, force)]), Plant(0.6, 1.0, 0.0), frozenset({"stiffness"}))
+    assert 3.0 < _frequency(data) < 15.0
+
+
+def test_a_force_beyond_all_sizes_ends_no_search() -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    force = 9e19 * np.sign(np.sin(4.0 * time))
+    plant = Plant(6e18, 1e19, 8.3e21)
+    record = Record(time, simulate(plant, Record(time, np.zeros(time.size), time, force)).position, time, force)
+    pulled = _pulled(record, 0.0, 8.3e22, 1e21, 37.0)
+    assert np.max(np.abs(pulled.force)) == LARGEST
 
 
 def test_a_model_without_its_observer_is_what_it_was_and_never_less_than_nothing() -> None:
