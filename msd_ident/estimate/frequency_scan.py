@@ -21,9 +21,9 @@ from msd_ident.estimate.peaks import highest
 from msd_ident.estimate.problem import Problem
 from msd_ident.model.declarations import PLACE, TIME
 from msd_ident.model.effects import typical
-from msd_ident.tuning import fixed, tuned
+from msd_ident.tuning import fixed
 
-_COARSEST = tuned(2.0, unit="ranges of motion", why="largest pitch of a ripple that is tried", chosen="by hand")
+_COARSEST = fixed(2.0, "mathematics", "ranges of motion: a ripple of a longer pitch is less than half a wave, a bend")
 _MOST_VALUES = fixed(2_000_000, "resources", "readings simulated at once, at most: 16 MB")
 
 

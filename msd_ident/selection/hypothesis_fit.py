@@ -19,6 +19,7 @@ from msd_ident.selection.experiment import Experiment, formulated, weigh
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
 
+_FIRST = tuned(4, unit="steps", why="first look at a start of a set", chosen="by hand")
 _STRONGER = tuned(
     1.5,
     unit="factor",
@@ -95,7 +96,7 @@ def begin(experiment: Experiment, found: Sequence[StartingPoint], reach: float) 
     ahead: list[Hypothesis] = []
     for start in found:
         if not ahead or start.worth(min(reach, *(fitted.chi for fitted in ahead))):
-            ahead.append(_lower(experiment, start.fitted, LOOK))
+            ahead.append(_lower(experiment, start.fitted, _FIRST))
     return sorted(ahead, key=lambda fitted: fitted.chi)
 
 
@@ -131,7 +132,7 @@ def _kicked(experiment: Experiment, fitted: Hypothesis) -> list[Hypothesis]:
     point = _begun(experiment, fitted)
     if not np.array_equal(point, fitted.point):
         state = weighting.exact(point, weighting.steps(fitted.state))
-        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK))
+        found.append(_lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST))
     stronger = _stronger(fitted)
     if stronger is not None:
         found.append(_down(experiment, fitted, weighting, stronger))
@@ -157,7 +158,7 @@ def _down(experiment: Experiment, fitted: Hypothesis, weighting: Weighting, poin
     """A few steps down from another point, with the set's present Jacobian."""
     known = fitted.state
     state = State(point, weighting.residual(point), known.jacobian, known.normal, False)
-    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), LOOK)
+    return _lower(experiment, _at(experiment, fitted.causes, fitted.problem, state), _FIRST)
 
 
 def _begun(experiment: Experiment, fitted: Hypothesis) -> FloatArray:
