@@ -13,7 +13,7 @@ from msd_ident.model.effects import by_name
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, switched_off
 from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit, without
-from msd_ident.selection.hypothesis_fit import REACH, StartingPoint, begin, finish, refine
+from msd_ident.selection.hypothesis_fit import COMPARABLE, REACH, StartingPoint, begin, finish, refine
 from msd_ident.selection.ranking import CALLED, DECISIVE
 from msd_ident.selection.starting_points import proposals
 
@@ -77,4 +77,8 @@ def _fitted(experiment: Experiment, causes: Causes, bare: Hypothesis, best: Hypo
     if causes == best.causes:
         shapes.pop(switched_off(best.model), None)
     reach = experiment.worse(best.chi, REACH)
-    return [finish(experiment, begin(experiment, starts, reach), best.chi) for starts in shapes.values()]
+    ended = [finish(experiment, begin(experiment, starts, reach), best.chi) for starts in shapes.values()]
+    # From one law of the gain to another all forces change together, which a search that is given up early only begins.
+    return [
+        refine(experiment, causes, one.model, one.initial) if one.chi < COMPARABLE * best.chi else one for one in ended
+    ]

@@ -77,7 +77,7 @@ def test_of_laws_that_fit_alike_one_leads_that_keeps_the_calibrated_gain() -> No
     assert leading(best, [other], scale) is best
 
 
-@pytest.mark.parametrize("zone", [0.6, 1.5])
+@pytest.mark.parametrize("zone", [0.1, 0.35, 0.6, 1.5])
 def test_of_two_sizes_of_force_a_dead_zone_has_the_mass(zone: float) -> None:
     sizes = (5.0, 0.0, 10.0, 0.0, -5.0, 0.0, -10.0, 0.0)
     made = stepped(tuple(math.copysign(max(abs(size) - zone, 0.0), size) for size in sizes), limit=math.inf)
