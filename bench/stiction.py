@@ -1,7 +1,6 @@
 """Strong breakaway friction, fitted from guesses alone and through observers: ``python -m bench.stiction``.
 
-The truth counts as found where less than 1.2 noise floors are left. A rig counts in both columns or in none: none is
-left out.
+The truth counts as found where less than 1.2 noise floors are left. Every rig that is drawn counts in both columns.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from msd_ident.model.effects.time_offset import TimeOffset
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis_fit import refine
-from msd_ident.selection.observer import _frequency, _held, _pulled, _strength, can_follow, followed
+from msd_ident.selection.observer import _OBSERVERS, _frequency, _held, _pulled, _strength, can_follow, followed
 from msd_sim import api
 
 PEAK = frozenset({"stribeck_friction"})
@@ -98,7 +98,7 @@ def test_an_observer_does_not_pull_a_model_that_is_right(
     moved = simulate(plant, bare).position
     read = replace(bare, position=moved + encoder_zero)
     data = Experiment(prepare([read]), plant, frozenset())
-    for observer in ((10.0, 1.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.1)):
+    for observer in _OBSERVERS:
         frequency = _frequency(data)
         spring, damper = _strength(plant.mass, frequency, observer)
         pulled = _pulled(read, encoder_zero, spring, damper, frequency)
