@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import threading
 import time
 from collections.abc import Iterator
@@ -116,3 +117,25 @@ def test_the_worker_that_goes_first_does_not_rest(workers: tuple[Worker, Worker]
     first.submit(counting)
     assert counting.goes_on()
     end.set()
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(Cancelled, ""), (ValueError, "The following exception was never retrieved: no such joint\n")],
+)
+def test_only_an_error_that_nobody_asks_for_is_printed(
+    error: type[Exception], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """rclpy prints it when the future goes. A job that was stopped is none: who ends a node saw an empty sentence."""
+
+    def fails() -> None:
+        raise error("no such joint")
+
+    worker = Worker("ends")
+    future = worker.submit(fails)
+    while not future.done():
+        time.sleep(1e-3)
+    worker.close()
+    del future
+    gc.collect()
+    assert capsys.readouterr().err == said

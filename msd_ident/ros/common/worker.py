@@ -18,6 +18,7 @@ from rclpy.executors import Executor
 from rclpy.task import Future
 
 from msd_ident import cancellation
+from msd_ident.cancellation import Cancelled
 from msd_ident.errors import UsageError
 
 Result = TypeVar("Result")
@@ -80,7 +81,7 @@ class Worker:
             job: what to do.
             executor: of those who wait.
             key: a job that still waits with an equal one is the same: then its future is given. ``None`` is no key.
-            stop: set by somebody who does not want the result any more: the job ends with ``Stopped``.
+            stop: set by somebody who does not want the result any more: the job ends with ``Cancelled``.
 
         Raises:
             UsageError: too many wait.
@@ -91,6 +92,9 @@ class Worker:
             """The job, in the worker's thread; its result or error goes to the executor."""
             try:
                 result = job()
+            except Cancelled as error:
+                deliver(future.set_exception, error)
+                future.exception()  # asked once: rclpy prints an error that nobody asked for, and this is none
             except Exception as error:
                 deliver(future.set_exception, error)
             else:

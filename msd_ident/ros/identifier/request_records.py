@@ -67,7 +67,7 @@ class Sources:
         Raises:
             DataError: it cannot be a record.
             UsageError: the path leads elsewhere, or the window is empty.
-            Stopped: nobody waits for it any more.
+            Cancelled: nobody waits for it any more.
         """
         from msd_ident import io
 
