@@ -105,10 +105,19 @@ print(json.dumps([ranking.NEAR, coarse_to_fine.NEAR, nearest_rival.SILENT, ranki
 
 def test_the_table_compares_with_the_untouched_run() -> None:
     place = next(one.place for one in tuning.declared() if one.is_tuned)
-    whole = {"cases": 2, "seed": 1, "visible": 1, "clean": 1, "failed": [], "false": 0}
+    whole = {"cases": 2, "seed": 1, "visible": 1, "clean": 1, "family": 3, "foreign": 4, "failed": [], "false": 0}
     said = [[1, "explained", []], [2, "adequate", []]]
     base = {**whole, "place": "", "side": "", "exact": 1, "adequate": 1, "seconds": 2.0, "said": said}
     other = [[1, "unexplained", []], said[1]]
     worse = {**base, "place": place, "side": "half", "exact": 0, "seconds": 3.0, "said": other}
     text = sensitivity.table([base, worse])
-    assert f"| `{place}` |" in text and "| **0, 1, 0, 1, +50 %** | not run |" in text
+    assert f"| `{place}` |" in text and "| **0, 3, 1, 0, 1, +50 %** | not run |" in text
+    assert "the family of 3 of 4 foreign laws is named" in text
+    foreign = {**base, "place": place, "side": "half", "family": 2}
+    assert "| **1, 2, 1, 0, 0, +0 %** | not run |" in sensitivity.table([base, foreign])
+
+
+def test_the_cases_are_of_both_studies_and_spaced_over_them() -> None:
+    cases = sensitivity.chosen(24, 870_000)
+    assert [case.kind for case in cases].count("variant") == 8 and len({case.seed for case in cases}) == 24
+    assert len({case.hidden for case in cases}) > 15 and {case.experiment for case in cases[:16]} == {"steps"}
