@@ -149,8 +149,8 @@ def table(runs: Sequence[dict[str, Any]]) -> str:
     by = {(one["place"], one["side"]): one for one in runs if same(one, base)}
     exact, false = f"{base['exact']} of {base['visible']}", base["false"]
     lines = [
-        f"{base['cases']} cases, seed {base['seed']}. As they are, the constants give {exact} exact sets, the family of "
-        f"{base['family']} of {base['foreign']} foreign laws is named, {base['adequate']} of {base['clean']} rigs "
+        f"{base['cases']} cases, seed {base['seed']}. As they are, the constants give {exact} exact sets, the family "
+        f"of {base['family']} of {base['foreign']} foreign laws is named, {base['adequate']} of {base['clean']} rigs "
         f"without a hidden effect are called adequate, {false} false causes have p > 0.9.",
         "",
         "| constant | value | halved: exact, family, adequate, false, changed, time | doubled: the same |",
