@@ -13,7 +13,7 @@ from msd_ident.quantity import probability
 from msd_ident.residuals.unexplained import Remainder, Remainders
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Causes
-from msd_ident.selection.ranking import CERTAIN
+from msd_ident.selection.ranking import certain
 
 
 def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
@@ -29,7 +29,7 @@ def decide(causes: Sequence[Cause], left: Remainders) -> Verdict:
     """
     if not causes:
         return "unexplained" if left.exceeds else "adequate"
-    if any(cause.tied_with or cause.probability <= CERTAIN for cause in causes):
+    if any(cause.tied_with or not certain(cause.probability) for cause in causes):
         return "ambiguous"
     return "mostly_explained" if left.exceeds else "explained"
 
@@ -140,7 +140,7 @@ def _ties(causes: Sequence[Cause]) -> str:
 
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:
     """A sentence if it is open whether a cause acts, although no other one replaces it."""
-    doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and cause.probability <= CERTAIN]
+    doubts = [spoken(cause.name) for cause in causes if not cause.tied_with and not certain(cause.probability)]
     act = "acts" if len(doubts) == 1 else "act"
     return [f"Whether {' and '.join(doubts)} {act} at all is not certain."] if doubts else []
 

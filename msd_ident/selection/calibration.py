@@ -163,23 +163,29 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, H
         standins: for rows of any strength that are not in the ranking, a fitted set that stands for them.
     """
     lead = rows[0]
-    others = {cause: sum(row.any_strength and cause not in row.causes for row in rows) for cause in lead.causes}
+    before = {cause: ranking.of_cause(cause) for cause in lead.causes}
+    lacking = {cause: [row for row in rows[1:] if not _holds(row.causes, cause)] for cause in lead.causes}
+    drawn = {cause: sum(row.any_strength for row in lacking[cause]) for cause in lead.causes}
     for rival in rows[1:]:
-        without = lead.causes - rival.causes
+        without = [cause for cause in lead.causes if rival in lacking[cause]]
         most = max(
-            (odds(lead, rival, cause) / (others[cause] if rival.any_strength else 1) for cause in without), default=0.0
+            (odds(lead, rival, cause) / (drawn[cause] if rival.any_strength else 1) for cause in without), default=0.0
         )
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
     for cause in sorted(lead.causes):
+        limits = [before[cause]]
         if not lead.named(cause):
-            ranking = _capped(ranking, cause, probability_at(ranking.limit(cause)))
-    for cause in sorted(lead.causes):
-        kind = by_name(cause).cause()
-        copies = sum(row.copies for row in rows if kind not in kinds(row.causes))
-        if copies:
-            ranking = _capped(ranking, cause, (copies + 1.0) / (copies + 2.0))
+            limits.append(probability_at(ranking.limit(cause)))
+        if copies := sum(row.copies for row in lacking[cause]):
+            limits.append((copies + 1.0) / (copies + 2.0))
+        ranking = _capped(ranking, cause, min(limits), kinds(lead.causes))
     return ranking
+
+
+def _holds(causes: Causes, cause: str) -> bool:
+    """Whether a set holds a cause, in any of its laws."""
+    return by_name(cause).cause() in kinds(causes)
 
 
 def _raised(ranking: Ranking, causes: Causes, odds: float, standins: Mapping[Causes, Hypothesis]) -> Ranking:
@@ -213,20 +219,26 @@ def _ordered(ranking: Ranking) -> Ranking:
     )
 
 
-def _capped(ranking: Ranking, cause: str, most: float) -> Ranking:
-    """The ranking in which a cause has at most the probability ``most``; the rest goes to all sets without it."""
-    sure = ranking.of_cause(cause)
-    holding = [by_name(cause).cause() in kinds(one.causes) for one in ranking.sets]
-    if sure <= most or all(holding):
+def _capped(ranking: Ranking, cause: str, most: float, named: frozenset[str]) -> Ranking:
+    """The ranking in which a cause has at most the probability ``most``.
+
+    What a set with it loses goes to sets without it that hold as many as possible of its other ``named`` causes and no
+    further one, if there are such: so no named cause gets more.
+    """
+    holding = [_holds(one.causes, cause) for one in ranking.sets]
+    if ranking.of_cause(cause) <= most or all(holding):
         return ranking
-    others = sum(p for p, held in zip(ranking.probability, holding, strict=True) if not held)
-    given = [
-        p / others if others > 0.0 else float(i == holding.index(False)) for i, p in enumerate(ranking.probability)
-    ]
-    return replace(
-        ranking,
-        probability=tuple(
-            p * most / sure if held else (1.0 - most) * part
-            for p, held, part in zip(ranking.probability, holding, given, strict=True)
-        ),
-    )
+    kept = most / ranking.of_cause_by_sets(cause)
+    known = [kinds(one.causes) & named for one in ranking.sets]
+    free = [i for i, held in enumerate(holding) if not held]
+    found = [p * kept if held else p for p, held in zip(ranking.probability, holding, strict=True)]
+    for causes, p, held in zip(known, ranking.probability, holding, strict=True):
+        if not held:
+            continue
+        fewer = [i for i in free if known[i] <= causes]
+        near = max((len(known[i]) for i in fewer), default=0)
+        heirs = [i for i in fewer if len(known[i]) == near] or free
+        total = sum(ranking.probability[i] for i in heirs)
+        for i in heirs:
+            found[i] += p * (1.0 - kept) * (ranking.probability[i] / total if total > 0.0 else 1.0 / len(heirs))
+    return replace(ranking, probability=tuple(found))

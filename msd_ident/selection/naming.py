@@ -7,7 +7,7 @@ leaves out: then the next that does not.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
@@ -16,10 +16,7 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, FAINT, Ranking, alternatives, kinds
-from msd_ident.tuning import fixed
-
-_ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
+from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, alternatives, certain, kinds
 
 
 def leading(ranking: Ranking) -> Ranking:
@@ -35,7 +32,7 @@ def leading(ranking: Ranking) -> Ranking:
     found = [one for one, value in zip(ranking.sets, ranking.evidence, strict=True) if value >= near and one.causes]
     asked = [ranking.best, *(one for one in found if one is not ranking.best)]
     margins = [margin(ranking, one.causes) for one in asked]
-    fair = [one for one, value in zip(asked, margins, strict=True) if value >= -_ROUNDING]
+    fair = [one for one, value in zip(asked, margins, strict=True) if value >= -ROUNDING]
     return ranking.led_by(fair[0] if fair else asked[margins.index(max(margins))])
 
 
@@ -172,11 +169,11 @@ def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
     sure, named = ranking.of_cause(name), ranking.best.causes
     found = list(alternatives(ranking, name))
     found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
-    if not found and sure <= CERTAIN:
+    if not found and not certain(sure):
         kind = by_name(name).cause()
         near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
         found += _unnamed(near, named)
-    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + _ROUNDING]
+    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + ROUNDING]
     return tuple(dict.fromkeys(found))
 
 
@@ -186,10 +183,15 @@ def _explaining(causes: Causes) -> str:
 
 
 def other_forms(ranking: Ranking) -> tuple[str, ...]:
-    """A sentence for each named cause that may be another form of the law of the others."""
+    """A sentence for each named cause that is not certain, with the reason: e.g. it may be another form of the law of
+    the others.
+    """
     named = ranking.best.causes
+    unsure = [name for name in sorted(named) if not certain(ranking.of_cause(name))]
     said = []
     for name, part in sorted(ranking.further.get(named, {}).items()):
+        if name not in unsure:
+            continue
         if first := sorted(one for one in named if name in ranking.curved_by(named, one)):
             said.append(
                 f"{spoken(name)} and {' and '.join(map(spoken, first))} are curves over the position, and each "
@@ -213,28 +215,17 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
         for name, part in _unclear(ranking).items()
     ]
     said += [
-        f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, so "
-        "it is not certain. Record longer."
-        for name in sorted(ranking.slow.get(named, ()))
-        if not ranking.best.model.effect(name).repeats_after()
-    ]
-    said += [
-        f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
-        "another kind could do the same, so it is not certain. Move further."
-        for name in sorted(ranking.slow.get(named, ()))
-        if ranking.best.model.effect(name).repeats_after()
-    ]
-    said += [
         f"hardly anything of {spoken(name)} is seen in motion: it holds the cart where it rests, and a force that acts "
         "only while the drive is on, or off, could do the same, so it is not certain. Pull the cart slowly."
-        for name in sorted(ranking.held.get(named, ()))
+        for name in unsure
+        if name in ranking.held.get(named, ())
     ]
-    said += [*_sampled(ranking), *_aging(ranking), *_steered(ranking)]
+    said += [*_slow(ranking, unsure), *_sampled(ranking, unsure), *_aging(ranking, unsure), *_steered(ranking, unsure)]
     if not ranking.rich:
         said += [
             f"over one decay {spoken(name)} moves like a sensor that settles, so it is not certain. Push again later "
             "in the record."
-            for name in sorted(named)
+            for name in unsure
             if by_name(name).creeps_as
         ]
     if ranking.foretold:
@@ -242,31 +233,51 @@ def other_forms(ranking: Ranking) -> tuple[str, ...]:
     return tuple(sentence[0].upper() + sentence[1:] for sentence in said)
 
 
-def _sampled(ranking: Ranking) -> list[str]:
+def _slow(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
+    """Why named causes of which the records hold too few periods are not certain; empty where there are none."""
+    slow = [name for name in unsure if name in ranking.slow.get(ranking.best.causes, ())]
+    along = [name for name in slow if ranking.best.model.effect(name).repeats_after()]
+    return [
+        *(
+            f"the record is shorter than a period of {spoken(name)}: a slow change of another kind could do the same, "
+            "so it is not certain. Record longer."
+            for name in slow
+            if name not in along
+        ),
+        *(
+            f"the motion is shorter than two periods of {spoken(name)}, so it does not show that it repeats: a bend of "
+            "another kind could do the same, so it is not certain. Move further."
+            for name in along
+        ),
+    ]
+
+
+def _sampled(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
     """Why named causes that explain little under a force of few samples are not certain; empty where there are none."""
     return [
         f"{spoken(name)} explains no more than twice what the force may do between its samples, which is not measured: "
         "it is not certain. Sample the force faster, or filter force and position alike."
-        for name in sorted(ranking.sampled.get(ranking.best.causes, ()))
+        for name in unsure
+        if name in ranking.sampled.get(ranking.best.causes, ())
     ]
 
 
-def _steered(ranking: Ranking) -> list[str]:
+def _steered(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
     """Why named laws that push back at a place are not certain under a controller; empty without one."""
     return [
         f"a controller brings the cart to the same places, so nothing tells {spoken(name)} from what holds the cart "
         "there: it is not certain. Push with a force that does not depend on the position."
-        for name in sorted(ranking.best.causes)
+        for name in unsure
         if ranking.steered and by_name(name).is_spring()
     ]
 
 
-def _aging(ranking: Ranking) -> list[str]:
+def _aging(ranking: Ranking, unsure: Sequence[str]) -> list[str]:
     """Why a named stiffness that changes with time is not certain; empty where none is named or nothing speaks against
     it.
     """
     named = ranking.best.causes
-    if not any(by_name(name).ages_spring() for name in named):
+    if not any(by_name(name).ages_spring() for name in unsure):
         return []
     if not ranking.rich:
         return [
@@ -292,7 +303,7 @@ def _unclear(ranking: Ranking) -> dict[str, float]:
     return {
         name: 1.0 / math.sqrt(1.0 + clear)
         for name, clear in sorted(ranking.clear.get(named, {}).items())
-        if name not in told and clear < CERTAIN_ODDS and ranking.of_cause(name) <= CERTAIN
+        if name not in told and clear < CERTAIN_ODDS and not certain(ranking.of_cause(name))
     }
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from msd_ident.estimate.levels import BEYOND_DOUBT
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.tuning import tuned
+from msd_ident.tuning import fixed, tuned
 
 FAINT = tuned(3.0, unit="noise floors", why="below it the form of what a set leaves is not seen", chosen="by hand")
 #: Noise floors below which the form of what a set leaves is seen roughly: only beyond them no part of it is noise.
@@ -58,6 +58,12 @@ CALLED = tuned(
 
 #: The same as odds.
 CERTAIN_ODDS = CERTAIN / (1.0 - CERTAIN)
+ROUNDING = fixed(1e-9, "accuracy", "sums of the same probabilities in another order differ by no more")
+
+
+def certain(probability: float) -> bool:
+    """Whether a cause is named with certainty. Limits of 9 to 1 that add up to 9 to 1 are not, in no digit."""
+    return probability > CERTAIN + ROUNDING
 
 
 def kinds(causes: Iterable[str]) -> frozenset[str]:
@@ -92,7 +98,7 @@ class Ranking:
         rubbing: sets beside which Coulomb friction was fitted but is no explanation (``ordering.rank``), each with the
             set that has it: friction too weak to be seen is possible on every rig.
         unchecked: whether a poor experiment has no copies that check the leading set (``replication``), or left-out
-            data do not confirm it: no cause is certain.
+            data do not confirm it: the odds of a cause are limited (``limit``).
         foretold: whether the leading set has its place from left-out data, against the evidence (``naming``): no cause
             is certain.
         rich: whether the experiment excites more than one kind of motion (``excitation.poor``).
@@ -182,13 +188,7 @@ class Ranking:
         Where the leading set leaves so much that the rig follows another law (``leaves``), sets that leave hardly less
         make its causes no surer.
         """
-        kind = by_name(name).cause()
-        found = sum(
-            p * self._greatest(fitted.causes, law)
-            for fitted, p in zip(self.sets, self.probability, strict=True)
-            for law in fitted.causes
-            if by_name(law).cause() == kind
-        )
+        kind, found = by_name(name).cause(), self.of_cause_by_sets(name)
         if self.best.causes in self.leaves:
             own = [law for law in self.best.causes if by_name(law).cause() == kind]
             found = min(found, *(self._greatest(self.best.causes, law) for law in own), 1.0)
@@ -197,6 +197,24 @@ class Ranking:
         if not (self.unchecked or self.foretold):
             return found
         return min(found, probability_at(self.limit(kind)))
+
+    def of_cause_by_sets(self, name: str) -> float:
+        """Probability of a cause that the sets give together, before what limits it whatever the set.
+
+        A set with a law of another cause that gives the same motion as one of this cause (``alike``) counts for both.
+        """
+        kind = by_name(name).cause()
+        found = 0.0
+        for fitted, p in zip(self.sets, self.probability, strict=True):
+            twins = self.alike.get(fitted.causes, {})
+            own = [law for law in fitted.causes if by_name(law).cause() == kind]
+            for law in own or [law for law, twin in twins.items() if by_name(twin).cause() == kind]:
+                found += p * self._greatest(fitted.causes, law)
+        return found
+
+    def of_law(self, law: str) -> float:
+        """Probability of all sets with this very law of a cause."""
+        return sum(p for p, one in zip(self.probability, self.sets, strict=True) if law in one.causes)
 
     def stated(self, causes: Causes) -> float:
         """Probability of a set as it is stated: no more than that of its least probable cause."""

@@ -95,6 +95,16 @@ def test_what_may_be_another_form_is_told_with_its_part() -> None:
     assert told.startswith("Cogging explains 8 % of what Bouc-Wen and quadratic drag explain: ")
 
 
+@pytest.mark.parametrize(("clear", "said"), [(5.0, 1), (60.0, 0)])
+def test_what_is_certain_is_not_told_to_be_uncertain(clear: float, said: int) -> None:
+    """Drag that stands out of the noise sixty times is named with 98 %, however little of the friction it is."""
+    pair = frozenset({"coulomb_friction", "quadratic_drag"})
+    found = replace(ranking({tuple(pair): 1.0}), rich=True, exact=frozenset({pair}))
+    found = replace(found, further={pair: {"quadratic_drag": 0.03}}, clear={pair: {"quadratic_drag": clear}})
+    assert (found.of_cause("quadratic_drag") > CERTAIN) is (said == 0)
+    assert len(naming.other_forms(found)) == said
+
+
 def test_without_what_may_be_another_form_the_others_have_the_probability_that_it_does_not_act() -> None:
     """For parameters that differ between them: by their evidence alone they would have none."""
     both = frozenset({"backlash", "cogging"})

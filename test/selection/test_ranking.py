@@ -11,6 +11,7 @@ from setrigs import BASE, fitted, odds, ranked, steps
 
 from msd_ident.model import Effect
 from msd_ident.model.effects.asymmetric_spring import AsymmetricSpring
+from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.bilinear_spring import BilinearSpring
 from msd_ident.model.effects.cogging import Cogging
 from msd_ident.model.effects.cogging_harmonic import CoggingHarmonic
@@ -30,7 +31,7 @@ from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import naming
 from msd_ident.selection.experiment import Experiment
-from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, Ranking, alternatives
+from msd_ident.selection.ranking import CERTAIN, CERTAIN_ODDS, DECISIVE, Ranking, alternatives, certain
 
 
 @pytest.fixture
@@ -311,3 +312,26 @@ def test_where_the_rig_follows_another_law_sets_that_leave_hardly_less_make_no_c
     assert plain.of_cause("coulomb_friction") == pytest.approx(1.0)
     assert told.of_cause("coulomb_friction") <= CERTAIN + 1e-12
     assert any("so no named cause is certain" in said for said in naming.other_forms(told))
+
+
+def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(experiment: Experiment) -> None:
+    """Whether both were ranked or one of them: with the sum of what they have, no third cause comes before them."""
+    play, ripple = frozenset({"backlash"}), frozenset({"cogging"})
+    sets = {
+        "nothing": fitted(experiment, BASE, 1e6),
+        "play": fitted(experiment, BASE + Backlash(1e-3), 840.0),
+        "ripple": fitted(experiment, BASE + Cogging(0.1, 0.01, 0.0), 840.0),
+    }
+    twins = {play: {"backlash": "cogging"}, ripple: {"cogging": "backlash"}}
+    both = replace(ranked(sets), alike=twins)
+    assert both.of_set(play) + both.of_set(ripple) == pytest.approx(1.0)
+    assert both.of_cause("backlash") == pytest.approx(0.5) == both.of_cause("cogging")
+    one = replace(ranked({name: sets[name] for name in ("nothing", "play")}), alike={play: twins[play]})
+    assert one.of_cause("backlash") == pytest.approx(0.5) == one.of_cause("cogging")
+    assert naming.tied(one, "backlash") == ("cogging",)
+
+
+def test_limits_of_nine_to_one_that_add_up_are_no_certainty() -> None:
+    parts = (0.22876222127045265, 0.7165084742834696, 0.05472930444607771)
+    assert sum(part * CERTAIN for part in parts) > CERTAIN
+    assert not certain(sum(part * CERTAIN for part in parts)) and certain(0.901)
