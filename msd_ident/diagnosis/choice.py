@@ -47,13 +47,14 @@ def chosen(experiment: Experiment, base: Hypothesis, ranking: Ranking, calibrate
         progress: called for each stage, see ``structure_search.Progress``.
     """
     progress("prediction of left-out data", 0.88, "")
+    ranking = replace(ranking, rich=not replication.is_poor(experiment, base))
     ranking, best, heldout = naming.predicting(experiment, base, ranking)
     matrix = None
     if best.causes:
         ranking, matrix = replication.checked(experiment, base, ranking, calibrate, progress)
         if (ranking := naming.leading(ranking)).best is not best:
             ranking, best, heldout = naming.predicting(experiment, base, replace(ranking, unchecked=True))
-    elif ranking.best.causes:
+    else:
         ranking = replace(ranking, unchecked=True)  # what left-out data do not confirm is not certain
     scale = scale_from(list(ranking.sets), experiment.readings)
     alike = gain_laws.alike(experiment, best, scale)

@@ -186,7 +186,6 @@ def checked(
     Returns:
         The corrected ranking and the matrix; None if no copies were made.
     """
-    ranking = replace(ranking, rich=not _poor(experiment, base))
     if not asked and (ranking.rich or ranking.foretold):
         return ranking, None
     rows = explanations(ranking, experiment.library)
@@ -251,7 +250,7 @@ def _asked(experiment: Experiment, rows: Sequence[Explanation]) -> frozenset[str
     return named.union(*(plain.intersection(experiment.forms(name)) for name in named - plain))
 
 
-def _poor(experiment: Experiment, base: Hypothesis) -> bool:
+def is_poor(experiment: Experiment, base: Hypothesis) -> bool:
     """Whether the force excites the rig little (``excitation.poor``).
 
     A plant without a spring counts as one that swings as long as a twentieth of its record.

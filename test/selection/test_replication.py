@@ -50,14 +50,15 @@ def test_steps_in_both_directions_are_checked_only_when_asked() -> None:
 def test_steps_in_both_directions_let_a_further_cause_be_surer() -> None:
     experiment = setrigs.steps()
     base = setrigs.fitted(experiment, setrigs.BASE, 1e5)
-    ranking = setrigs.ranked({"nothing": base})
+    ranking = replace(setrigs.ranked({"nothing": base}), rich=not replication.is_poor(experiment, base))
+    assert ranking.rich
     found, matrix = replication.checked(experiment, base, ranking, False, lambda stage, fraction, cause: None)
-    assert matrix is None and found == replace(ranking, rich=True)
+    assert matrix is None and found == ranking
 
 
 def test_no_copies_are_made_of_what_left_out_data_chose(monkeypatch: pytest.MonkeyPatch) -> None:
     """They would say how certain it is, and it is not."""
-    monkeypatch.setattr(replication, "_poor", lambda experiment, base: True)
+    monkeypatch.setattr(replication, "is_poor", lambda experiment, base: True)
     experiment = setrigs.steps()
     base = setrigs.fitted(experiment, setrigs.BASE, 1e5)
     ranking = replace(setrigs.ranked({"nothing": base}), foretold=True)
