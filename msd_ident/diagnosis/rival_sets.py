@@ -20,7 +20,7 @@ def listed(ranking: Ranking, best: Hypothesis, left: Callable[[Hypothesis], floa
         best: the one that is named.
         left: what a set leaves, in the noise floors of the models beside it.
     """
-    found = [(ranking.stated(fitted.causes), fitted) for fitted in ranking.sets if fitted is not best]
+    found = [(ranking.stated(fitted.causes), fitted) for fitted in ranking.sets if fitted.causes != best.causes]
     found.sort(key=lambda pair: -pair[0])
     kept = [pair for pair in found if pair[0] > _RIVAL]
     return tuple(Rival(tuple(sorted(one.causes)), p, left(one)) for p, one in (kept or found[:3])[:LEADERS])

@@ -13,7 +13,7 @@ from msd_ident.estimate.levels import TENTH
 from msd_ident.model.effects import LIBRARY, by_name, spoken
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes
-from msd_ident.selection.ranking import Ranking
+from msd_ident.selection.ranking import Ranking, kinds
 
 #: A set of causes -> what it leaves, in noise floors.
 Left = Mapping[Causes, float]
@@ -26,7 +26,8 @@ class CauseAssessment:
     Attributes:
         name: of the cause.
         held: whether the extended model holds it.
-        probability: that it acts, given the data and the library.
+        probability: that it acts, given the data and the library; of another law of a named cause, that the cause has
+            this law.
         alone: what it leaves when it is the only one beside the base model, in noise floors; NaN when not fitted.
         reason: why it is in the extended model or not, a sentence.
     """
@@ -79,7 +80,9 @@ def assess(
 
 
 def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool) -> CauseAssessment:
-    alone = ranking.left.get(frozenset({name}), math.nan)
+    alone, stated = ranking.left.get(frozenset({name}), math.nan), ranking.of_cause(name)
+    if name not in named and by_name(name).cause() in kinds(named):
+        stated = min(stated, ranking.of_law(name))
     if name in named:
         without = ranking.left.get(named - {name}, math.nan)
         remain = f"without it {without:.3g} noise floors remain."
@@ -90,7 +93,7 @@ def _look(name: str, possible: bool, ranking: Ranking, named: Causes, tied: bool
         reason = _impossible(name)
     else:
         reason = _not_needed(name, alone, ranking.left, named)
-    return CauseAssessment(name, name in named, ranking.of_cause(name), alone, reason)
+    return CauseAssessment(name, name in named, stated, alone, reason)
 
 
 def _impossible(name: str) -> str:

@@ -69,6 +69,14 @@ def test_every_cause_is_told_once_and_those_of_the_model_first() -> None:
     assert found[0].to_json_dict()["noise_floors_alone"] == found[0].alone
 
 
+def test_another_law_of_a_named_cause_has_the_probability_of_its_own_sets() -> None:
+    """Friction acts, but in no set by this law: its row says why it is not held, beside the probability of that."""
+    found = assessed(ranking(*ALL), {"coulomb_friction"})
+    assert found["coulomb_friction"].probability > 0.99
+    assert found["smooth_friction"].probability == 0.0 == found["smooth_friction_turn"].probability
+    assert "another law of Coulomb friction" in found["smooth_friction"].reason
+
+
 def test_the_reason_is_what_remains_with_and_without() -> None:
     found = assessed(ranking(*ALL), {"coulomb_friction"})
     assert found["coulomb_friction"].reason == f"without it {floors():.3g} noise floors remain."
