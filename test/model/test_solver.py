@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 
 from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
-from msd_ident.model import Plant, Simulator, simulate
+from msd_ident.model import Effect, Plant, Simulator, simulate
 from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.backlash import Backlash
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
+from msd_ident.model.effects.end_stop import EndStop
 from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
@@ -191,6 +192,41 @@ def test_the_motion_does_not_depend_on_when_it_is_looked_at(seed: int, name: str
     rough = name in ("buffered_stop", "constraint_stop") or (name == "gain_drift" and hold == "linear")
     allowed = 3e-5 if rough else 1e-6
     assert np.max(np.abs(ways[0][kept] - ways[1])) <= allowed * max(spread(ways[0]), 1e-4)
+
+
+@given(begin=st.floats(0.01, 1.5), gap=st.floats(0.05, 1.5), name=st.sampled_from([*sorted(EXAMPLES), "plant"]))
+def test_a_gap_of_the_readings_does_not_change_the_motion(begin: float, gap: float, name: str) -> None:
+    """However often the cart turns while nobody looks."""
+    whole = model(*([] if name == "plant" else [name]))
+    force_time, force = np.array([0.0, 0.5]), np.array([9.0, -6.0])
+    dense = np.linspace(0.0, 3.0, 1501)
+    kept = np.flatnonzero((dense <= begin) | (dense >= begin + gap))
+    ways = [
+        simulate(whole, Record(time=t, position=0.0 * t, force_time=force_time, force=force)).position
+        for t in (dense, dense[kept])
+    ]
+    allowed = 1e-4 if name in ("buffered_stop", "constraint_stop") else 1e-5
+    assert np.max(np.abs(ways[0][kept] - ways[1])) <= allowed * max(spread(ways[0]), 1e-4)
+
+
+@pytest.mark.parametrize("gap", [0.155, 0.305, 0.355, 0.555, 0.655, 1.5, 10.0])
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize(
+    "effects", [(CoulombFriction(0.392),), (EndStop(4e-3, 2e4),), (CoulombFriction(0.392), ActuatorLag(0.02))]
+)
+def test_an_even_number_of_turns_in_a_gap_is_not_missed(gap: float, hold: str, effects: tuple[Effect, ...]) -> None:
+    """The velocity has its old sign again, and the friction was against the motion all the way."""
+    whole, force_time = replace(Plant(2.0, 4.0, 1200.0), effects=effects), np.array([0.0, 0.1, 0.1001])
+    dense = np.linspace(0.0, 11.0, 11001)
+    kept = np.flatnonzero((dense <= 0.45) | (dense >= 0.45 + gap))
+    looks = [
+        simulate(
+            whole,
+            Record(time=t, position=0.0 * t, force_time=force_time, force=np.array([0.0, 0.0, 10.0]), hold=hold),
+        ).position
+        for t in (dense, dense[kept])
+    ]
+    assert np.max(np.abs(looks[0][kept] - looks[1])) <= 1e-7
 
 
 def test_a_dip_through_rest_inside_one_sample_is_not_missed() -> None:

@@ -22,6 +22,9 @@ from msd_ident.model.kernel.spring import piece
 
 #: Events in one segment after which the rest of it is passed over: a motion too small to matter.
 EVENTS = 200
+#: Phase [rad] of the free motion within which a velocity of one sign at both ends was never zero: less than half a turn
+#: under a constant force; under a ramp its acceleration is no more than those at both ends together up to 2 pi / 3.
+ONE_TURN = 2.0
 
 
 @lean
@@ -31,13 +34,13 @@ def glide_held(j, motion, stretch, segments, path):
     For a force that is constant on each segment.
     """
     x, v = motion
-    s, low, high, plant, load, table = stretch
+    s, low, high, plant, load, longest, table = stretch
     _, b, k = plant
     kind, level = segments.kind, segments.level
     keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
-        if n < 0:
+        if n < 0 or segments.lengths[n] > longest:
             break
         xx, xv, xf, vx, vv, vf = table[n, 0], table[n, 1], table[n, 2], table[n, 5], table[n, 6], table[n, 7]
         begun = j
@@ -65,13 +68,13 @@ def glide_held(j, motion, stretch, segments, path):
 def glide(j, motion, stretch, segments, path):
     """The same for a force that changes during a segment."""
     x, v = motion
-    s, low, high, plant, load, table = stretch
+    s, low, high, plant, load, longest, table = stretch
     m, b, k = plant
     kind = segments.kind
     keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
-        if n < 0:
+        if n < 0 or segments.lengths[n] > longest:
             break
         line = _line(segments, j, load)
         f, _, e, _ = line
@@ -154,7 +157,8 @@ def walk(h, going, axis, line, c):
     edges, springs, intercepts = spring.edges, spring.lines[0], spring.lines[1]
     f, r, e, decay = line
     t = 0.0
-    for _ in range(EVENTS):
+    pieces = min(linear.fastest_rate(Linear(m, b, springs[i])) * h, STIFF)
+    for _ in range(EVENTS + int(pieces)):
         left = h - t
         if not left > 0.0:
             break
@@ -253,7 +257,10 @@ def _stretch(going, axis, table):
     edges, springs = axis.spring
     plant = Linear(axis.m, axis.b, springs[0, i])
     load = axis.constant + springs[1, i] + s * axis.kinetic
-    return Glide(s if axis.eventful else 0, edges[i], edges[i + 1], plant, load, table)
+    longest, swing = math.inf, plant.k / plant.m - (0.5 * plant.b / plant.m) ** 2
+    if axis.eventful and swing > 0.0:
+        longest = ONE_TURN / math.sqrt(swing)
+    return Glide(s if axis.eventful else 0, edges[i], edges[i + 1], plant, load, longest, table)
 
 
 @making
