@@ -148,9 +148,11 @@ def _moves_soon(record: Record, onset: Onset, time: FloatArray, position: FloatA
 
 
 def _last_before(record: Record, onset: Onset) -> FloatArray:
-    """The last readings before the step, without those under an earlier force."""
+    """The last readings before the step, without those under an earlier force; the last of all where a gap of the
+    readings left none.
+    """
     first, stop = np.searchsorted(record.time, [onset.before.start, onset.time])
-    level = record.position[first : max(first, stop)]
+    level = record.position[max(min(first, stop - 1), 0) : stop]
     return level[-max(5, int(TAIL * level.size)) :]
 
 

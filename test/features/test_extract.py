@@ -215,3 +215,15 @@ def test_twenty_slow_samples_are_read_or_declined_in_words(force: float, backwar
     position = GAIN * FORCE * unit_step_response(time, FREQUENCY, 0.0769)
     found = extract(from_samples(time, np.full(20, force), position[::-1] if backwards else position))
     assert found.kind in ("step", "free_decay", "none") and found.route
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_gap_of_the_readings_before_a_step_is_no_empty_level() -> None:
+    """All readings between two steps of the force are missing: numpy warned of a mean of nothing."""
+    time = np.arange(2400) / 400.0
+    steps = ((0.5, 1.0), (1.5, -2.0), (3.0, 2.0))
+    force = FORCE * sum(size * (time >= at) for at, size in steps)
+    position = GAIN * FORCE * sum(size * unit_step_response(time - at, FREQUENCY, 0.0769) for at, size in steps)
+    kept = (time < 1.2) | (time > 3.0 - 1e-9)
+    found = extract(Record(time=time[kept], position=position[kept], force_time=time, force=force))
+    assert found.responses and all(math.isfinite(one.initial.value) for one in found.responses)
