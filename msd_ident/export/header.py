@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from xml.sax.saxutils import escape
-
 from msd_ident.data.provenance import versions
+from msd_ident.export import quoting
 from msd_ident.export.plan import FORCES, Plan
 from msd_ident.quantity import Z95
 
@@ -15,12 +14,12 @@ def text(plan: Plan, target: str) -> str:
 
 
 def xml_text(plan: Plan, target: str) -> str:
-    """The header for an XML comment, which may not hold two hyphens in a row."""
-    return escape(text(plan, target)).replace("--", "- -")
+    """The header for an XML comment."""
+    return quoting.in_xml_comment(text(plan, target))
 
 
 def lines(plan: Plan, target: str) -> list[str]:
-    """Lines of the header, without comment signs.
+    """Lines of the header, without comment signs, safe in a docstring and in comments.
 
     Args:
         plan: what is exported.
@@ -36,7 +35,7 @@ def lines(plan: Plan, target: str) -> list[str]:
     for name, value in plan.values.items():
         head.append(f"{name:<26} {value:>12.6g}   {_interval(plan, name)}")
     head += ["", *_units(plan), *(f"- {row}" for row in plan.rows)]
-    return head
+    return [quoting.plain(line) for line in head]
 
 
 def _interval(plan: Plan, name: str) -> str:

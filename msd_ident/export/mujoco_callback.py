@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from msd_ident.export import header, laws
+from msd_ident.export import header, laws, quoting
 from msd_ident.export.mujoco_elements import SENSOR
 from msd_ident.export.mujoco_friction import text as friction_text
 from msd_ident.export.plan import Plan
@@ -40,7 +40,8 @@ def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> 
     parts = [
         filled(
             "callback.py.txt",
-            header=header.text(plan, f"Callbacks for {model_file}"), module=module, model=model_file,
+            header=header.text(plan, f"Callbacks for {model_file}"), module=module,
+            model=quoting.plain(model_file),
             joint=plan.joint, zero=laws.number(plan.zero), constants="\n".join([*plant, *laws.constants(called)]),
             functions="\n\n\n".join([laws.functions(called), *spring]),
         )

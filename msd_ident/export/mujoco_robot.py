@@ -73,7 +73,7 @@ class RobotTarget(MujocoTarget):
             one.set(name, self._in_its_unit(tree, plan, name, value))
         self._options(tree, plan)
         self._sections(tree, plan, made)
-        comment = header.text(plan, self.what).replace("--", "- -")
+        comment = header.xml_text(plan, self.what)
         tree.getroot().insert(0, ElementTree.Comment(f"\n{comment}\n"))
         buffer = io.BytesIO()
         ElementTree.indent(tree)

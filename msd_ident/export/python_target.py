@@ -69,7 +69,8 @@ class PythonMsdTarget(Target):
         comment = header.text(plan, self.what)
         beside = out.with_suffix(".json")
         text = filled("load_result.py.txt", header=comment, file=beside.name, zero=laws.number(plan.zero))
-        return {out: text.encode(), beside: plan.saved.text.encode()}
+        # Half a sign, as in the path of a file whose name is no UTF-8, is written as JSON escapes it.
+        return {out: text.encode(), beside: plan.saved.text.encode(errors="backslashreplace")}
 
     def beside(self, out: Path) -> tuple[Path, ...]:
         """Files that may be written next to the main one."""

@@ -51,6 +51,18 @@ def test_export_without_its_record_says_so(rig: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize("name", ["python", "python-msd", "mujoco"])
+def test_a_path_in_a_result_is_never_run(name: str, rig: Path, tmp_path: Path) -> None:
+    told = json.loads((rig / "result.json").read_text())
+    told["path"] = f'"""\nopen({str(tmp_path / "ran")!r}, "w")\n"""'
+    (tmp_path / "result.json").write_text(json.dumps(told))
+    out = tmp_path / f"rig{target(name).suffixes[0]}"
+    found = run("export", tmp_path / "result.json", "--to", name, "--out", out, "--replay", rig / "rig.csv")
+    assert found.code == 0 and "the model leaves" in found.out, found.err
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.xdist_group("export_cli")
 def test_identify_exports_in_one_go(rig: Path, tmp_path: Path) -> None:
     out = tmp_path / "rig.py"
     found = run("identify", rig / "rig.csv", "--export", f"python:{out}", "--json", "-")
