@@ -13,7 +13,7 @@ from msd_ident.export import nearest as nearby
 from msd_ident.export import posterior
 from msd_ident.export.laws import fastest
 from msd_ident.export.nearest import Nearest
-from msd_ident.export.plan import Plan, check_scale, check_units, scaled
+from msd_ident.export.plan import Plan, check_joint, check_scale, check_units, scaled
 from msd_ident.export.proof import Proof, replayed
 from msd_ident.export.result import Export
 from msd_ident.export.support import Row
@@ -66,12 +66,13 @@ def export(
         records: for the nearest parameters, the draws and the proof; none for a file without proof.
 
     Raises:
-        UsageError: units that no joint has, a result without newtons for a target that needs them, or records in
-            other units.
+        UsageError: units or a name that no joint has, a result without newtons for a target that needs them, or
+            records in other units.
         DataError: the records cannot carry any estimate.
         SetupError: a library is missing, or the disk does not take the file.
     """
     target.check_name(out)
+    check_joint(options.joint)
     check_units(saved)
     used = as_saved(saved, records).records if records else ()
     plan, near = _planned(saved, target, options, used)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from msd_ident.export import header, roles
+from msd_ident.export import header, quoting, roles
 from msd_ident.export.laws import number
 from msd_ident.export.plan import MOTIONS, Plan
 from msd_ident.export.support import Support
@@ -61,7 +61,8 @@ class SdfTarget(Target):
         text = filled(
             self.template,
             header=header.xml_text(plan, self.what),
-            joint=plan.joint, kind=MOTIONS[plan.saved.position_unit], inertial=self.inertial(plan), free=number(FREE),
+            joint=quoting.in_xml(plan.joint), kind=MOTIONS[plan.saved.position_unit],
+            inertial=self.inertial(plan), free=number(FREE),
             **_limits(plan), **_dynamics(plan),
         )  # fmt: skip
         return {out: text.encode()}

@@ -41,8 +41,8 @@ def text(plan: Plan, called: Sequence[Effect], module: str, model_file: str) -> 
         filled(
             "callback.py.txt",
             header=header.text(plan, f"Callbacks for {model_file}"), module=module,
-            model=quoting.plain(model_file),
-            joint=plan.joint, zero=laws.number(plan.zero), constants="\n".join([*plant, *laws.constants(called)]),
+            model=quoting.plain(model_file), joint=quoting.in_python(plan.joint),
+            zero=laws.number(plan.zero), constants="\n".join([*plant, *laws.constants(called)]),
             functions="\n\n\n".join([laws.functions(called), *spring]),
         )
     ]  # fmt: skip

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from msd_ident.export import roles
+from msd_ident.export import quoting, roles
 from msd_ident.export.laws import number
 from msd_ident.export.plan import Plan
 from msd_ident.export.support import Support
@@ -91,7 +91,7 @@ def _play(made: Elements, plan: Plan, effect: Effect) -> None:
     made.tendons.append(
         f'<fixed name="spring_with_play" stiffness="{number(stiffness)}" '
         f'springlength="{number(plan.zero - gap)} {number(plan.zero + gap)}">'
-        f'<joint joint="{plan.joint}" coef="1"/></fixed>'
+        f'<joint joint="{quoting.in_xml(plan.joint)}" coef="1"/></fixed>'
     )
 
 
@@ -245,4 +245,5 @@ def _make_room(made: Elements, plan: Plan, effect: Effect) -> None:
     elif "input_map" in laws:
         made.actuator["gaintype"] = "user"
     if "reading" in laws:
-        made.sensors.append(f'<user name="{SENSOR}" objtype="joint" objname="{plan.joint}" dim="1" needstage="pos"/>')
+        joint = quoting.in_xml(plan.joint)
+        made.sensors.append(f'<user name="{SENSOR}" objtype="joint" objname="{joint}" dim="1" needstage="pos"/>')

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from msd_ident.errors import UsageError
-from msd_ident.export import header, mujoco_elements, mujoco_replay, mujoco_target, robot
+from msd_ident.export import header, mujoco_elements, mujoco_replay, mujoco_target, quoting, robot
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.mujoco_target import MujocoTarget, callbacks
@@ -32,7 +32,8 @@ class FragmentTarget(MujocoTarget):
         made = mujoco_elements.elements(plan)
         text = filled(
             "mujoco_fragment.xml.txt",
-            header=header.xml_text(plan, self.what), joint=plan.joint,
+            header=header.xml_text(plan, self.what), joint=quoting.in_xml(plan.joint),
+            told=quoting.in_xml_comment(quoting.plain(plan.joint)),
             step=number(plan.step), mass=number(plan.model.mass), attributes=mujoco_target.attributes(made.joint),
             rest=mujoco_target.rest(plan, made),
         )  # fmt: skip

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from msd_ident.data.record import FloatArray
-from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, roles
+from msd_ident.export import header, mujoco_callback, mujoco_elements, mujoco_replay, quoting, roles
 from msd_ident.export.laws import number
 from msd_ident.export.mujoco_elements import ACTUATOR, Elements
 from msd_ident.export.plan import Plan
@@ -80,13 +80,14 @@ def model(plan: Plan, made: Elements, what: str) -> str:
         made: elements of the model.
         what: the format, in a few words for the header.
     """
+    joint = quoting.in_xml(plan.joint)
     return filled(
         "mujoco.xml.txt",
         header=header.xml_text(plan, what),
-        name=plan.joint,
+        name=joint,
         step=number(plan.step),
-        body=f"{plan.joint}_body",
-        joint=plan.joint,
+        body=f"{joint}_body",
+        joint=joint,
         kind="hinge" if plan.revolute else "slide",
         attributes=attributes(made.joint),
         inertial=mujoco_elements.inertial(plan.model.mass, plan.revolute),
@@ -102,11 +103,12 @@ def rest(plan: Plan, made: Elements) -> str:
         plan: what is exported.
         made: elements of the model.
     """
+    joint = quoting.in_xml(plan.joint)
     turned = {"gear": "-1"} if plan.saved.force_sign < 0 else {}
-    pushers = [f'<general name="{ACTUATOR}" joint="{plan.joint}" {attributes(made.actuator | turned)}/>']
+    pushers = [f'<general name="{ACTUATOR}" joint="{joint}" {attributes(made.actuator | turned)}/>']
     if made.offset:
         bias = {"gainprm": "0", "biastype": "affine", "biasprm": f"{number(-made.offset)} 0 0"}
-        pushers.append(f'<general name="offset" joint="{plan.joint}" {attributes(bias)}/>')
+        pushers.append(f'<general name="offset" joint="{joint}" {attributes(bias)}/>')
     sections = (("tendon", made.tendons), ("actuator", pushers), ("sensor", made.sensors))
     return "".join(
         f"  <{name}>\n" + "".join(f"    {item}\n" for item in items) + f"  </{name}>\n"

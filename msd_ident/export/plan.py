@@ -84,6 +84,16 @@ def check_units(saved: SavedModel) -> None:
         )
 
 
+def check_joint(name: str) -> None:
+    """Refuse a joint's name that no file can hold.
+
+    Raises:
+        UsageError: it is empty, or holds signs that cannot be printed.
+    """
+    if not name.strip() or not name.isprintable():
+        raise UsageError(f"--joint {name!r}; expected a name that can be read: give the joint's own, e.g. --joint cart")
+
+
 def check_scale(saved: SavedModel, target: str, instead: str) -> None:
     """Refuse a target that needs newtons where the result has none.
 

@@ -1,8 +1,10 @@
-"""Words of others in a written file: the path of a record or the name of a joint is text there, never code or markup."""
+"""Words of others in a written file: the path of a record and the name of a joint are text there, never code."""
 
 from __future__ import annotations
 
+import json
 import re
+from xml.sax.saxutils import escape
 
 
 def plain(text: str) -> str:
@@ -23,3 +25,21 @@ def in_xml_comment(text: str) -> str:
         text: of plain lines.
     """
     return re.sub("-(?=-)", "- ", text)
+
+
+def in_xml(text: str) -> str:
+    """The same text for the value of an XML attribute between double quotes, or of an element.
+
+    Args:
+        text: printable.
+    """
+    return escape(text, {'"': "&quot;"})
+
+
+def in_python(text: str) -> str:
+    """A Python literal of the text.
+
+    Args:
+        text: printable.
+    """
+    return json.dumps(text, ensure_ascii=False)
