@@ -98,7 +98,7 @@ def _planned(
         check_scale(saved, target.name, WHOLE)
     rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())
     period = records[0].period if records else 1.0 / saved.rate if saved.rate > 0.0 else 1e-3
-    made = posterior.draw(saved, records, options.draws) if target.name == "draws" else None
+    made = posterior.draw(saved, records, options.draws).scaled(scale) if target.name == "draws" else None
     plan = Plan(
         saved=source, model=model, joint=options.joint, zero=zero if near is None else near.zero,
         period=period, steps=options.steps or _steps(model, period, target), force_scale=scale,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from msd_ident import seeds
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, fit
+from msd_ident.export.plan import force_power
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
+from msd_ident.model.parameters import PARAMETERS
 from msd_ident.workflow.saved_model import SavedModel
 
 #: An explanation less likely than this is not drawn from.
@@ -38,6 +40,16 @@ class Draws:
     values: FloatArray
     explanation: np.ndarray[tuple[int], np.dtype[np.int64]]
     explanations: tuple[tuple[tuple[str, ...], float], ...]
+
+    def scaled(self, factor: float) -> Draws:
+        """The same in newtons.
+
+        Args:
+            factor: newtons per force unit of the record. It is that of the whole result, as the record's motion tells
+                it: every row moves as the record does under the same force.
+        """
+        powers = [force_power(PARAMETERS[name].unit) for name in self.names]
+        return replace(self, values=self.values * np.power(factor, powers))
 
 
 def draw(saved: SavedModel, records: Sequence[Record], count: int) -> Draws:

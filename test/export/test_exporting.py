@@ -174,6 +174,26 @@ def test_volts_move_alike_with_and_without_a_mass(tmp_path: Path) -> None:
     assert 'mass="3.0"' in (tmp_path / "rig.xml").read_text()
 
 
+def test_draws_of_volts_are_in_newtons_with_a_mass(tmp_path: Path) -> None:
+    """The rows scale as the header does: masses and forces with the mass, gains against it, times not."""
+    model, record = rig("coulomb_friction", "force_gain_nonlinearity", "actuator_lag")
+    volts = replace(record, force_unit="V")
+    plans = [
+        export(
+            saved(model, unit="V"), target("draws"), tmp_path / "draws.csv", Options(mass=mass, draws=3), (volts,)
+        ).plan
+        for mass in (None, 2.0 * model.mass)
+    ]
+    (volt, newton) = (plan.draws for plan in plans)
+    assert volt is not None and newton is not None
+    for name, ratio in (("mass", 2.0), ("coulomb_force", 2.0), ("gain_slope", 0.5), ("lag_time", 1.0)):
+        i = volt.names.index(name)
+        assert newton.values[:, i] == pytest.approx(ratio * volt.values[:, i]), name
+        assert plans[1].value(name) == pytest.approx(ratio * plans[0].value(name)), name
+    row = (tmp_path / "draws.csv").read_text().splitlines()[-1]
+    assert float(row.split(",")[0]) == newton.values[-1, 0]
+
+
 def test_a_turned_force_is_turned_back(tmp_path: Path) -> None:
     model, record = rig("coulomb_friction")
     turned = replace(record, force=-record.force)
