@@ -13,7 +13,7 @@ from msd_ident.export import nearest as nearby
 from msd_ident.export import posterior
 from msd_ident.export.laws import fastest
 from msd_ident.export.nearest import Nearest
-from msd_ident.export.plan import Plan, check_joint, check_scale, check_units, scaled
+from msd_ident.export.plan import Plan, check_joint, check_scale, check_units, in_newtons, scaled
 from msd_ident.export.proof import Proof, replayed
 from msd_ident.export.result import Export
 from msd_ident.export.support import Row
@@ -93,7 +93,7 @@ def _planned(
                 "is known better"
             )
         model, scale = scaled(replace(saved, model=model), options.mass)
-        source = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
+        source = in_newtons(saved)
     elif target.needs_newtons:
         check_scale(saved, target.name, WHOLE)
     rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from msd_ident.errors import UsageError
+from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.model import Model
+from msd_ident.model.parameters import PARAMETERS
 from msd_ident.workflow.saved_model import SavedModel
 
 if TYPE_CHECKING:
+    from msd_ident.data.record import Record
     from msd_ident.export.posterior import Draws
 
 #: Position unit → how a joint of that unit moves.
@@ -139,6 +142,18 @@ def scaled(saved: SavedModel, mass: float) -> tuple[Model, float]:
         if power and math.isfinite(values[parameter.name]):
             values[parameter.name] *= factor**power
     return saved.model.with_values(values), factor
+
+
+def in_newtons(saved: SavedModel) -> SavedModel:
+    """The same result with newtons as the unit of its forces, and the units of its parameters that follow from it.
+
+    Its values stay those of the record's force unit: ``scaled`` converts them.
+    """
+    told = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
+    rig = cast("Record", told)  # the two units of a rig are all that is read, and a result has them as a record has
+    units = {name: unit_in(PARAMETERS[name].unit, rig) for name in told.parameters if name in PARAMETERS}
+    parameters = {name: replace(own, unit=units.get(name, own.unit)) for name, own in told.parameters.items()}
+    return replace(told, parameters=parameters)
 
 
 def force_power(unit: str) -> int:

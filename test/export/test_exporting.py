@@ -136,6 +136,26 @@ def test_gains_of_a_feedforward(tmp_path: Path) -> None:
     assert told == {"kS": 0.3, "kV": 3.927, "kA": 0.9407, "kG": 0.5, "kP": 694.1, "zero": 0.0}
 
 
+@pytest.mark.parametrize(
+    ("position", "units"),
+    [
+        ("m", {"mass": "kg", "damping": "N·s/m", "stiffness": "N/m", "coulomb_force": "N", "lag_time": "s"}),
+        ("rad", {"mass": "kg·m²", "damping": "N·m·s/rad", "stiffness": "N·m/rad", "coulomb_force": "N·m"}),
+    ],
+)
+def test_a_mass_gives_the_header_its_units(position: str, units: dict[str, str], tmp_path: Path) -> None:
+    model = effect_examples.model("coulomb_friction", "actuator_lag")
+    told = result(model, unit="V", position=position)
+    for own in told["extended"]["parameters"].values():
+        own["unit"] = "a unit of the record"
+    export(from_json_dict(told), target("gains"), tmp_path / "gains.yaml", Options(mass=2.0 * model.mass))
+    lines = (tmp_path / "gains.yaml").read_text(encoding="utf-8").splitlines()
+    shown = {words[1]: words for words in map(str.split, lines) if words[3:4] == ["+-"]}
+    assert {name: shown[name][5] for name in units} == units
+    assert float(shown["mass"][2]) == pytest.approx(2.0 * model.mass)
+    assert float(shown["mass"][4]) == pytest.approx(1.96 * 0.001 * 2.0 * model.mass, rel=0.05)
+
+
 @pytest.mark.parametrize("ending", ["csv", "npz"])
 def test_draws_are_correlated_and_share_the_explanations(ending: str, tmp_path: Path) -> None:
     model, record = rig("coulomb_friction")
