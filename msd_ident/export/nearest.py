@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from msd_ident.data.record import Record
 from msd_ident.estimate import FitResult, fit
 from msd_ident.estimate.formulation import Zero
+from msd_ident.export.known import kept
 from msd_ident.export.roles import role
 from msd_ident.export.target import Target
 from msd_ident.model import Model, Plant
@@ -110,11 +111,9 @@ def _cost(found: FitResult) -> float:
 
 
 def _fitted(saved: SavedModel, model: Model, records: Sequence[Record]) -> FitResult:
-    given = {name for name, quantity in saved.parameters.items() if quantity.std == 0.0 and name in model.names}
-    fixed = given | ({"stiffness"} if model.stiffness == 0.0 else set())
     zero: Zero = "free" if model.stiffness > 0.0 else "known"
     starts = [model.with_values({FRICTION_FORCE: 0.02 * _force(records, model)})] if model.has(_STAND_IN) else []
-    return fit(model, records, fixed=fixed, zero=zero, search="near", starts=starts)
+    return fit(model, records, fixed=kept(saved, model), zero=zero, search="near", starts=starts)
 
 
 def _force(records: Sequence[Record], model: Model) -> float:

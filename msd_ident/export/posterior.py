@@ -12,10 +12,14 @@ from msd_ident import seeds
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.errors import UsageError
 from msd_ident.estimate import FitResult, fit
+from msd_ident.estimate.formulation import Zero
+from msd_ident.export.known import kept, known
 from msd_ident.export.plan import force_power
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import by_name
 from msd_ident.model.parameters import PARAMETERS
+from msd_ident.workflow.identify import KNOWN_STEP
+from msd_ident.workflow.known_parameters import Known
 from msd_ident.workflow.saved_model import SavedModel
 
 #: An explanation less likely than this is not drawn from.
@@ -52,6 +56,33 @@ class Draws:
         return replace(self, values=self.values * np.power(factor, powers))
 
 
+@dataclass(frozen=True)
+class _Fitted:
+    """One explanation, and how uncertain it is.
+
+    Attributes:
+        fit: with the known parameters at their values.
+        uncertain: known parameters that are not exact.
+        slopes: (free, uncertain) change of each fitted parameter with each of them.
+    """
+
+    fit: FitResult
+    uncertain: tuple[Known, ...]
+    slopes: FloatArray
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that differ from draw to draw: the fitted ones, then the known ones that are not exact."""
+        return (*self.fit.free, *(one.name for one in self.uncertain))
+
+    def deviations(self, count: int, rng: np.random.Generator) -> FloatArray:
+        """(count, names) draws from normal distributions around the fit; to first order in what was known."""
+        free, covariance = len(self.fit.free), np.asarray(self.fit.covariance)
+        own = rng.multivariate_normal(np.zeros(free), covariance, size=count, method="eigh")
+        given = rng.normal(size=(count, len(self.uncertain))) * [one.std for one in self.uncertain]
+        return np.hstack([own + given @ self.slopes.T, given])
+
+
 def draw(saved: SavedModel, records: Sequence[Record], count: int) -> Draws:
     """Draw parameter sets.
 
@@ -62,6 +93,7 @@ def draw(saved: SavedModel, records: Sequence[Record], count: int) -> Draws:
 
     Raises:
         UsageError: no records, or fewer than one draw.
+        DataError: as ``known``.
     """
     if count < 1:
         raise UsageError(f"{count} draws; expected at least 1, e.g. --draws 1000")
@@ -72,14 +104,14 @@ def draw(saved: SavedModel, records: Sequence[Record], count: int) -> Draws:
         )
     sets = _explanations(saved)
     fits = [_fitted(saved, causes, records) for causes, _ in sets]
-    names = tuple(dict.fromkeys(name for found in fits for name in found.model.names))
+    names = tuple(dict.fromkeys(name for found in fits for name in found.fit.model.names))
     rng = np.random.default_rng(seeds.DRAWS)
     which = rng.choice(len(sets), size=count, p=[probability for _, probability in sets])
     values = np.array([_neutral(names)] * count)
     for i, found in enumerate(fits):
         rows = np.flatnonzero(which == i)
         if rows.size:
-            columns = np.array([names.index(name) for name in found.model.names])
+            columns = np.array([names.index(name) for name in found.fit.model.names])
             values[np.ix_(rows, columns)] = _drawn(found, rows.size, rng)
     return Draws(names, values, which.astype(np.int64), sets)
 
@@ -92,17 +124,27 @@ def _explanations(saved: SavedModel) -> tuple[tuple[tuple[str, ...], float], ...
     return tuple((causes, p / whole) for causes, p in [(saved.model.effect_names, own), *rivals])
 
 
-def _fitted(saved: SavedModel, causes: tuple[str, ...], records: Sequence[Record]) -> FitResult:
-    """The result's own model refitted from where it stands; another explanation from its effects' guesses."""
+def _fitted(saved: SavedModel, causes: tuple[str, ...], records: Sequence[Record]) -> _Fitted:
+    """The result's own model refitted from where it stands; another explanation from its effects' guesses.
+
+    What was known beforehand is kept. As in ``identify``, one further fit with each known parameter a little higher
+    tells how the others follow it.
+    """
     own = set(causes) == set(saved.model.effect_names)
     model = saved.model if own else _begun(saved, causes, records[0])
-    given = [name for name, quantity in saved.parameters.items() if quantity.std == 0.0 and name in model.names]
-    fixed = {*given, *(name for name, value in zip(model.names, model.values, strict=True) if not math.isfinite(value))}
-    if model.stiffness == 0.0:
-        fixed.add("stiffness")
-    return fit(
-        model, records, fixed=fixed, zero="free" if model.stiffness > 0.0 else "known", search="near" if own else "wide"
-    )
+    limits = {n: v for n, v in zip(model.names, model.values.tolist(), strict=True) if not math.isfinite(v)}
+    fixed = limits | kept(saved, model)
+    zero: Zero = "free" if model.stiffness > 0.0 else "known"
+    found = fit(model, records, fixed=fixed, zero=zero, search="near" if own else "wide")
+    free = [model.names.index(name) for name in found.free]
+    uncertain = tuple(one for one in known(saved) if one.std > 0.0 and one.name in model.names)
+    slopes = np.zeros((len(free), len(uncertain)))
+    for i, one in enumerate(uncertain):
+        step = min(one.std, KNOWN_STEP * abs(one.value) or one.std)
+        moved = {**fixed, one.name: one.value + step}
+        near = fit(found.model, records, fixed=moved, zero=zero, search="near", initial=found.initial)
+        slopes[:, i] = (near.model.values - found.model.values)[free] / step
+    return _Fitted(found, uncertain, slopes)
 
 
 def _begun(saved: SavedModel, causes: tuple[str, ...], record: Record) -> Model:
@@ -122,21 +164,21 @@ def _neutral(names: Sequence[str]) -> list[float]:
     return [neutral.get(name, math.nan) for name in names]
 
 
-def _drawn(found: FitResult, count: int, rng: np.random.Generator) -> FloatArray:
+def _drawn(one: _Fitted, count: int, rng: np.random.Generator) -> FloatArray:
     """(count, p) parameter vectors of one explanation, within the bounds of its parameters."""
-    names, model = list(found.model.names), found.model
-    free = [names.index(name) for name in found.free]
-    lower = np.array([model.parameters[i].lower for i in free])
-    upper = np.array([model.parameters[i].upper for i in free])
-    centre, covariance = model.values[free], np.asarray(found.covariance)
-    kept = np.empty((0, len(free)))
+    model = one.fit.model
+    places = [model.names.index(name) for name in one.names]
+    lower = np.array([model.parameters[i].lower for i in places])
+    upper = np.array([model.parameters[i].upper for i in places])
+    centre = model.values[places]
+    inside = np.empty((0, len(places)))
     for _ in range(_TRIES):
-        fresh = rng.multivariate_normal(centre, covariance, size=2 * count, method="eigh")
-        kept = np.concatenate([kept, fresh[np.all((fresh >= lower) & (fresh <= upper), axis=1)]])
-        if len(kept) >= count:
+        fresh = centre + one.deviations(2 * count, rng)
+        inside = np.concatenate([inside, fresh[np.all((fresh >= lower) & (fresh <= upper), axis=1)]])
+        if len(inside) >= count:
             break
     else:
-        kept = np.clip(rng.multivariate_normal(centre, covariance, size=count, method="eigh"), lower, upper)
+        inside = np.clip(centre + one.deviations(count, rng), lower, upper)
     values = np.tile(model.values, (count, 1))
-    values[:, free] = kept[:count]
+    values[:, places] = inside[:count]
     return values

@@ -20,7 +20,7 @@ from msd_ident.export import Export, Options, export, into, target
 from msd_ident.export import robot as robots
 from msd_ident.export.mujoco_replay import averages
 from msd_ident.export.plan import force_power, scaled
-from msd_ident.model import Model, Plant
+from msd_ident.model import Model, Plant, Simulator
 from msd_ident.workflow.saved_model import from_json_dict
 
 ROBOT = """<mujoco><worldbody><body><joint name="cart" type="slide" axis="1 0 0"/><geom size=".02" mass="0.4"/>
@@ -174,6 +174,65 @@ def test_draws_are_correlated_and_share_the_explanations(ending: str, tmp_path: 
     assert np.corrcoef(columns["mass"][own], columns["stiffness"][own])[0, 1] > 0.3
     assert np.corrcoef(columns["damping"][own], columns["coulomb_force"][own])[0, 1] < -0.3
     assert float(np.mean(columns["stiffness"][own])) == pytest.approx(694.1, rel=1e-3)
+
+
+def known(name: str, value: float, std: object = 0.0) -> dict[str, object]:
+    """A known parameter in the JSON of an identification."""
+    return {"name": name, "value": value, "std": std, "unit": "a unit"}
+
+
+def test_draws_follow_what_was_known(tmp_path: Path) -> None:
+    """The known spring has the standard deviation that was given; the fitted values follow it, their ratios do not."""
+    model, record = rig("coulomb_friction")
+    told = saved(model, known=[known("stiffness", model.stiffness, 7.0)])
+    drawn = export(told, target("draws"), tmp_path / "draws.csv", Options(draws=2000), (record,)).plan.draws
+    free = export(saved(model), target("draws"), tmp_path / "free.csv", Options(draws=2000), (record,)).plan.draws
+    assert drawn is not None and free is not None and drawn.names == free.names
+    mass, spring = (drawn.values[:, drawn.names.index(name)] for name in ("mass", "stiffness"))
+    assert float(np.mean(spring)) == pytest.approx(model.stiffness, rel=1e-3)
+    assert float(np.std(spring)) == pytest.approx(7.0, rel=0.05)
+    assert np.corrcoef(spring, mass)[0, 1] > 0.99
+    assert float(np.std(free.values[:, free.names.index("stiffness")])) < 0.7
+    assert float(np.std(spring / mass)) < 0.1 * 7.0 / model.mass
+
+
+def test_draws_of_a_decay_have_the_scale_that_was_weighed(tmp_path: Path) -> None:
+    model = Plant(2.0, 4.0, 1200.0)
+    force = effect_examples.record(200.0, duration=3.0)
+    pulled = Simulator(model, replace(force, force=0.0 * force.force)).positions(model.values, 0.05)
+    record = replace(force, force=0.0 * force.force, position=pulled + NOISE * np.sin(np.arange(pulled.size) ** 2))
+    drawn = []
+    for std in (0.0, 0.02):
+        told = saved(model, known=[known("mass", 2.0, std)])
+        drawn.append(export(told, target("draws"), tmp_path / "d.csv", Options(draws=2000), (record,)).plan.draws)
+    exact, weighed = (dict(zip(one.names, one.values.T, strict=True)) for one in drawn if one is not None)
+    assert set(exact["mass"]) == {2.0}
+    for name in ("mass", "stiffness"):
+        assert float(np.std(weighed[name]) / np.mean(weighed[name])) == pytest.approx(0.01, rel=0.05), name
+    assert float(np.std(exact["stiffness"])) < 1.0
+
+
+def test_what_was_known_is_kept_where_a_law_is_replaced(tmp_path: Path) -> None:
+    model, record = rig("hysteresis")
+    told = saved(model, known=[known("stiffness", 1.02 * model.stiffness, 5.0)])
+    found = export(told, target("sdf"), tmp_path / "rig.sdf", Options(), (record,))
+    assert found.nearest is not None and found.nearest.model.stiffness == 1.02 * model.stiffness
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"name": "mass", "value": 2.0}, "cannot be read ('std'); expected name, value and std of each: renew"),
+        (known("mass", 2.0, None), "cannot be read (float() argument must be a string or a real number"),
+        (known("mass", -2.0), "cannot be read (mass is -2 kg; expected a finite value above 0: correct"),
+        (known("weight", 2.0), "cannot be read (no parameter is called 'weight'; expected one of mass"),
+    ],
+)
+def test_known_parameters_that_cannot_be_read(told: dict[str, object], words: str, tmp_path: Path) -> None:
+    model, record = rig("coulomb_friction")
+    with pytest.raises(DataError) as caught:
+        export(saved(model, known=[told]), target("draws"), tmp_path / "draws.csv", Options(), (record,))
+    assert words in str(caught.value)
 
 
 def test_a_mass_gives_newtons() -> None:
