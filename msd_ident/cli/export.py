@@ -42,7 +42,9 @@ IntoOption = Annotated[
         "--into", metavar="ROBOT.xml", help="insert the model into a joint of this MuJoCo model; --out is the new file"
     ),
 ]
-FragmentOption = Annotated[bool, options.output_option("--fragment", help="write only the joint's elements, to paste")]
+FragmentOption = Annotated[
+    bool, options.output_option("--fragment", help="of --to mujoco, write only the joint's elements, to paste")
+]
 MassOption = Annotated[
     float | None, options.model_option("--mass", metavar="KG", help="moving mass, for a result that has only ratios")
 ]
@@ -79,7 +81,7 @@ def export(
     from msd_ident.report import export as tables
 
     output.check()
-    chosen = exports.target("mujoco-fragment" if fragment else to) if into is None else exports.into(into, to)
+    chosen = exports.chosen(to, into, fragment)
     chosen.check_name(out)
     results.check_targets(output.overwrite, out, *chosen.beside(out))
     saved = saved_model(result, line)

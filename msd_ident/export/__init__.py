@@ -19,7 +19,7 @@ from msd_ident.export.python_target import PythonMsdTarget, PythonTarget
 from msd_ident.export.result import Export
 from msd_ident.export.target import Target
 
-__all__ = ["TARGETS", "Export", "Options", "Target", "export", "into", "target"]
+__all__ = ["TARGETS", "Export", "Options", "Target", "chosen", "export", "into", "target"]
 
 #: All targets.
 TARGETS: tuple[Target, ...] = (
@@ -46,6 +46,29 @@ def target(name: str) -> Target:
         if one.name == name:
             return one
     raise UsageError(f"no target is called {name!r}; expected one of {', '.join(one.name for one in TARGETS)}")
+
+
+def chosen(name: str, robot: Path | None, fragment: bool) -> Target:
+    """The target that the options of the command line ask for together.
+
+    Args:
+        name: target that the user asked for.
+        robot: MuJoCo model to put the joint into; ``None`` for none.
+        fragment: whether only the joint's elements are wanted.
+
+    Raises:
+        UsageError: there is no such target, or it is no MuJoCo model that one of the others changes.
+    """
+    if not fragment:
+        return target(name) if robot is None else into(robot, name)
+    if robot is not None:
+        raise UsageError("--fragment with --into, which writes a whole robot; expected one of them: leave one away")
+    elements = FragmentTarget()
+    if name not in (MujocoTarget.name, elements.name):
+        raise UsageError(
+            f"--fragment with --to {name}; expected --to mujoco, whose elements it writes: leave --fragment away"
+        )
+    return elements
 
 
 def into(path: Path, name: str) -> Target:

@@ -63,6 +63,31 @@ def test_a_path_in_a_result_is_never_run(name: str, rig: Path, tmp_path: Path) -
 
 
 @pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--to", "sdf", "--out", "a.sdf"), "--fragment with --to sdf; expected --to mujoco, whose elements it writes"),
+        (("--to", "gains", "--out", "a.xml"), "--fragment with --to gains; expected --to mujoco"),
+        (("--to", "mujoco", "--out", "a.xml", "--into", "robot.xml"), "--fragment with --into, which writes a whole"),
+        (("--to", "mujoco", "--out", "a.xml", "--joint", ""), "--joint ''; expected a name that can be read"),
+    ],
+)
+def test_a_fragment_is_of_one_joint_in_mujoco(
+    options: tuple[str, ...], words: str, rig: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = run("export", rig / "result.json", "--no-replay", "--fragment", *options)
+    assert found.code == 2 and words in found.err and found.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_a_fragment_is_written(rig: Path, tmp_path: Path) -> None:
+    found = run("export", rig / "result.json", "--fragment", "--to", "mujoco", "--out", tmp_path / "a.xml")
+    assert found.code == 0 and "<mujocoinclude>" in (tmp_path / "a.xml").read_text(encoding="utf-8")
+
+
+@pytest.mark.xdist_group("export_cli")
 def test_identify_exports_in_one_go(rig: Path, tmp_path: Path) -> None:
     out = tmp_path / "rig.py"
     found = run("identify", rig / "rig.csv", "--export", f"python:{out}", "--json", "-")
