@@ -80,11 +80,14 @@ def export(
     from msd_ident.io import read_all
     from msd_ident.report import export as tables
 
-    output.check()
     chosen = exports.chosen(to, into, fragment)
     chosen.check_name(out)
-    results.check_targets(output.overwrite, out, *chosen.beside(out))
     saved = saved_model(result, line)
+    written, read = (out, *chosen.beside(out)), (result, *(replay or ()), *_own(saved, result), *filter(None, (into,)))
+    json = None if output.json in ("", "-") else Path(output.json)
+    results.check_apart([*written, *filter(None, (json, output.report))], read)
+    output.check(*read)
+    results.check_targets(output.overwrite, *written)
     settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
     records = [record for path in paths for record in read_all(path, source)]
@@ -98,6 +101,15 @@ def export(
     return 0
 
 
+def _own(saved: SavedModel, result: Path) -> list[Path]:
+    """Places where the record of a result is, as the result names it or beside the result; none where it is not."""
+    try:
+        places = (Path(saved.path), result.parent / saved.path) if saved.path else ()
+        return [place for place in places if place.exists()]
+    except OSError:  # a path that is too long for the disk
+        return []
+
+
 def _paths(
     saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
 ) -> tuple[Sequence[Path], str]:
@@ -106,14 +118,13 @@ def _paths(
 
     if replay:
         return replay, ""
-    for own in (Path(saved.path), result.parent / saved.path):
-        if saved.path and own.exists():
-            try:
-                for record in read_all(own, source):
-                    _check(saved, record)
-            except MsdError as error:
-                return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
-            return (own,), ""
+    for own in _own(saved, result)[:1]:
+        try:
+            for record in read_all(own, source):
+                _check(saved, record)
+        except MsdError as error:
+            return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
+        return (own,), ""
     return (), f"its own record {saved.path} is not here: give --replay PATH"
 
 

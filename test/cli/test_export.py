@@ -82,6 +82,42 @@ def test_a_fragment_is_of_one_joint_in_mujoco(
 
 
 @pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--to", "draws", "--out", "r.csv", "--replay", "r.csv"), "r.csv is read, and a result would replace it"),
+        (("--to", "draws", "--out", "rig.csv"), "rig.csv is read, and a result would replace it"),
+        (("--to", "python", "--out", "a.py", "--json", "rig.csv"), "rig.csv is read, and a result would replace it"),
+        (("--to", "python", "--out", "a.py", "--json", "model.json"), "model.json is read, and a result would"),
+        (("--to", "python-msd", "--out", "model.py"), "model.json is read, and a result would replace it"),
+        (("--to", "mujoco", "--out", "robot.xml", "--into", "robot.xml"), "robot.xml is read, and a result would"),
+        (("--to", "python", "--out", "a.py", "--report", "a.py"), "two results go to a.py; expected a file for each"),
+        (("--to", "python-msd", "--out", "a.py", "--json", "a.json"), "two results go to a.json; expected a file"),
+    ],
+)
+def test_nothing_that_is_read_or_written_is_replaced(
+    options: tuple[str, ...], words: str, rig: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, source in (("r.csv", "rig.csv"), ("rig.csv", "rig.csv"), ("model.json", "result.json")):
+        (tmp_path / name).write_bytes((rig / source).read_bytes())
+    (tmp_path / "robot.xml").write_text("<mujoco/>")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    found = run("export", "model.json", *options, "--overwrite", "--figures", "pictures")
+    assert found.code == 2 and words in found.err and found.err.count("\n") == 1
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.xdist_group("export_cli")
+def test_a_path_that_no_disk_has_is_no_record(rig: Path, tmp_path: Path) -> None:
+    told = json.loads((rig / "result.json").read_text())
+    (tmp_path / "model.json").write_text(json.dumps(told | {"path": 600 * "long"}))
+    found = run("export", tmp_path / "model.json", "--to", "python", "--out", tmp_path / "a.py", "--json", "-")
+    assert found.code == 0, found.err
+    assert json.loads(found.out)["not_replayed"].endswith("is not here: give --replay PATH")
+
+
+@pytest.mark.xdist_group("export_cli")
 def test_a_fragment_is_written(rig: Path, tmp_path: Path) -> None:
     found = run("export", rig / "result.json", "--fragment", "--to", "mujoco", "--out", tmp_path / "a.xml")
     assert found.code == 0 and "<mujocoinclude>" in (tmp_path / "a.xml").read_text(encoding="utf-8")
