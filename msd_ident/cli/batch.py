@@ -68,9 +68,11 @@ def batch(
     if not is_table(out):
         raise UsageError(f"{out} is no table's name; expected one that ends in .parquet")
     output = results.Output(quiet=quiet, overwrite=overwrite or resume, report=report)
-    output.check()
+    records = locations.records([*(paths or ()), *_listed(listed)])
+    listing = [listed] if listed not in ("", "-") else []
+    output.check(*many_records.here([*records, *listing]), written=many_records.here([out]))
     plan = batches.Plan(out, resume, overwrite, _draw if job.pages else None)
-    return _run(locations.records([*(paths or ()), *_listed(listed)]), job, plan, output, batching)
+    return _run(records, job, plan, output, batching)
 
 
 def _run(paths: Sequence[str], job: Job, plan: Plan, output: results.Output, batching: many_records.Batching) -> int:

@@ -19,7 +19,7 @@ def compare(
     """Compare robots, joints or days: which parameters they share, and which differ."""
     from msd_ident.comparison import comparing, rows
 
-    output.check()
+    output.check(*many_records.read_from(paths))
     rows.check(by)
     table = batching.table(paths, source, output.quiet)
     measured, remarks = rows.measured(table, by)

@@ -52,7 +52,7 @@ def design(
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
 
-    output.check()
+    output.check(*paths, *filter(None, (limits,)), written=[path for path in (out, figure) if path is not None])
     results.check_targets(output.overwrite, out, figure)
     allowed = options.limits_of(limits)
     with progress.stages(output.quiet) as report:

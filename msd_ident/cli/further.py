@@ -47,10 +47,21 @@ class Further:
 
         if count > 1:
             raise UsageError(f"--export with {count} results; expected one: give one path, or --together")
-        for one in self.export:
-            target, out = _parsed(one)
+        for target, out in map(_parsed, self.export):
             export.target(target).check_name(out)
-            results.check_targets(overwrite, out, *export.target(target).beside(out))
+        results.check_targets(overwrite, *self.files())
+
+    def files(self) -> list[Path]:
+        """All files that the exports may write.
+
+        Raises:
+            UsageError: no such target.
+        """
+        if not self.export:
+            return []
+        from msd_ident import export
+
+        return [path for target, out in map(_parsed, self.export) for path in (out, *export.target(target).beside(out))]
 
     def use(
         self, result: Mapping[str, Any], group: tuple[Path, ...], kept: list[Kept], console: Console | None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -75,6 +76,26 @@ class Batching:
             progress.records(link.client.dashboard_link, quiet) as tell,
         ):
             return batch.run(paths, job, link, batch.Plan(keep, resume=bool(keep), progress=tell))[0]
+
+
+def here(paths: Iterable[str]) -> list[Path]:
+    """Those of the paths that are on this machine and not in an object store."""
+    from msd_ident.batching import locations
+
+    return [Path(path) for path in paths if not locations.is_remote(path)]
+
+
+def read_from(paths: Sequence[str]) -> list[Path]:
+    """What the work on a table, or on records, reads on this machine: no result may replace it.
+
+    Raises:
+        DataError: a folder or pattern without any record.
+    """
+    from msd_ident.batching import locations, table
+
+    tables = [path for path in paths if table.is_table(path)]
+    others = [path for path in paths if path not in tables and not locations.is_remote(path)]
+    return here([*tables, *(locations.records(others) if others else ())])
 
 
 def _pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:

@@ -41,11 +41,12 @@ class Output:
     quiet: options.QuietOption = False
     overwrite: options.OverwriteOption = False
 
-    def check(self, *read: Path) -> None:
+    def check(self, *read: Path, written: Sequence[Path] = ()) -> None:
         """Refuse before any work what could not be written afterwards; make the folder of the figures.
 
         Args:
             read: files and folders that the work reads, which nothing may replace.
+            written: further files that the command writes; who gives them checks whether they exist.
 
         Raises:
             UsageError: a file exists and may not be replaced, or its folder does not exist; it is one of those that are
@@ -53,7 +54,7 @@ class Output:
             SetupError: the disk does not take the folder.
         """
         json = None if self.json in ("", "-") else Path(self.json)
-        check_apart([path for path in (json, self.report, self.markdown) if path is not None], read)
+        check_apart([path for path in (json, self.report, self.markdown, *written) if path is not None], read)
         check_targets(self.overwrite, self.report, self.markdown)
         if json is not None:
             check_targets(self.overwrite or _holds_refusals_alone(json), json)
@@ -112,14 +113,14 @@ def check_targets(overwrite: bool, *paths: Path | None) -> None:
 def check_apart(written: Sequence[Path], read: Sequence[Path] = ()) -> None:
     """Raise UsageError where two results go to one file, or one goes where a measurement or a model is read."""
     places = [path.resolve() for path in written]
+    sources = {path.resolve() for path in read} if written else set()  # a batch may read very many
     for path, place in zip(written, places, strict=True):
         if places.count(place) > 1:
             raise UsageError(f"two results go to {path}; expected a file for each: give one of them another name")
-        for source in (one.resolve() for one in read):
-            if place == source or (source == place.parent and place.exists() and _is_of_a_bag(place)):
-                raise UsageError(
-                    f"{path} is read, and a result would replace it; expected another file: give the result a new name"
-                )
+        if place in sources or (place.parent in sources and place.exists() and _is_of_a_bag(place)):
+            raise UsageError(
+                f"{path} is read, and a result would replace it; expected another file: give the result a new name"
+            )
 
 
 def _is_of_a_bag(path: Path) -> bool:

@@ -68,8 +68,7 @@ def simulate(
     from msd_ident.cli import results
 
     output = results.Output(json=json, quiet=quiet, overwrite=overwrite)
-    output.check()
-    results.check_apart([out, *([Path(json)] if json not in ("", "-") else [])])
+    output.check(written=[out])
     if out.suffix not in ("", ".csv") and not out.suffix[1:].isdigit():
         raise UsageError(f"{out} ends in {out.suffix}; expected a name that ends in .csv, or a folder's for a bag")
     if out.exists() and not overwrite:

@@ -51,8 +51,10 @@ def work(
     Returns:
         The exit code, 2 when any path failed, and the results.
     """
-    output.check(*data.paths)
-    if further is not None:
+    if further is None:
+        output.check(*data.paths)
+    else:
+        output.check(*data.paths, *further.on, written=further.files())
         further.check(1 if data.together else len(data.paths), output.overwrite)
     groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]
     parts = [part for group in groups for part in _parts(group, data)]

@@ -46,12 +46,14 @@ def watch(
     output: results.Output,
 ) -> int:
     """Find changes of parameters over days, and raise an alarm with a known false-alarm rate."""
+    from msd_ident.batching.table import is_table
     from msd_ident.monitoring.watching import Options
 
     settings = Options(false_alarms, per_year)
     if follow < 0.0 or (follow and output.json == "-"):
         raise UsageError("--follow takes seconds above 0 and not --json -; expected a number and a file")
-    output.check()
+    kept = () if any(map(is_table, paths)) else (keep,)
+    output.check(*many_records.read_from(paths), written=many_records.here(kept))
 
     def look() -> list[Watch]:
         table = batching.table(paths, source, output.quiet, keep)

@@ -9,7 +9,8 @@ import pytest
 
 pytest.importorskip("pyarrow", reason="the extra batch is not installed")
 
-from badinputs import run  # noqa: E402
+from badinputs import run, step  # noqa: E402
+from badinputs import table as table_of  # noqa: E402
 from batchrigs import row  # noqa: E402
 
 from msd_ident.batching import cluster, table  # noqa: E402
@@ -58,6 +59,41 @@ def test_what_makes_no_sense_is_one_line(
     found = run(*(word.format(empty=tmp_path / "empty", lab=lab) for word in words))
     assert (found.code, found.out) == (2, "")
     assert found.err.startswith("msd: ") and found.err.count("\n") == 1 and says in found.err
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("batch a.csv --out t.parquet --report a.csv", "a.csv is read, and a result would replace it"),
+        ("batch rig --out t.parquet --report rig/b.csv", "b.csv is read, and a result would replace it"),
+        ("batch --list all.txt --out t.parquet --report all.txt", "all.txt is read, and a result would replace it"),
+        ("batch a.csv --out t.parquet --report ./t.parquet", "two results go to t.parquet"),
+        ("compare lab.parquet --json lab.parquet", "lab.parquet is read, and a result would replace it"),
+        ("compare rig --report rig/b.csv", "b.csv is read, and a result would replace it"),
+        ("watch ./lab.parquet --json lab.parquet", "lab.parquet is read, and a result would replace it"),
+        ("watch rig --json rig/b.csv", "b.csv is read, and a result would replace it"),
+        ("watch rig --table k.parquet --report k.parquet", "two results go to k.parquet"),
+    ],
+)
+def test_no_result_replaces_what_is_read_nor_another_result(
+    words: str, says: str, lab: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(lab.parent)
+    (lab.parent / "rig").mkdir()
+    for name in ("a.csv", "rig/b.csv"):
+        table_of(step(), lab.parent / name)
+    (lab.parent / "all.txt").write_text("a.csv\n", encoding="utf-8")
+    before = {path: path.read_bytes() for path in lab.parent.rglob("*") if path.is_file()}
+    found = run(*words.split(), "--overwrite")
+    assert (found.code, found.out, found.err.count("\n")) == (2, "", 1) and says in found.err
+    assert {path: path.read_bytes() for path in lab.parent.rglob("*") if path.is_file()} == before
+
+
+def test_the_table_of_a_watch_may_be_watched_again(lab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It has the name that --table has by default, and is only read then."""
+    monkeypatch.chdir(lab.parent)
+    lab.rename("msd_watch.parquet")
+    assert run("watch", "msd_watch.parquet", "--json", "w.json", "--quiet").code == 0
 
 
 def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
