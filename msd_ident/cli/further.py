@@ -46,7 +46,10 @@ class Further:
         from msd_ident import export
 
         if count > 1:
-            raise UsageError(f"--export with {count} results; expected one: give one path, or --together")
+            raise UsageError(
+                f"--export with {count} results; expected one: give one path, with --run N where it has "
+                "several runs, or --together"
+            )
         for target, out in map(_parsed, self.export):
             export.target(target).check_name(out)
         results.check_targets(overwrite, *self.files())

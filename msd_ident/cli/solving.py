@@ -55,9 +55,10 @@ def work(
         output.check(*data.paths)
     else:
         output.check(*data.paths, *further.on, written=further.files())
-        further.check(1 if data.together else len(data.paths), output.overwrite)
     groups = [tuple(data.paths)] if data.together else [(path,) for path in data.paths]
     parts = [part for group in groups for part in _parts(group, data)]
+    if further is not None:
+        further.check(len(parts), output.overwrite)
     console = results.console()
     lines: list[dict[str, Any]] = []
     kept: list[pages.Kept] = []

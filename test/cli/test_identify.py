@@ -163,3 +163,21 @@ def test_paper_as_json_stands_alone_on_standard_output() -> None:
     assert found["standard_form"]["natural_frequency"]["value"] == pytest.approx(27.16, abs=5e-3)
     peak = found["inconsistency"]["first_peak_cm"]
     assert peak["data"] == pytest.approx(2.554) and abs(peak["best_coulomb_model"] - peak["data"]) > 0.01
+
+
+@pytest.fixture
+def runs_csv(step_csv: Path, tmp_path: Path) -> Path:
+    """Two runs side by side: the step twice."""
+    once, path = np.loadtxt(step_csv, delimiter=",", skiprows=1), tmp_path / "runs.csv"
+    head = ",".join(f"{name} Run #{run}" for run in (1, 2) for name in ("Time (s)", "Force (N)", "Position (m)"))
+    np.savetxt(path, np.hstack((once, once)), delimiter=",", header=head, comments="", fmt="%.9g")
+    return path
+
+
+def test_runs_side_by_side_are_not_exported_to_one_file(runs_csv: Path, tmp_path: Path) -> None:
+    draws = ("--export", f"draws:{tmp_path / 'draws.csv'}", "--quiet")
+    done = msd("identify", runs_csv, "--run", "all", *draws, expect=2)
+    assert "--export with 2 results; expected one: give one path, with --run N where it has several runs" in done.err
+    assert done.err.count("\n") == 1 and not (tmp_path / "draws.csv").exists()
+    msd("identify", runs_csv, "--run", "2", *draws)
+    assert (tmp_path / "draws.csv").exists()
