@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,8 +69,8 @@ class Further:
 
     def use(
         self, result: Mapping[str, Any], group: tuple[Path, ...], kept: list[Kept], console: Console | None
-    ) -> dict[str, Any]:
-        """Validate and export a result's model; the objects that go into its JSON.
+    ) -> tuple[dict[str, Any], bool]:
+        """Validate and export a result's model; a use that fails stops no other, and is told as a failing path is.
 
         Args:
             result: its JSON.
@@ -77,49 +78,56 @@ class Further:
             kept: the exports are added here.
             console: tables are printed here.
 
-        Raises:
-            DataError, UsageError: a path that cannot be read, or is in other units than the model.
-            SetupError: as ``export`` does.
+        Returns:
+            The objects that go into its JSON, and whether a use failed.
         """
         lines: dict[str, Any] = {}
+        on_failed = export_failed = False
         if self.on:
-            lines["validations"] = self._validations(result, console)
+            lines["validations"], on_failed = results.handled(self.on, self._validation(result, console))
         if self.export:
-            lines["exports"] = self._exports(result, group, kept, console)
-        return lines
+            outs = [out for _, out in map(_parsed, self.export)]
+            lines["exports"], export_failed = results.handled(outs, self._export(result, group, kept, console))
+        return lines, on_failed or export_failed
 
-    def _validations(self, result: Mapping[str, Any], console: Console | None) -> list[dict[str, Any]]:
-        from msd_ident.io import read_all
-        from msd_ident.report.validation import print_validation
-        from msd_ident.workflow import saved_model, validation
+    def _validation(self, result: Mapping[str, Any], console: Console | None) -> Callable[[Path], dict[str, Any]]:
+        """What validates the model on a path."""
 
-        model, lines = saved_model.from_json_dict(result), []
-        for path in self.on:
-            found = validation.validate(model, read_all(path, self.source))
-            line = found.to_json_dict()
-            lines.append({"schema": line.pop("schema"), "path": str(path), **line})
+        def validated(path: Path) -> dict[str, Any]:
+            from msd_ident.io import read_all
+            from msd_ident.report.validation import print_validation
+            from msd_ident.workflow import saved_model, validation
+
+            found = validation.validate(saved_model.from_json_dict(result), read_all(path, self.source))
             if console is not None:
                 print_validation(found, console)
-        return lines
+            line = found.to_json_dict()
+            return {"schema": line.pop("schema"), "path": str(path), **line}
 
-    def _exports(
+        return validated
+
+    def _export(
         self, result: Mapping[str, Any], group: tuple[Path, ...], kept: list[Kept], console: Console | None
-    ) -> list[dict[str, Any]]:
-        from msd_ident import export
+    ) -> Callable[[Path], dict[str, Any]]:
+        """What writes the model to a file."""
         from msd_ident.io import read_all
-        from msd_ident.report.export import print_export
-        from msd_ident.workflow import saved_model
 
-        model, lines = saved_model.from_json_dict(results.jsonable(result)), []
-        records = [record for path in group for record in read_all(path, self.source)]
-        for one in self.export:
-            target, out = _parsed(one)
-            found = export.export(model, export.target(target), out, export.Options(), records)
-            lines.append(found.to_json_dict())
+        target_of = {out: target for target, out in map(_parsed, self.export)}
+        records = cache(lambda: [record for path in group for record in read_all(path, self.source)])  # once for all
+
+        def exported(out: Path) -> dict[str, Any]:
+            from msd_ident import export
+            from msd_ident.report.export import print_export
+            from msd_ident.workflow import saved_model
+
+            model, target = saved_model.from_json_dict(results.jsonable(result)), export.target(target_of[out])
+            found = export.export(model, target, out, export.Options(), records())
             kept.append((group, found))
             if console is not None:
                 print_export(found, console)
-        return lines
+            return found.to_json_dict()
+
+        return exported
 
 
 def _parsed(asked: str) -> tuple[str, Path]:

@@ -6,7 +6,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, cast
@@ -184,6 +184,13 @@ def each_path(paths: Sequence[Path], output: Output, handle: Callable[[Path], Ma
     A path that fails gets its one line on stderr and an object with ``error``; the others go on.
     """
     output.check(*paths)
+    lines, failed = handled(paths, handle)
+    write(lines, output)
+    return 2 if failed else 0
+
+
+def handled(paths: Iterable[Path], handle: Callable[[Path], Mapping[str, Any]]) -> tuple[list[Mapping[str, Any]], bool]:
+    """The JSON object of every path, and whether any failed: such a path gets its one line on stderr, and ``error``."""
     lines: list[Mapping[str, Any]] = []
     failed = False
     for path in paths:
@@ -193,5 +200,4 @@ def each_path(paths: Sequence[Path], output: Output, handle: Callable[[Path], Ma
             failed = True
             print(f"msd: {error}", file=sys.stderr)
             lines.append({"path": str(path), "error": str(error)})
-    write(lines, output)
-    return 2 if failed else 0
+    return lines, failed

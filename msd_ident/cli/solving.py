@@ -77,11 +77,9 @@ def work(
             show(result, console)
         found = result.to_json_dict()
         line = {"schema": found.pop("schema"), "path": name, **found}
-        try:
-            line |= further.use(line, group, kept, console if output.tables else None) if further is not None else {}
-        except MsdError as error:
-            failed = True
-            print(f"msd: {error}", file=sys.stderr)
+        if further is not None:
+            used, incomplete = further.use(line, group, kept, console if output.tables else None)
+            line, failed = line | used, failed or incomplete
         lines.append(line)
     results.write(lines, output)
     pages.write(kept, data.source, output)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -14,9 +15,14 @@ import pytest
 from badinputs import Outcome, run
 from once import paper_study
 
+from msd_ident import export as exporting
 from msd_ident.data.record import Record, from_samples
+from msd_ident.errors import SetupError
+from msd_ident.export import Export
+from msd_ident.export.target import Target
 from msd_ident.io import write_csv
 from msd_ident.paper import method
+from msd_ident.workflow.saved_model import SavedModel
 from msd_sim.api import simulate
 
 
@@ -181,3 +187,29 @@ def test_runs_side_by_side_are_not_exported_to_one_file(runs_csv: Path, tmp_path
     assert done.err.count("\n") == 1 and not (tmp_path / "draws.csv").exists()
     msd("identify", runs_csv, "--run", "2", *draws)
     assert (tmp_path / "draws.csv").exists()
+
+
+def test_a_further_use_that_fails_stops_no_other_and_is_told(
+    step_csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    missing, first, second = tmp_path / "nix.csv", tmp_path / "d.csv", tmp_path / "e.csv"
+    real = exporting.export
+
+    def full_disk(model: SavedModel, target: Target, out: Path, *more: Any) -> Export:
+        if out == first:
+            raise SetupError(f"cannot write {out}: no space")
+        return real(model, target, out, *more)
+
+    monkeypatch.setattr(exporting, "export", full_disk)
+    on = ("--on", missing, "--on", step_csv)
+    done = msd("identify", step_csv, *on, "--export", f"draws:{first}", "--export", f"draws:{second}", "--json", "-",
+               "--quiet", expect=2)  # fmt: skip
+    found = json.loads(done.out)
+    assert found["schema"] == "msd.identification/1" and "error" not in found
+    bad, good = found["validations"]
+    assert bad["path"] == str(missing) and set(bad) == {"path", "error"} and "nix.csv does not exist" in bad["error"]
+    assert (good["path"], good["schema"]) == (str(step_csv), "msd.validation/1")
+    lost, made = found["exports"]
+    assert lost == {"path": str(first), "error": f"cannot write {first}: no space"}
+    assert made["target"] == "draws" and second.exists()
+    assert done.err.splitlines() == [f"msd: {bad['error']}", f"msd: {lost['error']}"]
