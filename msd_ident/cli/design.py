@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from msd_ident.cli import groups, options, progress, results
+from msd_ident.errors import UsageError
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from msd_ident.design.parameter_design import Sharpened
     from msd_ident.diagnosis import Diagnosis
 
+#: Endings of ``--figure``.
+PICTURES = (".png", ".svg", ".pdf")
 
 TargetsOption = Annotated[
     str,
@@ -30,7 +33,9 @@ OutOption = Annotated[
 ]
 FigureOption = Annotated[
     Path | None,
-    options.output_option("--figure", metavar="FILE", help="picture of the rivals' predictions (.png, .svg, .pdf)"),
+    options.output_option(
+        "--figure", metavar="FILE", help=f"picture of the rivals' predictions ({', '.join(PICTURES)})"
+    ),
 ]
 
 
@@ -54,6 +59,8 @@ def design(
 
     output.check(*paths, *filter(None, (limits,)), written=[path for path in (out, figure) if path is not None])
     results.check_targets(output.overwrite, out, figure)
+    if figure is not None and figure.suffix.lower() not in PICTURES:
+        raise UsageError(f"{figure} is no picture's name; expected one that ends in {', '.join(PICTURES)}")
     allowed = options.limits_of(limits)
     with progress.stages(output.quiet) as report:
         records: Sequence[Record] = [record for path in paths for record in read_all(path, source)]
