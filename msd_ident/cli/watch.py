@@ -47,11 +47,13 @@ def watch(
 ) -> int:
     """Find changes of parameters over days, and raise an alarm with a known false-alarm rate."""
     from msd_ident.batching.table import is_table
-    from msd_ident.monitoring.watching import Options
+    from msd_ident.monitoring.watching import YEAR, Options
 
     settings = Options(false_alarms, per_year)
-    if follow < 0.0 or (follow and output.json == "-"):
-        raise UsageError("--follow takes seconds above 0 and not --json -; expected a number and a file")
+    if not 0.0 <= follow <= YEAR:
+        raise UsageError(f"--follow takes seconds above 0, not {follow:g}; expected a period of at most a year")
+    if follow and output.json == "-":
+        raise UsageError("--follow with --json -; expected a file: each look replaces the results of the last one")
     kept = () if any(map(is_table, paths)) else (keep,)
     output.check(*many_records.read_from(paths), written=many_records.here(kept))
 

@@ -48,7 +48,14 @@ def lab(tmp_path: Path) -> Path:
         (("compare", "nowhere.parquet"), "nowhere.parquet is not there; expected a table: make it with msd batch"),
         (("compare", "{lab}", "x.csv"), "beside other paths; expected one table, or records alone"),
         (("watch", "{lab}", "--false-alarms", "0"), "0 false alarms a year; expected more than 0, at most 365"),
-        (("watch", "{lab}", "--follow", "-1"), "--follow takes seconds above 0"),
+        (
+            ("watch", "{lab}", "--follow", "-1"),
+            "--follow takes seconds above 0, not -1; expected a period of at most a year",
+        ),
+        (("watch", "{lab}", "--follow", "nan"), "--follow takes seconds above 0, not nan; expected a period"),
+        (("watch", "{lab}", "--follow", "inf"), "--follow takes seconds above 0, not inf; expected a period"),
+        (("watch", "{lab}", "--follow", "1e10"), "--follow takes seconds above 0, not 1e+10; expected a period"),
+        (("watch", "{lab}", "--follow", "5", "--json", "-"), "--follow with --json -; expected a file"),
     ],
 )
 def test_what_makes_no_sense_is_one_line(
