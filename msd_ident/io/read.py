@@ -93,7 +93,12 @@ def read_all(path: str | os.PathLike[str], options: SourceOptions = _DEFAULTS) -
 def _read_bag(
     path: str | os.PathLike[str], options: SourceOptions, on_progress: Callable[[int], None] | None
 ) -> Record:
-    for word, given in (("--rate", options.rate is not None), ("--run", options.run), ("--time", options.time)):
+    for word, given in (
+        ("--rate", options.rate is not None),
+        ("--run", options.run),
+        ("--time", options.time),
+        ("--time-scale", options.time_scale is not None),
+    ):
         if given:
             raise UsageError(f"{word} with the bag {path}; expected it for a table: messages have their own stamps")
     return read_bag(path, options, on_progress)

@@ -44,8 +44,8 @@ class SourceOptions:
         end: end of that part [s].
 
     Raises:
-        UsageError: a scale is 0 or not finite, or converts what the unit converts too, a rate or a run that is none, or
-            the window is empty.
+        UsageError: a scale is 0 or not finite, or converts what the unit converts too, a rate or a run that is none, a
+            rate stands beside a time column or its scale, or the window is empty.
     """
 
     force: str = ""
@@ -81,6 +81,11 @@ class SourceOptions:
             raise UsageError(
                 f"a rate of {self.rate:g} and the time column {self.time}; expected one of them: leave --rate or "
                 "--time away"
+            )
+        if self.rate is not None and self.time_scale is not None:
+            raise UsageError(
+                f"a rate of {self.rate:g} and a time scale of {self.time_scale:g}; expected one of them: leave --rate "
+                "or --time-scale away"
             )
         if self.run and self.run != "all" and not self.run.isdecimal():
             raise UsageError(f"run is {self.run!r}; expected its number, or all, e.g. --run 2")

@@ -504,6 +504,7 @@ def test_a_broken_mat_file_is_refused(tmp_path: Path) -> None:
     [
         ({"rate": 0.0}, "rate is 0; expected a sampling rate above 0, e.g. --rate 100"),
         ({"rate": 9.0, "time": "t"}, "a rate of 9 and the time column t; expected one of them"),
+        ({"rate": 9.0, "time_scale": 0.001}, "a rate of 9 and a time scale of 0.001; expected one of them"),
         ({"run": "first"}, "run is 'first'; expected its number, or all, e.g. --run 2"),
     ],
 )
@@ -513,13 +514,13 @@ def test_options_that_make_no_sense(options: dict[str, object], words: str) -> N
 
 
 @pytest.mark.parametrize(
-    ("words", "says"), [(("--rate", "100"), "--rate"), (("--run", "1"), "--run"), (("--time", "x"), "--time")]
+    "words", [("--rate", "100"), ("--run", "1"), ("--time", "x"), ("--time-scale", "0.001")], ids=lambda words: words[0]
 )
-def test_bags_have_their_own_stamps(words: tuple[str, str], says: str) -> None:
+def test_bags_have_their_own_stamps(words: tuple[str, str]) -> None:
     bag = Path(__file__).resolve().parents[2] / "bags" / "paper_step"
     found = run("identify", bag, *words)
     assert found.code == 2
-    assert f"{says} with the bag {bag}; expected it for a table: messages have their own stamps" in found.err
+    assert f"{words[0]} with the bag {bag}; expected it for a table: messages have their own stamps" in found.err
 
 
 @pytest.mark.parametrize(
