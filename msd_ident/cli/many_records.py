@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -60,7 +60,7 @@ class Batching:
             keep: where the table of records is kept and gone on with; empty: nowhere.
 
         Raises:
-            UsageError: tables beside other paths.
+            UsageError: tables beside other paths, or an option for records with a table.
             DataError, SetupError: as ``msd batch``.
         """
         from msd_ident.batching import batch, table
@@ -70,12 +70,23 @@ class Batching:
         if tables and len(paths) > 1:
             raise UsageError(f"{tables[0]} beside other paths; expected one table, or records alone")
         if tables:
+            self._check_for_table(source, tables[0])
             return table.read(tables[0])
         with (
             batch.linked(self.scheduler, self.workers) as link,
             progress.records(link.client.dashboard_link, quiet) as tell,
         ):
             return batch.run(paths, job, link, batch.Plan(keep, resume=bool(keep), progress=tell))[0]
+
+    def _check_for_table(self, source: SourceOptions, name: str) -> None:
+        """Refuse what says how records are read: a table has their results already."""
+        given = [one.name for one in fields(source) if getattr(source, one.name) != one.default]
+        given += [option for option in ("all_joints", "label", "covariate") if getattr(self, option)]
+        if given:
+            raise UsageError(
+                f"--{given[0].replace('_', '-')} with the table {name}; expected it for records: a table has their "
+                "results already: give it to msd batch"
+            )
 
 
 def here(paths: Iterable[str]) -> list[Path]:

@@ -47,6 +47,11 @@ def lab(tmp_path: Path) -> Path:
         (("compare", "{lab}", "--by", "joint"), "the column joint is empty in all rows; expected what to compare by"),
         (("compare", "nowhere.parquet"), "nowhere.parquet is not there; expected a table: make it with msd batch"),
         (("compare", "{lab}", "x.csv"), "beside other paths; expected one table, or records alone"),
+        (("compare", "{lab}", "--force-scale", "2"), "--force-scale with the table {lab}; expected it for records: a"),
+        (("compare", "{lab}", "--start", "3"), "--start with the table {lab}; expected it for records: a table has"),
+        (("compare", "{lab}", "--label", "robot=(z)"), "--label with the table {lab}; expected it for records"),
+        (("watch", "{lab}", "--covariate", "load=x"), "--covariate with the table {lab}; expected it for records"),
+        (("watch", "{lab}", "--all-joints"), "--all-joints with the table {lab}; expected it for records"),
         (("watch", "{lab}", "--false-alarms", "0"), "0 false alarms a year; expected more than 0, at most 365"),
         (
             ("watch", "{lab}", "--follow", "-1"),
@@ -65,7 +70,7 @@ def test_what_makes_no_sense_is_one_line(
     (tmp_path / "empty").mkdir()
     found = run(*(word.format(empty=tmp_path / "empty", lab=lab) for word in words))
     assert (found.code, found.out) == (2, "")
-    assert found.err.startswith("msd: ") and found.err.count("\n") == 1 and says in found.err
+    assert found.err.startswith("msd: ") and found.err.count("\n") == 1 and says.format(lab=lab) in found.err
 
 
 @pytest.mark.parametrize(
