@@ -57,6 +57,10 @@ def design(
     from msd_ident.io import read_all
     from msd_ident.workflow import pipeline
 
+    if targets and check:
+        raise UsageError("--check and --for were given; expected one of the two: to look for causes, or for intervals")
+    if targets and figure is not None:
+        raise UsageError("--figure with --for; expected it without: it shows what rivals predict, and --for has none")
     output.check(*paths, *filter(None, (limits,)), written=[path for path in (out, figure) if path is not None])
     results.check_targets(output.overwrite, out, figure)
     if figure is not None and figure.suffix.lower() not in PICTURES:

@@ -12,6 +12,8 @@ from badinputs import run, step, table
     ("words", "says"),
     [
         ("--check --figure p.foo", "p.foo is no picture's name; expected one that ends in .png, .svg, .pdf"),
+        ("--for mass --figure p.png", "--figure with --for; expected it without: it shows what rivals predict"),
+        ("--for mass --check", "--check and --for were given; expected one of the two"),
         ("--check --figure p", "p is no picture's name; expected one that ends in .png, .svg, .pdf"),
     ],
 )
