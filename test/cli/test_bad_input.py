@@ -84,6 +84,13 @@ def test_two_results_never_go_to_one_file(tmp_path: Path) -> None:
     assert found.code == 2 and "two results go to" in found.err and not rig.exists()
 
 
+def test_a_joint_without_its_model_is_refused(tmp_path: Path) -> None:
+    path = table(step(), tmp_path / "in.csv")
+    found = run("validate", path, "--simulated", path, "--joint", "foo")
+    assert (found.code, found.out, found.err.count("\n")) == (2, "", 1)
+    assert "--joint foo without --mujoco; expected a MuJoCo model that has the joint" in found.err
+
+
 def test_a_file_without_a_name_is_refused(tmp_path: Path) -> None:
     """An unset variable of a shell: the result went nowhere, and nothing was said."""
     found = run("identify", table(step(), tmp_path / "in.csv"), "--json", "")
