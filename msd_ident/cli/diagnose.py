@@ -36,7 +36,7 @@ def diagnose(
     if all_joints:
         from msd_ident.cli.joints import diagnose_joints
 
-        others = (source.force, source.position, output.report, output.markdown, output.figures)
+        others = (source.force, source.position, output.report, output.markdown, output.figures, together, on, export)
         return diagnose_joints(paths, source, settings, output, others)
 
     def solve(records: Sequence[Record], progress: pipeline.Progress) -> Diagnosis:

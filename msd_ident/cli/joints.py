@@ -38,8 +38,8 @@ def diagnose_joints(
     """
     if any(others):
         raise UsageError(
-            "--all-joints goes with one bag's joints; expected no --force, --position, --report, --markdown or "
-            "--figures beside it: take one joint with --force and --position for those"
+            "--all-joints goes with one bag's joints; expected no --force, --position, --report, --markdown, "
+            "--figures, --together, --on or --export beside it: take one joint with --force and --position for those"
         )
     output.check(*paths)
     lines: list[dict[str, Any]] = []

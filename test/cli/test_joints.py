@@ -67,7 +67,8 @@ def test_every_joint_in_one_table_with_a_sentence(arm: Path, tmp_path: Path, ask
 
 
 def test_what_does_not_go_together_is_refused(arm: Path, repository: Path) -> None:
-    done = run("diagnose", str(arm), "--all-joints", "--force", "none")
-    assert done.code == 2 and "--all-joints goes with one bag's joints" in done.err
+    for beside in (("--force", "none"), ("--together",), ("--on", str(arm)), ("--export", "python:rig.py")):
+        done = run("diagnose", str(arm), "--all-joints", *beside)
+        assert done.code == 2 and "--all-joints goes with one bag's joints" in done.err and beside[0] in done.err
     done = run("diagnose", str(repository / "bags" / "paper_step"), "--all-joints")
     assert done.code == 0 or "holds no joint" in done.err
