@@ -27,7 +27,7 @@ from msd_ident.residuals import impulses
 from msd_ident.workflow import known_parameters
 from msd_ident.workflow.identification import Identification, ModelFit
 from msd_ident.workflow.options import Options
-from msd_ident.workflow.preparation import Prepared, plant_of, prepare
+from msd_ident.workflow.preparation import Prepared, plant_of, prepare, pushes
 from msd_ident.workflow.spring_decision import has_spring
 
 #: Where the residual is this many noise floors, the model lacks something that deserves a diagnosis.
@@ -110,13 +110,7 @@ def identify(
 
 def _forceless(records: tuple[Record, ...]) -> bool:
     """Whether no force sets anything in motion, so that only ratios of m, b, k and Fc are known."""
-    return not any(_pushes(record) for record in records)
-
-
-def _pushes(record: Record) -> bool:
-    """Whether the force changes. One that has acted unchanged since before the record is part of the unknown zero."""
-    before = record.force_at([np.nextafter(record.time[0], -np.inf)])
-    return bool(np.ptp(np.concatenate((before, record.force_at(record.time)))))
+    return not any(pushes(record) for record in records)
 
 
 def _scale_sentence(records: tuple[Record, ...], options: Options) -> tuple[str, ...]:

@@ -227,6 +227,12 @@ def _understood(record: Record) -> _Understood:
     return _Understood(record, features)
 
 
+def pushes(record: Record) -> bool:
+    """Whether the force changes. One that has acted unchanged since before the record is part of the unknown zero."""
+    before = record.force_at([np.nextafter(record.time[0], -np.inf)])
+    return bool(np.ptp(np.concatenate((before, record.force_at(record.time)))))
+
+
 def _is_turned(form: StandardForm | None) -> bool:
     """Whether a positive force moves the encoder downwards."""
     return form is not None and form.static_gain is not None and form.static_gain.value < 0.0

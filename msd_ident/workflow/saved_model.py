@@ -21,6 +21,9 @@ SCHEMAS = {"msd.identification/1": "refined", "msd.diagnosis/1": "extended", "ms
 #: Begin of the warning by which results told of a turned force before they had ``force_sign``.
 _TURNED = "A positive force moves the encoder downwards"
 
+#: What ``scale_assumed`` means, as every refusal says it.
+ONLY_RATIOS = "no force moved the cart, so only ratios are known (its mass of 1 kg is assumed)"
+
 
 @dataclass(frozen=True)
 class SavedModel:

@@ -28,8 +28,8 @@ from msd_ident.residuals.disturbance import DisturbanceEstimate, lacking_force
 from msd_ident.workflow import force_hold
 from msd_ident.workflow.explained_motion import explained_percent, percent_text
 from msd_ident.workflow.identification import initial_dict, quantities_dict
-from msd_ident.workflow.preparation import Prepared, prepare
-from msd_ident.workflow.saved_model import SavedModel
+from msd_ident.workflow.preparation import Prepared, prepare, pushes
+from msd_ident.workflow.saved_model import ONLY_RATIOS, SavedModel
 
 SCHEMA = "msd.validation/1"
 #: A signal that explains less of a missing force's variance than this is not worth a word.
@@ -181,10 +181,12 @@ def validate(saved: SavedModel, records: Sequence[Record], options: Options = Op
         options: of the trial.
 
     Raises:
-        UsageError: no records, or records in other units than the model.
+        UsageError: no records, records in other units than the model, or a driven one and a model that knows only
+            ratios.
         DataError: the data cannot carry any estimate.
     """
     prepared = as_saved(saved, records)
+    _check_scale(saved, prepared.records)
     records, warnings = prepared.records, prepared.warnings
     refit = options.refit_zero or not saved.zeros
     initial, residuals = simulated(saved, records, refit)
@@ -272,6 +274,19 @@ def _check_units(saved: SavedModel, records: Sequence[Record]) -> None:
                 f"{record.name} is in {here[0]} and {here[1]}; expected {saved.force_unit} and {saved.position_unit}, "
                 "the units of the model: give --force-scale, --position-scale and their units"
             )
+
+
+def _check_scale(saved: SavedModel, records: Sequence[Record]) -> None:
+    """Refuse a measured force for a model whose forces are those of an assumed mass: the motion would be of any size.
+
+    An export goes on: it replays the model against itself, where the size does not matter.
+    """
+    driven = next((record for record in records if pushes(record)), None)
+    if saved.scale_assumed and driven is not None:
+        raise UsageError(
+            f"a force drives {driven.name}, and in the model's own record {ONLY_RATIOS}; expected a force scale: "
+            "identify again with the moving mass, --mass, or validate on a free decay"
+        )
 
 
 def _turned_as_saved(prepared: Prepared, saved: SavedModel) -> Prepared:

@@ -23,6 +23,7 @@ from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.report import page
 from msd_ident.workflow import pipeline, saved_model, validation
+from msd_ident.workflow.known_parameters import Known
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "generate"))
 import json_contract  # noqa: E402
@@ -290,3 +291,46 @@ def test_a_drift_goes_on_in_a_later_part_of_the_same_record(told: dict[str, Any]
     assert said[-1] not in validation.as_saved(replace(saved, model=RIG), [later]).warnings
     assert validation.validate(saved, [replace(later, name="another")]).see > 20.0 * NOISE
     assert saved_model.from_json_dict(told).origins == {"record 1": 0.0}
+
+
+def release(start: float, seed: int = 1) -> Record:
+    """The rig let go at ``start`` [m], without a force."""
+    time = np.arange(3000) * 1e-3
+    asked = from_samples(time, np.zeros(3000), np.zeros(3000), name=f"release {seed}")
+    noise = np.random.default_rng(seed).normal(0.0, NOISE, 3000)
+    return replace(asked, position=simulate(RIG, asked, start).position + noise)
+
+
+@pytest.fixture(scope="module")
+def ratios() -> dict[str, Any]:
+    return result(release(0.02))
+
+
+@pytest.mark.xdist_group("validation")
+def test_a_model_that_knows_only_ratios_is_refused_on_a_driven_record(ratios: dict[str, Any], tmp_path: Path) -> None:
+    said = (
+        "a force drives record 1, and in the model's own record no force moved the cart, so only ratios are known (its "
+        "mass of 1 kg is assumed); expected a force scale: identify again with the moving mass, --mass, or validate on "
+    )
+    model = saved_model.from_json_dict(ratios)
+    assert model.scale_assumed
+    for records in ([record()], [release(0.015, seed=2), record()]):
+        with pytest.raises(UsageError) as refused:
+            validation.validate(model, records)
+        assert said in str(refused.value)
+    own, other = tmp_path / "own.csv", tmp_path / "other.csv"
+    write_csv(release(0.02), own)
+    write_csv(record(), other)
+    found = run("identify", own, "--on", other, "--quiet")
+    assert found.code == 2 and said.replace("record 1", "other.csv") in found.err
+
+
+@pytest.mark.xdist_group("validation")
+def test_a_model_that_knows_only_ratios_goes_on_on_a_free_decay(ratios: dict[str, Any]) -> None:
+    model, other = saved_model.from_json_dict(ratios), release(0.015, seed=2)
+    assert validation.validate(model, [other]).see == pytest.approx(NOISE, rel=0.1)
+    held = replace(other, force=np.full(other.samples, 0.5))
+    assert validation.validate(model, [held], validation.Options(refit_zero=True)).explained_percent > 99.99
+    weighed = pipeline.identify([release(0.02)], pipeline.Options(known=(Known("mass", 0.9),))).to_json_dict()
+    scaled = saved_model.from_json_dict({"path": "own.csv", **weighed})
+    assert validation.validate(scaled, [record()]).explained_percent > 99.9
