@@ -118,7 +118,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
         raise DataError(f"{name} {_what(result, schema)}; expected {' or '.join(SCHEMAS)}: {_next(schema)}")
     try:
         told = result[SCHEMAS[schema]]
-        parameters = {key: _quantity(value) for key, value in told["parameters"].items()}
+        parameters = {key: _quantity(key, value) for key, value in told["parameters"].items()}
         causes = tuple(str(cause["name"]) for cause in result.get("causes", ()))
         effects = tuple(result["effects"]) if "effects" in result else causes or _effects_of(parameters)
         sheets: Sequence[Mapping[str, Any]] = result["data"]
@@ -127,22 +127,24 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             path=str(result.get("path", "")),
             model=_model(parameters, effects),
             parameters=parameters,
-            see=_number(told["see_m"]),
+            see=_number_or_nan("see_m", told["see_m"]),
             force_unit=str(sheets[0]["force_unit"]),
             position_unit=str(sheets[0]["position_unit"]),
             force_sign=_sign(result.get("force_sign", _old_sign(result))),
             force_hold=str(sheets[0].get("force_hold", "")),
-            force_lead=float(sheets[0].get("force_lead_s", 0.0)),
-            zeros=tuple(_finite("zero_m", _number(start["zero_m"])) for start in result.get("initial", ())),
+            force_lead=_number("force_lead_s", sheets[0].get("force_lead_s", 0.0)),
+            zeros=tuple(
+                _finite("zero_m", _number_or_nan("zero_m", start["zero_m"])) for start in result.get("initial", ())
+            ),
             causes=effects,
-            base_depends_on={key: float(value) for key, value in result.get("missing_force_depends_on", {}).items()},
+            base_depends_on={k: _number(k, share) for k, share in result.get("missing_force_depends_on", {}).items()},
             base=_base(result),
-            rate=_number(sheets[0].get("rate_hz")),
-            noise_floor=_number(result.get("noise_floor_m")),
-            rivals=tuple((tuple(one["causes"]), float(one["probability"])) for one in result.get("rivals", ())),
+            rate=_number_or_nan("rate_hz", sheets[0].get("rate_hz")),
+            noise_floor=_number_or_nan("noise_floor_m", result.get("noise_floor_m")),
+            rivals=tuple(_rival(one) for one in result.get("rivals", ())),
             text=json.dumps(result, ensure_ascii=False) + "\n",
             scale_assumed=_assumed(parameters, result),
-            origins={str(one["name"]): float(one["origin_s"]) for one in sheets if "origin_s" in one},
+            origins={str(one["name"]): _number("origin_s", one["origin_s"]) for one in sheets if "origin_s" in one},
         )
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, UsageError) as error:
         raise DataError(
@@ -183,14 +185,27 @@ def _next(schema: str) -> str:
     return f"renew it with msd {command} PATH --json FILE"
 
 
-def _number(value: Any) -> float:
-    return math.nan if value is None else float(value)
+def _number(name: str, value: Any) -> float:
+    """A number of the result as Python has it: JSON has whole numbers of any length."""
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{name} has {len(str(abs(value)))} digits, beyond {LARGEST:g}") from None
 
 
-def _quantity(told: Mapping[str, Any]) -> Quantity:
+def _number_or_nan(name: str, value: Any) -> float:
+    """The same, where ``null`` says that there is none."""
+    return math.nan if value is None else _number(name, value)
+
+
+def _quantity(name: str, told: Mapping[str, Any]) -> Quantity:
     """A quantity; strict JSON has ``null`` for an infinite limit, which is none."""
-    value = math.inf if told["value"] is None else float(told["value"])
-    return Quantity(value, _number(told["std"]), str(told["unit"]))
+    value = math.inf if told["value"] is None else _number(name, told["value"])
+    return Quantity(value, _number_or_nan(f"the std of {name}", told["std"]), str(told["unit"]))
+
+
+def _rival(told: Mapping[str, Any]) -> tuple[tuple[str, ...], float]:
+    return tuple(told["causes"]), _number("probability", told["probability"])
 
 
 def _model(parameters: Mapping[str, Quantity], effects: Sequence[str]) -> Model:
@@ -220,7 +235,7 @@ def _base(result: Mapping[str, Any]) -> Model | None:
     told = result.get("base") or result.get("original")
     if told is None:
         return None
-    values = {key: _quantity(value).value for key, value in told["parameters"].items()}
+    values = {key: _quantity(key, value).value for key, value in told["parameters"].items()}
     return Plant(values["mass"], values["damping"], values["stiffness"])
 
 

@@ -193,6 +193,34 @@ def test_a_number_that_is_missing_is_not_taken_for_an_infinite_one(
         saved_model.from_json_dict(broken)
 
 
+@pytest.mark.xdist_group("validation")
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (("refined", "parameters", "mass", "value"), "mass has 400 digits, beyond 1e+18"),
+        (("refined", "parameters", "mass", "std"), "the std of mass has 400 digits"),
+        (("original", "parameters", "damping", "value"), "damping has 400 digits"),
+        (("initial", 0, "zero_m"), "zero_m has 400 digits"),
+        (("data", 0, "force_lead_s"), "force_lead_s has 400 digits"),
+        (("data", 0, "origin_s"), "origin_s has 400 digits"),
+        (("noise_floor_m",), "noise_floor_m has 400 digits"),
+    ],
+)
+def test_a_whole_number_that_no_computer_can_use_is_refused(
+    place: tuple[str | int, ...], words: str, told: dict[str, Any], tmp_path: Path
+) -> None:
+    broken = json.loads(json.dumps(told))
+    inner = broken
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = -(10**399)
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(broken), encoding="utf-8")
+    found = run("validate", path, tmp_path / "other.csv")
+    assert found.code == 2 and found.err.count("\n") == 1
+    assert f"{path} lacks what a simulation needs ({words}" in found.err and "renew it with msd identify" in found.err
+
+
 def test_other_units_and_demands_that_make_no_sense_are_refused(told: dict[str, Any]) -> None:
     model = saved_model.from_json_dict(told)
     with pytest.raises(
