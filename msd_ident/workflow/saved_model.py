@@ -14,6 +14,7 @@ from msd_ident.errors import DataError, UsageError
 from msd_ident.model import Model, Plant
 from msd_ident.model.effects import LIBRARY, by_name
 from msd_ident.quantity import Quantity
+from msd_ident.workflow import saved_parameters
 from msd_ident.workflow.known_parameters import LARGEST
 
 #: Schema → key of the model that the result ends with.
@@ -111,7 +112,8 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
         name: what an error message calls it.
 
     Raises:
-        DataError: it is no result of an identification or a diagnosis, or lacks what a simulation needs.
+        DataError: it is no result of an identification or a diagnosis, lacks what a simulation needs, or has parameters
+            that would not be simulated as they stand there.
     """
     schema = str(result.get("schema", ""))
     if schema not in SCHEMAS:
@@ -122,7 +124,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
         causes = tuple(str(cause["name"]) for cause in result.get("causes", ()))
         effects = tuple(result["effects"]) if "effects" in result else causes or _effects_of(parameters)
         sheets: Sequence[Mapping[str, Any]] = result["data"]
-        return SavedModel(
+        found = SavedModel(
             schema=schema,
             path=str(result.get("path", "")),
             model=_model(parameters, effects),
@@ -150,6 +152,11 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
         raise DataError(
             f"{name} lacks what a simulation needs ({error}); expected all keys of {schema}: {_next(schema)}"
         ) from None
+    try:
+        saved_parameters.check(found.parameters, found.model, found.force_unit, found.position_unit)
+    except UsageError as error:
+        raise DataError(f"{name}: {error}, or {_next(schema)}") from None
+    return found
 
 
 def _objects(text: str, name: str) -> list[dict[str, Any]]:

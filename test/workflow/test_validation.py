@@ -126,8 +126,8 @@ def test_every_effect_with_its_limits_comes_back() -> None:
     values = {"force_gain_slope": 0.01, "force_limit": np.inf}
     gain = by_name("force_gain_nonlinearity")
     model = Plant(1.0, 1.0, 100.0) + gain.from_values({p.name: values.get(p.name, 0.01) for p in gain.parameters})
-    quantities = {name: {"value": None if np.isinf(v) else v, "std": None, "unit": "?"} for name, v in
-                  zip(model.names, model.values.tolist(), strict=True)}  # fmt: skip
+    quantities = {p.name: {"value": None if np.isinf(v) else v, "std": None, "unit": p.unit} for p, v in
+                  zip(model.parameters, model.values.tolist(), strict=True)}  # fmt: skip
     told = {
         "schema": "msd.diagnosis/2", "base": {}, "extended": {"parameters": quantities, "see_m": 1.0, "new": 1},
         "causes": [{"name": gain.name}], "data": [{"force_unit": "N", "position_unit": "m"}], "newer": {},
