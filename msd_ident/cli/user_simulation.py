@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from msd_ident.external import Comparison, Simulation
     from msd_ident.io import SourceOptions
 
+#: How near to a power of 1000 the spans of two positions must be, in such powers, to suggest a wrong unit: 40 %.
+NEAR = 0.05
+
 
 @dataclass(frozen=True)
 class Chosen:
@@ -53,19 +56,73 @@ class Chosen:
 
 
 def table(path: Path, source: SourceOptions) -> Simulation:
-    """Simulated positions of a file: the first reading that works, with the record's options or with none."""
+    """Simulated positions of a file: the first reading that works, with the default columns or with the record's.
+
+    Scales and units are those of the record's options, where the file's own headings name none.
+    """
     from dataclasses import replace
 
     from msd_ident.errors import DataError
     from msd_ident.external import TableSimulation
     from msd_ident.io import SourceOptions, read
 
-    plain = SourceOptions(force="none", position_unit=source.as_position[0])
+    scales = {name: getattr(source, name) for name in ("position_scale", "position_unit", "time_scale")}
     try:
-        found = read(path, plain)
+        found = read(path, _by_headings(path, SourceOptions(force="none", **scales)))
     except (DataError, UsageError):
-        found = read(path, replace(source, force="none"))
+        found = read(path, _by_headings(path, replace(source, force="none")))
     return TableSimulation(str(path), found.time, found.position)
+
+
+def _by_headings(path: Path, options: SourceOptions) -> SourceOptions:
+    """The options without those scales that the headings of the file's own columns tell.
+
+    A heading in counts tells none: what a count is, the options say.
+    """
+    from dataclasses import replace
+
+    from msd_ident.io import runs, units
+    from msd_ident.io.bag import is_bag
+    from msd_ident.io.columns import open_columns
+    from msd_ident.io.csv_file import choose_columns
+
+    if is_bag(path):
+        return options
+    columns = runs.select(open_columns(path), options.run, str(path))
+    chosen = choose_columns(columns, str(path), options)
+    own, _ = units.POSITION.known.get(units.unit(columns.header[chosen.position])[0], ("", 1.0))
+    if own in units.POSITION.plain:
+        options = replace(options, position_scale=None, position_unit=options.as_position[0])
+    if chosen.time is not None and units.time_factor(columns.header[chosen.time]) is not None:
+        options = replace(options, time_scale=None)
+    return options
+
+
+def _doubted(record: Record, simulation: Simulation) -> Record:
+    """The record, with a note where the simulated positions of a file look as if they were in other units."""
+    import math
+    from dataclasses import replace
+
+    import numpy as np
+
+    from msd_ident.external import TableSimulation
+
+    if not isinstance(simulation, TableSimulation):
+        return record
+    inside = (simulation.time >= record.time[0]) & (simulation.time <= record.time[-1])
+    theirs = float(np.ptp(simulation.position[inside])) if np.any(inside) else 0.0
+    if theirs == 0.0:
+        return record
+    powers = math.log10(theirs / float(np.ptp(record.position))) / 3.0
+    if round(powers) == 0 or abs(powers - round(powers)) > NEAR:
+        return record
+    said = (
+        f"The positions of {simulation.name} span {theirs:.3g} {record.position_unit}, those of {record.name} "
+        f"{float(np.ptp(record.position)):.3g} {record.position_unit}: is a unit wrong by a factor of 1000? Name the "
+        "unit in the heading of each file, such as position_mm; where a heading names none, --position-unit and "
+        "--position-scale hold for both."
+    )
+    return replace(record, notes=(*record.notes, said))
 
 
 def compare(data: solving.Data, chosen: Chosen, require: float | None, output: results.Output) -> int:
@@ -80,7 +137,7 @@ def compare(data: solving.Data, chosen: Chosen, require: float | None, output: r
     simulation = chosen.simulation(data.source)
 
     def solve(records: Sequence[Record], report: progress.Progress) -> Comparison:
-        return external.compare(simulation, records, report)
+        return external.compare(simulation, [_doubted(one, simulation) for one in records], report)
 
     code, found = solving.work(data, output, solve, print_comparison)
     return code or (0 if require is None or all(one.explained_percent >= require for one in found) else 1)
