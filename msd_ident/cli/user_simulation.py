@@ -24,7 +24,7 @@ class Chosen:
     """What is to be compared: one of a model with its joint, a function, a file.
 
     Raises:
-        UsageError: none or several of them, or a model without a joint.
+        UsageError: none or several of them, a model without a joint, or a joint without a model.
     """
 
     mujoco: Path | None
@@ -38,6 +38,10 @@ class Chosen:
             raise UsageError("several of --mujoco, --callable and --simulated; expected one simulation at a time")
         if self.mujoco is not None and not self.joint:
             raise UsageError("--mujoco without --joint; expected the joint that the record is of: --joint NAME")
+        if self.joint and self.mujoco is None:
+            raise UsageError(
+                f"--joint {self.joint} without --mujoco; expected a MuJoCo model that has the joint: leave --joint away"
+            )
 
     def simulation(self, source: SourceOptions) -> Simulation:
         """The simulation.
@@ -130,10 +134,16 @@ def compare(data: solving.Data, chosen: Chosen, require: float | None, output: r
 
     Returns:
         The exit code; 1 if the simulation explains less of the motion [%] than required.
+
+    Raises:
+        UsageError: a demand that is no percentage.
+        DataError: the simulated positions cannot be read.
     """
     from msd_ident import external
     from msd_ident.report.external import print_comparison
+    from msd_ident.workflow import validation
 
+    validation.Options(require=require)  # refuses a demand that is no percentage
     simulation = chosen.simulation(data.source)
 
     def solve(records: Sequence[Record], report: progress.Progress) -> Comparison:

@@ -111,3 +111,17 @@ def test_a_file_without_positions_is_refused(tmp_path: Path) -> None:
     theirs = write(tmp_path / "theirs.csv", "time,height", np.column_stack([time, time]))
     with pytest.raises(DataError, match="theirs.csv has no column .*position"):
         table(theirs, SourceOptions(position_unit="mm"))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--require", "101"), "the required part is 101 %; expected 0 to 100, e.g. --require 99"),
+        (("--require", "nan"), "the required part is nan %; expected 0 to 100, e.g. --require 99"),
+        (("--joint", "foo"), "--joint foo without --mujoco; expected a MuJoCo model that has the joint: leave --joint"),
+    ],
+)
+@pytest.mark.xdist_group("simulated")
+def test_options_that_make_no_sense_are_refused(options: tuple[str, str], words: str, rig: Path) -> None:
+    found = run("validate", rig / "rig.csv", "--simulated", rig / "theirs.csv", *options)
+    assert found.code == 2 and words in found.err and found.err.count("\n") == 1
