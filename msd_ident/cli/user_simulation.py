@@ -24,7 +24,7 @@ class Chosen:
     """What is to be compared: one of a model with its joint, a function, a file.
 
     Raises:
-        UsageError: none or several of them, a model without a joint, or a joint without a model.
+        UsageError: none or several of them, or a model without a joint.
     """
 
     mujoco: Path | None
@@ -38,10 +38,6 @@ class Chosen:
             raise UsageError("several of --mujoco, --callable and --simulated; expected one simulation at a time")
         if self.mujoco is not None and not self.joint:
             raise UsageError("--mujoco without --joint; expected the joint that the record is of: --joint NAME")
-        if self.joint and self.mujoco is None:
-            raise UsageError(
-                f"--joint {self.joint} without --mujoco; expected a MuJoCo model that has the joint: leave --joint away"
-            )
 
     def simulation(self, source: SourceOptions) -> Simulation:
         """The simulation.

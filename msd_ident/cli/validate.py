@@ -78,7 +78,9 @@ def validate(
 ) -> int:
     """Validate a saved model on other records (only their initial state is fitted), or check your own simulation."""
     if joint and mujoco is None:
-        raise UsageError(f"--joint {joint} without --mujoco; expected a MuJoCo model that has the joint")
+        raise UsageError(
+            f"--joint {joint} without --mujoco; expected a MuJoCo model that has the joint: leave --joint away"
+        )
     output.check(*filter(None, (result, mujoco, simulated)), *(paths or ()))
     if mujoco is not None or function or simulated is not None:
         from msd_ident.cli import user_simulation
