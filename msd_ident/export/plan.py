@@ -11,7 +11,7 @@ from msd_ident.errors import UsageError
 from msd_ident.estimate.parameter_units import unit_in
 from msd_ident.model import Model
 from msd_ident.model.parameters import PARAMETERS
-from msd_ident.workflow.saved_model import SavedModel
+from msd_ident.workflow.saved_model import ONLY_RATIOS, SavedModel
 
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
@@ -111,7 +111,7 @@ def check_scale(saved: SavedModel, target: str, instead: str) -> None:
     if saved.force_unit not in FORCES:
         found = f"forces are in {saved.force_unit}"
     elif saved.scale_assumed:
-        found = "no force moved the cart, so only ratios are known (its mass of 1 kg is assumed)"
+        found = ONLY_RATIOS
     else:
         return
     raise UsageError(
