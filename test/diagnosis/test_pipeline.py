@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -239,3 +240,11 @@ def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
     (sure,), (unsure,) = (diagnose_records(Task((record,), findings=found)).causes for found in ((), (loop,)))
     assert sure.name == unsure.name == "end_stop"
     assert sure.probability > 0.99 and unsure.probability == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize("digit", [1e-12, 4e-12])
+def test_which_form_of_a_stop_is_named_does_not_hang_on_the_last_digits(digit: float) -> None:
+    """Stops without damping are the simple law, whichever of both laws the search found first."""
+    record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
+    moved = replace(record, force=record.force * (1.0 + digit))
+    assert [cause.name for cause in diagnose_records(Task((moved,))).causes] == ["end_stop"]

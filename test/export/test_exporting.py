@@ -146,8 +146,14 @@ def test_gains_of_a_feedforward(tmp_path: Path) -> None:
 def test_a_mass_gives_the_header_its_units(position: str, units: dict[str, str], tmp_path: Path) -> None:
     model = effect_examples.model("coulomb_friction", "actuator_lag")
     told = result(model, unit="V", position=position)
-    for own in told["extended"]["parameters"].values():
-        own["unit"] = "a unit of the record"
+    volts = {
+        "mass": f"V·s²/{position}",
+        "damping": f"V·s/{position}",
+        "stiffness": f"V/{position}",
+        "coulomb_force": "V",
+    }
+    for name, own in told["extended"]["parameters"].items():
+        own["unit"] = volts.get(name, own["unit"])
     export(from_json_dict(told), target("gains"), tmp_path / "gains.yaml", Options(mass=2.0 * model.mass))
     lines = (tmp_path / "gains.yaml").read_text(encoding="utf-8").splitlines()
     shown = {words[1]: words for words in map(str.split, lines) if words[3:4] == ["+-"]}

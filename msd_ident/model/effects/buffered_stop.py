@@ -107,6 +107,10 @@ class BufferedStop(Effect):
         """Stops about the relaxed spring beside a force offset, where the stops' middle is off it."""
         return off_the_middle(model, self.buffer_centre, self.buffer_reach)
 
+    def simple_values(self) -> dict[str, float]:
+        """Stops about the relaxed spring that are as far apart and as stiff, without damping."""
+        return {"stop_position": self.buffer_reach, "stop_stiffness": self.buffer_stiffness}
+
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""

@@ -34,13 +34,13 @@ def glide_held(j, motion, stretch, segments, path):
     For a force that is constant on each segment.
     """
     x, v = motion
-    s, low, high, plant, load, longest, table = stretch
+    s, low, high, plant, load, table = stretch
     _, b, k = plant
     kind, level = segments.kind, segments.level
     keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
-        if n < 0 or segments.lengths[n] > longest:
+        if n < 0:
             break
         xx, xv, xf, vx, vv, vf = table[n, 0], table[n, 1], table[n, 2], table[n, 5], table[n, 6], table[n, 7]
         begun = j
@@ -68,13 +68,13 @@ def glide_held(j, motion, stretch, segments, path):
 def glide(j, motion, stretch, segments, path):
     """The same for a force that changes during a segment."""
     x, v = motion
-    s, low, high, plant, load, longest, table = stretch
+    s, low, high, plant, load, table = stretch
     m, b, k = plant
     kind = segments.kind
     keep = path.v.size > 0
     while j < kind.size:
         n = kind[j]
-        if n < 0 or segments.lengths[n] > longest:
+        if n < 0:
             break
         line = _line(segments, j, load)
         f, _, e, _ = line
@@ -157,8 +157,7 @@ def walk(h, going, axis, line, c):
     edges, springs, intercepts = spring.edges, spring.lines[0], spring.lines[1]
     f, r, e, decay = line
     t = 0.0
-    pieces = min(linear.fastest_rate(Linear(m, b, springs[i])) * h, STIFF)
-    for _ in range(EVENTS + int(pieces)):
+    for _ in range(EVENTS):
         left = h - t
         if not left > 0.0:
             break
@@ -257,10 +256,21 @@ def _stretch(going, axis, table):
     edges, springs = axis.spring
     plant = Linear(axis.m, axis.b, springs[0, i])
     load = axis.constant + springs[1, i] + s * axis.kinetic
-    longest, swing = math.inf, plant.k / plant.m - (0.5 * plant.b / plant.m) ** 2
-    if axis.eventful and swing > 0.0:
-        longest = ONE_TURN / math.sqrt(swing)
-    return Glide(s if axis.eventful else 0, edges[i], edges[i + 1], plant, load, longest, table)
+    return Glide(s if axis.eventful else 0, edges[i], edges[i + 1], plant, load, table)
+
+
+@lean
+def longest_glide(axis):
+    """Longest segment [s] in which the velocity is zero once at most, on the softest piece of the spring.
+
+    In a hard stop a cart turns within any sample; there it is the edge of the piece that ends a glide.
+    """
+    softest = math.inf
+    for k in axis.spring.lines[0]:
+        if k > 0.0:
+            softest = min(softest, k)
+    swing = softest / axis.m - (0.5 * axis.b / axis.m) ** 2
+    return ONE_TURN / math.sqrt(swing) if 0.0 < swing < math.inf else math.inf
 
 
 @making

@@ -140,7 +140,6 @@ class Glide(NamedTuple):
         low, high: where the piece of the spring ends [m].
         plant: m, b and k of the piece.
         load: constant force against +x [N].
-        longest: longest segment [s] in which v is zero once at most.
         table: (kinds, 10) propagators of each kind of segment.
     """
 
@@ -149,7 +148,6 @@ class Glide(NamedTuple):
     high: float
     plant: Linear
     load: float
-    longest: float
     table: FloatArray
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
 from msd_ident.model.kernel.compiled import give_up, joined, lean, plain
-from msd_ident.model.kernel.exact import exact
+from msd_ident.model.kernel.exact import exact, longest_glide
 from msd_ident.model.kernel.exponential import STIFF
 from msd_ident.model.kernel.general import general, run_of
 from msd_ident.model.kernel.groups import Axis, Cart, Command, Linear, Motion, Path, Segments, Spring, World
@@ -105,7 +105,10 @@ def row(bits, values, place, plan, out):
         if bits & laws.DRY_BITS:
             kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0)
         eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
-        exact(Axis(m, b, constant, kinetic, hold, spring, eventful), cut, motion, path)
+        axis = Axis(m, b, constant, kinetic, hold, spring, eventful)
+        if eventful:
+            cut = segments.walked_where_long(cut, longest_glide(axis))
+        exact(axis, cut, motion, path)
     _read(world, time, pick, path, out)
 
 

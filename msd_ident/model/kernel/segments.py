@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from msd_ident.model.kernel.compiled import lean, making
+from msd_ident.model.kernel.groups import Segments
 
 #: Distinct segment lengths whose propagators are kept; other segments are propagated by series.
 LENGTHS = 8
@@ -137,3 +138,13 @@ def lag(segments, tau, at_start):
         level[j] -= rise * tau
         transient[j] = force - level[j]
         force = level[j] + rise * h + transient[j] * fade
+
+
+@making
+def walked_where_long(segments, longest):
+    """The same segments; those longer than ``longest`` [s] count as odd ones, so they are walked event by event."""
+    if not np.any(segments.lengths > longest):
+        return segments
+    kind = np.where(segments.length > longest, np.int8(-1), segments.kind)
+    start, length, _, lengths, level, slope, transient, decay = segments
+    return Segments(start, length, kind, lengths, level, slope, transient, decay)
