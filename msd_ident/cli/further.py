@@ -94,6 +94,7 @@ class Further:
         """What validates the model on a path."""
 
         def validated(path: Path) -> dict[str, Any]:
+            """The object of one record."""
             from msd_ident.io import read_all
             from msd_ident.report.validation import print_validation
             from msd_ident.workflow import saved_model, validation
@@ -116,6 +117,7 @@ class Further:
         records = cache(lambda: [record for path in group for record in read_all(path, self.source)])  # once for all
 
         def exported(out: Path) -> dict[str, Any]:
+            """The object of one file."""
             from msd_ident import export
             from msd_ident.report.export import print_export
             from msd_ident.workflow import saved_model

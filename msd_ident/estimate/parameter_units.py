@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
@@ -107,17 +108,29 @@ def _typical_speed(record: Record) -> float:
         span *= 2
 
 
-def unit_in(unit: str, record: Record) -> str:
-    """Unit of a parameter on the rig of a record.
+class HasUnits(Protocol):
+    """A record, or a result of one: it has the units of a rig."""
+
+    @property
+    def force_unit(self) -> str:
+        """Unit of the force."""
+
+    @property
+    def position_unit(self) -> str:
+        """Unit of the position."""
+
+
+def unit_in(unit: str, rig: HasUnits) -> str:
+    """Unit of a parameter on a rig.
 
     Args:
         unit: SI unit of the library for a linear axis, such as ``kg`` or ``N·s/m``.
-        record: gives the units of force and position: N and m, N·m and rad, or unknown ones such as V and count.
+        rig: gives the units of force and position: N and m, N·m and rad, or unknown ones such as V and count.
 
     Returns:
         For example ``kg·m²`` for ``kg`` on a revolute joint, or ``V·s²/count``.
     """
-    force, length = record.force_unit, record.position_unit
+    force, length = rig.force_unit, rig.position_unit
     if (force, length) == ("N", "m"):
         return unit
     if unit == "kg":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from msd_ident.errors import UsageError
 from msd_ident.estimate.parameter_units import unit_in
@@ -14,7 +14,6 @@ from msd_ident.model.parameters import PARAMETERS
 from msd_ident.workflow.saved_model import ONLY_RATIOS, SavedModel
 
 if TYPE_CHECKING:
-    from msd_ident.data.record import Record
     from msd_ident.export.posterior import Draws
 
 #: Position unit → how a joint of that unit moves.
@@ -150,8 +149,7 @@ def in_newtons(saved: SavedModel) -> SavedModel:
     Its values stay those of the record's force unit: ``scaled`` converts them.
     """
     told = replace(saved, force_unit="N" if saved.position_unit == "m" else "N·m", scale_assumed=False)
-    rig = cast("Record", told)  # the two units of a rig are all that is read, and a result has them as a record has
-    units = {name: unit_in(PARAMETERS[name].unit, rig) for name in told.parameters if name in PARAMETERS}
+    units = {name: unit_in(PARAMETERS[name].unit, told) for name in told.parameters if name in PARAMETERS}
     parameters = {name: replace(own, unit=units.get(name, own.unit)) for name, own in told.parameters.items()}
     return replace(told, parameters=parameters)
 

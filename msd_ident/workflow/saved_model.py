@@ -153,7 +153,7 @@ def from_json_dict(result: Mapping[str, Any], name: str = "the result") -> Saved
             f"{name} lacks what a simulation needs ({error}); expected all keys of {schema}: {_next(schema)}"
         ) from None
     try:
-        saved_parameters.check(found.parameters, found.model, found.force_unit, found.position_unit)
+        saved_parameters.check(found.parameters, found.model, found)
     except UsageError as error:
         raise DataError(f"{name}: {error}, or {_next(schema)}") from None
     return found

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
-import numpy as np
-
-from msd_ident.data.record import MINIMUM_SAMPLES, Record, from_samples
 from msd_ident.errors import UsageError
-from msd_ident.estimate.parameter_units import exponents, unit_in
+from msd_ident.estimate.parameter_units import HasUnits, exponents, unit_in
 from msd_ident.model import Model
 from msd_ident.quantity import Quantity
 
@@ -17,18 +13,17 @@ from msd_ident.quantity import Quantity
 DERIVED = {"friction_coefficient": "1"}
 
 
-def check(parameters: Mapping[str, Quantity], model: Model, force_unit: str, position_unit: str) -> None:
+def check(parameters: Mapping[str, Quantity], model: Model, rig: HasUnits) -> None:
     """Refuse what a simulation would silently take for something else, or leave out.
 
     Args:
         parameters: name → quantity, as the result has them.
         model: made of them.
-        force_unit, position_unit: of the result's record.
+        rig: the result, which has the units of its record.
 
     Raises:
         UsageError: a parameter that neither plant nor effects have, or one in another unit than its own.
     """
-    rig = _rig(force_unit, position_unit)
     own = {parameter.name: parameter.unit for parameter in model.parameters}
     for name, quantity in parameters.items():
         if name not in own and name not in DERIVED:
@@ -41,18 +36,11 @@ def check(parameters: Mapping[str, Quantity], model: Model, force_unit: str, pos
         # The library's unit is that of a linear axis in SI units; as the numbers are the same, it may stand on any rig.
         if not any(_same(quantity.unit, expected) for expected in (here, unit)):
             raise UsageError(
-                f"{name} is in {quantity.unit or 'no unit'}; expected {here}, with forces in {force_unit} and "
-                f"positions in {position_unit}: convert its value and std"
+                f"{name} is in {quantity.unit or 'no unit'}; expected {here}, with forces in {rig.force_unit} and "
+                f"positions in {rig.position_unit}: convert its value and std"
             )
 
 
 def _same(unit: str, other: str) -> bool:
     """Whether two units are one, however they are written; units that nobody knows are compared as words."""
     return unit == other or exponents(unit) == exponents(other)
-
-
-def _rig(force_unit: str, position_unit: str) -> Record:
-    """A record of nothing in these units, as the units of parameters are those of a record."""
-    nothing = np.zeros(MINIMUM_SAMPLES)
-    empty = from_samples(np.arange(MINIMUM_SAMPLES, dtype=np.float64), nothing, nothing)
-    return replace(empty, force_unit=force_unit, position_unit=position_unit)
