@@ -79,6 +79,27 @@ def test_a_profile_is_played_and_recorded(ros: Graph, tmp_path: Path) -> None:
     assert pushed.max() - record.position[0] == pytest.approx(5.0 / 694.1 * 1.78, rel=0.1)
 
 
+def test_what_waits_in_queues_at_the_end_is_recorded(
+    ros: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig(ros)
+    push = ProfilePlayer._push
+    sent: list[float] = []
+
+    def held_up(self: ProfilePlayer, newtons: float, stamp: int) -> None:
+        push(self, newtons, stamp)
+        sent.append(newtons)
+        if newtons == 5.0:
+            ros._spinners[0].executor.create_task(time.sleep, 2.0)
+
+    monkeypatch.setattr(ProfilePlayer, "_push", held_up)
+    play(ros, STEP, tmp_path / "bag")
+    record = read(tmp_path / "bag", SourceOptions())
+    after = record.force[record.force.tolist().index(5.0) + 1 :]
+    assert len(after) == len(sent) - sent.index(5.0) - 1 and not after.any(), "the release, the end, and force 0"
+    assert record.time[-1] > record.force_time[-1] - 0.05
+
+
 def test_leaving_the_travel_stops_with_force_0(ros: Graph, tmp_path: Path) -> None:
     rig(ros)
     told = Forces(ros)

@@ -26,8 +26,8 @@ from msd_ident.ros.experimenter.safety_monitor import SafetyMonitor
 from msd_ident.ros.recorder.recording import Recording
 from msd_interfaces.msg import EncoderBatch
 
-#: Longest wait for a rig that answers, for a cart that comes to rest, and of a reading to come after the end [s].
-ANSWER, REST, TAIL = 5.0, 10.0, 0.2
+#: Longest wait for a rig that answers, and for a cart that comes to rest [s].
+ANSWER, REST = 5.0, 10.0
 #: How long before its instant a force is sent, where nothing else is said [s].
 LEAD = 0.05
 #: The cart rests when its readings stay within this part of the travel for this long [s].
@@ -108,6 +108,7 @@ class ProfilePlayer:
         self._guard: SafetyMonitor | None = None
         self._recording: Recording | None = None
         self._latest: tuple[int, float] | None = None
+        self._unheard: WrenchStamped | None = None  # the last command, until it comes back
         self._halted = False
 
     def play(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
@@ -205,6 +206,7 @@ class ProfilePlayer:
         message = WrenchStamped()
         message.header.stamp = time_message(stamp)
         message.wrench.force.x = newtons
+        self._unheard = message
         self._force.publish(message)
         self._ahead.append(stamp)
 
@@ -218,8 +220,11 @@ class ProfilePlayer:
             if recording is not None:
                 now = self._node.get_clock().now().nanoseconds
                 recording.put(name, raw, now, now)
+            message = deserialize_message(raw, kind)
             if kind is not WrenchStamped:
-                self._watch(deserialize_message(raw, kind))
+                self._watch(message)
+            elif message == self._unheard:
+                self._unheard = None
 
         return subscribe(self._node, kind, topic, take, qos, raw=True)
 
@@ -246,7 +251,7 @@ class ProfilePlayer:
         return recording
 
     def _wait_for_rig(self) -> None:
-        self._latest = None
+        self._latest, self._unheard = None, None
         name = self._node.resolve_topic_name(names.FORCE)
         _until(
             lambda: self._latest is not None and self._node.count_subscribers(name) > 1,
@@ -258,15 +263,16 @@ class ProfilePlayer:
         self._catch_up(ANSWER)
 
     def _catch_up(self, most: float) -> None:
-        """Wait until readings that still lie in queues have come, up to this instant; at most so long [s].
+        """Wait until the last command and the readings up to this instant have come; at most so long [s].
 
-        Ends when none comes any more, too.
+        Both may still lie in queues. A rig that has fallen silent sends no reading any more.
         """
         until = int(self._node.get_clock().now().nanoseconds)
         deadline, before, since = time.monotonic() + most, 0, time.monotonic()
         while time.monotonic() < deadline:
             stamp = self._latest[0] if self._latest else 0
-            if stamp >= until or time.monotonic() - since > TAIL:
+            read = stamp >= until or time.monotonic() - since > self._silence
+            if read and self._unheard is None:
                 return
             if stamp != before:
                 before, since = stamp, time.monotonic()
