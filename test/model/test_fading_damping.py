@@ -12,6 +12,8 @@ from scipy.integrate import solve_ivp
 from msd_ident.data.record import from_samples
 from msd_ident.model import Plant, Simulator
 from msd_ident.model.effects.fading_damping import FadingDamping
+from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.workflow import pipeline
 
 
@@ -61,3 +63,24 @@ def test_a_brake_far_beyond_its_peak_is_not_taken_for_stribeck_friction(asking_a
     (cause,) = pipeline.diagnose([from_samples(time, force, np.array(reached) + noise)]).causes
     assert cause.name == "fading_damping" and cause.probability > 0.99
     assert cause.parameters["fading_speed"].value == pytest.approx(peak, rel=0.05)
+
+
+def test_slow_fading_is_friction_with_the_slowest_turn() -> None:
+    """b1·v/(1 + v/v0) = Fc·v/(v + vc)."""
+    fading = plant() + FadingDamping(3.0, 0.05, 1.0)
+    turned = SmoothFrictionTurn.in_place_of(fading.effects[0], fading)
+    assert turned is not None
+    (friction,) = turned.effects
+    for speed in (1e-3, 0.05, 0.7):
+        assert FadingDamping.force(speed, speed, 3.0, 0.05, 1.0) == pytest.approx(
+            SmoothFrictionTurn.force(speed, friction.values[0], friction.values[1], 1.0), rel=1e-12
+        )
+    beside = fading + StribeckFriction(0.3, 0.4, 0.02)
+    assert SmoothFrictionTurn.in_place_of(beside.effect("fading_damping"), beside) is None, "two laws of dry friction"
+
+
+@pytest.mark.parametrize(("speed", "exact", "tied"), [(0.14, True, True), (0.2, True, False), (0.2, False, True)])
+def test_a_force_that_rises_no_more_may_be_dry_friction(speed: float, exact: bool, tied: bool) -> None:
+    """Where more than noise is left, the curve is not this one."""
+    assert bool(FadingDamping(3.0, speed, 1.3).may_be(1.0, exact)) is tied
+    assert not FadingDamping(3.0, 0.34, 1.3).may_be(1.0, exact)

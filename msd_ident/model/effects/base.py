@@ -259,11 +259,14 @@ class Effect(Law):
         del other, model
         return None
 
-    def may_be(self, speed: float) -> tuple[str, ...]:
-        """Causes of which it may be another form with its present values, if the motion reaches a speed [m/s] at most,
-        the simplest first.
+    def may_be(self, speed: float, exact: bool) -> tuple[str, ...]:
+        """Causes of which it may be another form with its present values, the simplest first.
+
+        Args:
+            speed: that the motion reaches at most [m/s].
+            exact: whether the model leaves only noise.
         """
-        del speed
+        del speed, exact
         return ()
 
     def zero_in(self, model: Model) -> float:

@@ -21,9 +21,10 @@ HALVES = (0.03, 2.0)
 #: Where a search begins. A brake that is driven far beyond the peak of its force looks like Stribeck friction: from a
 #: third of the top speed a search does not get there.
 _STARTS = (0.06, 0.33, 0.67)
-#: Speed of half the damping, in parts of the top speed, below which most of the motion is beyond its peak: dry friction
-#: that creeps does the same.
-_DRY = 0.15
+#: Speed of half the damping, in parts of the top speed, below which the force rises no more at most speeds: dry
+#: friction that creeps does the same. The second where more than noise is left, so that the curve is not this one:
+#: eddy-current brakes have their peak at several m/s, few rigs get there.
+_DRY, _DRY_ROUGHLY = 0.15, 1.0 / 3.0
 #: Share of the plant's natural damping force m·ω·v that a search starts from.
 _SHARE = 0.1
 
@@ -66,9 +67,10 @@ class FadingDamping(Effect):
             return 0.0
         return fading_damping * v / (1.0 + math.exp(fading_exponent * math.log(speed / fading_speed)))
 
-    def may_be(self, speed: float) -> tuple[str, ...]:
-        """Dry friction that creeps, where the force has its peak far below most speeds."""
-        return ("coulomb_friction", "stribeck_friction") if self.fading_speed < _DRY * speed else ()
+    def may_be(self, speed: float, exact: bool) -> tuple[str, ...]:
+        """Dry friction that creeps, where the force rises no more at most speeds."""
+        most = (_DRY if exact else _DRY_ROUGHLY) * speed
+        return ("coulomb_friction", "stribeck_friction") if self.fading_speed < most else ()
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter, RecordScales
@@ -59,6 +59,15 @@ class SmoothFrictionTurn(Effect):
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return SmoothFriction.resolvable(seen)
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """A damping that fades as 1/v is friction with the slowest turn, n = 1: Fc = b1·v0, vc = v0."""
+        others = tuple(effect for effect in model.effects if effect is not other)
+        if other.name != "fading_damping" or any(effect.family == cls.family for effect in others):
+            return None
+        damping, speed, _ = other.values
+        return replace(model, effects=(*others, cls.within_bounds(damping * speed, speed, _STARTS[0])))
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SmoothFrictionTurn, ...]:
