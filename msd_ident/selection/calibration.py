@@ -8,12 +8,14 @@ most strengths looks like another one here.
 **The correction.** That a cause c was named is one outcome; r(T) is the share of copies of T in which it is named too.
 With the leading set S that holds c, and R rivals T that have another law in its place, Bayes' rule gives the odds
 
-    P(T | c was named) / P(S | c was named) = r(T) / (R r(S)),
+    P(T | c was named) / P(S | c was named) = r(T) / (e R r(S)).
 
-the leading set being as likely before as all its rivals together, and these alike: their prior odds have done their
-work when they were chosen, and how often one law of a family acts on rigs, and how often another, nobody knows (with
-the prior odds of the evidence, Coulomb friction was stated with 0.95 where it acted in 10 of 12 rigs). For
-the leading set with nothing in the place of c, R is 1.
+Before, the leading set is e times as likely as all its rivals together, the least that a cause must bring to be named
+(``CALLED``, 1 nat), and these are alike: their prior odds have done their work when they were chosen, and how often one
+law of a family acts on rigs, and how often another, nobody knows. (With the prior odds of the evidence, Coulomb
+friction was stated with 0.95 where it acted in 10 of 12 rigs; with 1 in the place of e, with 0.74 on average where it
+acted in 15 of 15.) No cause is certain that would not be with 1 in the place of e. For the leading set with nothing in
+the place of c, R is 1.
 Shares are estimated as (k + ½) / (n + 1) (Jeffreys). Where no copy of T led to c, the replicates say nothing against
 it and the stated odds stand. Where no copy of S itself led to c, they say nothing for it either: the copies are not
 like the record, and c has the odds of a cause that no copies check (``Ranking.limit``). A rival's odds are never
@@ -38,7 +40,7 @@ import numpy as np
 from msd_ident.estimate.levels import CONFIDENCE
 from msd_ident.model.effects import by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
-from msd_ident.selection.ranking import Ranking, kinds, probability_at
+from msd_ident.selection.ranking import CALLED, CERTAIN, Ranking, certain, kinds, probability_at
 
 
 @dataclass(frozen=True)
@@ -165,22 +167,27 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, H
     lead = rows[0]
     before = {cause: ranking.of_cause(cause) for cause in lead.causes}
     lacking = {cause: [row for row in rows[1:] if not _holds(row.causes, cause)] for cause in lead.causes}
-    drawn = {cause: sum(row.any_strength for row in lacking[cause]) for cause in lead.causes}
+    against = {cause: _against(lead, lacking[cause], cause) for cause in lead.causes}
     for rival in rows[1:]:
-        without = [cause for cause in lead.causes if rival in lacking[cause]]
-        most = max(
-            (odds(lead, rival, cause) / (drawn[cause] if rival.any_strength else 1) for cause in without), default=0.0
-        )
+        most = math.exp(-CALLED) * max(found.get(rival.causes, 0.0) for found in against.values())
         if most > 0.0:
             ranking = _raised(ranking, rival.causes, most, standins)
     for cause in sorted(lead.causes):
         limits = [before[cause]]
         if not lead.named(cause):
             limits.append(probability_at(ranking.limit(cause)))
+        if not certain(1.0 / (1.0 + sum(against[cause].values()))):
+            limits.append(CERTAIN)
         if copies := sum(row.copies for row in lacking[cause]):
             limits.append((copies + 1.0) / (copies + 2.0))
         ranking = _capped(ranking, cause, min(limits), kinds(lead.causes))
     return ranking
+
+
+def _against(lead: Row, rivals: Sequence[Row], cause: str) -> dict[Causes, float]:
+    """Odds of each rival without a cause against the leading set, had that been as likely before as all of them."""
+    drawn = sum(row.any_strength for row in rivals)
+    return {row.causes: odds(lead, row, cause) / (drawn if row.any_strength else 1) for row in rivals}
 
 
 def _holds(causes: Causes, cause: str) -> bool:

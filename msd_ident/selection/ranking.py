@@ -241,9 +241,10 @@ class Ranking:
         if law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ()):
             odds = min(odds, 1.0)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())
-        if aged or shape or law in self.slow.get(causes, ()) or law in self.held.get(causes, ()):
+        seen_once = law in self.slow.get(causes, ()) or law in self.held.get(causes, ())
+        if aged or shape or seen_once or causes in self.leaves:
             odds = min(odds, CERTAIN_ODDS)
-        if causes in self.leaves or self.curved_by(causes, law):
+        if self.curved_by(causes, law):
             odds = min(odds, _uncertain(effect), CERTAIN_ODDS)
         if causes not in self.exact:
             clear = min(self.clear.get(causes, {}).get(law, math.inf), self._shaped(causes, law))
@@ -291,8 +292,11 @@ class Ranking:
 
     def limit(self, name: str) -> float:
         """Greatest odds of a cause if no copies check it (``unchecked``), or the evidence is against the set."""
-        effect = Effect if self.foretold else by_name(by_name(name).cause())
-        return _uncertain(effect) if self.best.causes not in self.exact else CERTAIN_ODDS * _usual(effect)
+        exact = self.best.causes in self.exact
+        if self.foretold:  # what speaks for a set and what speaks against it are even, unless no error is seen
+            return CERTAIN_ODDS if exact else 1.0
+        effect = by_name(by_name(name).cause())
+        return CERTAIN_ODDS * _usual(effect) if exact else _uncertain(effect)
 
     def within(self, nats: float) -> list[Hypothesis]:
         """Sets whose evidence is not more than this below the leading one."""

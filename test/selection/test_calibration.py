@@ -20,7 +20,7 @@ from msd_ident.selection.calibration import Calibration, Row, corrected, odds
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.naming import leading, tied
-from msd_ident.selection.ranking import Ranking
+from msd_ident.selection.ranking import CERTAIN, Ranking
 from msd_ident.selection.replication import left_unchecked
 
 RUB, PEAK, DRAG, CREEP, NOTHING = (
@@ -76,11 +76,22 @@ def test_what_copies_of_a_rival_are_called_too_is_no_certainty(fitted: dict[froz
     after = leading(corrected(stated, rows, fitted))
     assert after.best.causes == RUB, "as likely is no reason to name the richer law"
     assert after.of_cause("coulomb_friction") == pytest.approx(
-        1.0 / (1.0 + (16.5 / 17.0) / (8.5 / 9.0) / 2.0), abs=0.02
+        1.0 / (1.0 + (16.5 / 17.0) / (8.5 / 9.0) / 2.0 / math.e), abs=0.02
     )
     assert tied(after, "coulomb_friction") == ("stribeck_friction",)
     assert sum(after.probability) == pytest.approx(1.0)
     assert all(math.isfinite(value) for value in after.evidence)
+
+
+def test_no_cause_is_certain_that_a_quarter_of_a_rivals_copies_are_called(
+    fitted: dict[frozenset[str], Hypothesis],
+) -> None:
+    """However much likelier the leading set was before."""
+    stated = ranking(fitted, rub=0.999, nothing=0.001)
+    for called, sure in ((4, CERTAIN), (1, None)):
+        rows = [row(RUB, rub=8), row(PEAK, rub=called, peak=16 - called), row(NOTHING, nothing=80)]
+        found = corrected(stated, rows, fitted).of_cause("coulomb_friction")
+        assert found == pytest.approx(sure) if sure else found > 0.95
 
 
 def test_a_cause_that_falls_below_a_rival_loses_the_headline(fitted: dict[frozenset[str], Hypothesis]) -> None:
@@ -112,8 +123,9 @@ def test_other_causes_of_a_set_keep_what_they_have(fitted: dict[frozenset[str], 
     stated = ranking(fitted, both=0.98, rub=0.01, nothing=0.01)
     rows = [row(RUB | DRAG, both=8), row(RUB, False, rub=14, both=6), row(NOTHING, False, nothing=20)]
     after = corrected(stated, rows, fitted)
-    assert after.of_cause("quadratic_drag") < 0.85
-    assert after.of_cause("coulomb_friction") > 0.9
+    rival = 0.98 * (6.5 / 21.0) / (8.5 / 9.0) / math.e
+    assert after.of_cause("coulomb_friction") == pytest.approx(21.0 / 22.0), "what 20 copies without it allow"
+    assert after.of_cause("quadratic_drag") == pytest.approx(21.0 / 22.0 * 0.98 / (0.98 + rival))
 
 
 def test_without_copies_of_a_poor_experiment_no_cause_is_certain(fitted: dict[frozenset[str], Hypothesis]) -> None:
@@ -191,7 +203,7 @@ def test_a_correction_makes_no_named_cause_surer(fitted: dict[frozenset[str], Hy
     assert after.of_cause("quadratic_drag") == pytest.approx(0.75)
     raised = corrected(stated, [row(RUB | DRAG, both=8), row(RUB, False, both=8), *rows[1:]], fitted)
     assert raised.of_cause("coulomb_friction") == pytest.approx(0.56)
-    assert raised.of_cause("quadratic_drag") < 0.75
+    assert raised.of_cause("quadratic_drag") == pytest.approx(0.99 / (0.99 + 0.55 / math.e))
     assert sum(after.probability) == pytest.approx(1.0) == sum(raised.probability)
 
 

@@ -104,7 +104,7 @@ def test_a_spring_is_as_sure_as_it_explains_more_than_the_error_of_its_form(
     assert found.of_cause(first.name) == pytest.approx(times / (1.0 + times), abs=2e-3)
 
 
-@pytest.mark.parametrize(("left", "sure"), [(30.0, 3.0 / 4.0), (17.0, 3.0 / 4.0), (14.0, 1.0), (1.04, 1.0)])
+@pytest.mark.parametrize(("left", "sure"), [(30.0, CERTAIN), (17.0, CERTAIN), (14.0, 1.0), (1.04, 1.0)])
 def test_a_law_that_leaves_much_of_what_it_explains_is_not_certain(
     experiment: Experiment, left: float, sure: float
 ) -> None:
