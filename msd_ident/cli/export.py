@@ -48,7 +48,10 @@ FragmentOption = Annotated[
 MassOption = Annotated[
     float | None, options.model_option("--mass", metavar="KG", help="moving mass, for a result that has only ratios")
 ]
-DrawsOption = Annotated[int, options.output_option("--draws", help="number of parameter sets of --to draws")]
+DrawsOption = Annotated[
+    int | None,
+    options.output_option("--draws", metavar="N", help="number of parameter sets of --to draws; default: 1000"),
+]
 StepsOption = Annotated[
     int | None,
     options.output_option(
@@ -69,7 +72,7 @@ def export(
     into: IntoOption = None,
     fragment: FragmentOption = False,
     mass: MassOption = None,
-    draws: DrawsOption = 1000,
+    draws: DrawsOption = None,
     steps: StepsOption = None,
     line: options.LineOption = None,
     *,
@@ -84,11 +87,12 @@ def export(
     chosen.check_name(out)
     saved = saved_model(result, line)
     written, read = (out, *chosen.beside(out)), (result, *(replay or ()), *_own(saved, result), *filter(None, (into,)))
+    settings = exports.Options(joint, mass, draws, steps)
+    settings.check(chosen)
     json = None if output.json in ("", "-") else Path(output.json)
     results.check_apart([*written, *filter(None, (json, output.report))], read)
     output.check(*read)
     results.check_targets(output.overwrite, *written)
-    settings = exports.Options(joint, mass, draws, steps)
     paths, why = ((), "--no-replay") if no_replay else _paths(saved, result, replay, source)
     records = [record for path in paths for record in read_all(path, source)]
     found = exports.export(saved, chosen, out, settings, records)
@@ -102,10 +106,20 @@ def export(
 
 
 def _own(saved: SavedModel, result: Path) -> list[Path]:
-    """Places where the record of a result is, as the result names it or beside the result; none where it is not."""
+    """Places where the records of a result are, as the result names them or beside the result; none where there are
+    none.
+    """
+    return [place for name in _records(saved) for place in _places(name, result)]
+
+
+def _records(saved: SavedModel) -> list[str]:
+    """Records of a result as it names them: ``a.csv + b.csv`` are two, or one with this name."""
+    return [saved.path, *saved.path.split(" + ")] if " + " in saved.path else [saved.path]
+
+
+def _places(name: str, result: Path) -> list[Path]:
     try:
-        places = (Path(saved.path), result.parent / saved.path) if saved.path else ()
-        return [place for place in places if place.exists()]
+        return [place for place in (Path(name), result.parent / name) if name and place.exists()]
     except OSError:  # a path that is too long for the disk
         return []
 
@@ -113,19 +127,22 @@ def _own(saved: SavedModel, result: Path) -> list[Path]:
 def _paths(
     saved: SavedModel, result: Path, replay: Sequence[Path] | None, source: SourceOptions
 ) -> tuple[Sequence[Path], str]:
-    """Records to replay: those given, or that of the result where it is still there; else why there are none."""
+    """Records to replay: those given, or those of the result where they are still there; else why there are none."""
     from msd_ident.io import read_all
 
     if replay:
         return replay, ""
-    for own in _own(saved, result)[:1]:
+    whole, *parts = (_places(name, result)[:1] for name in _records(saved))
+    own = whole or [place for part in parts for place in part]
+    if not whole and (not parts or len(own) < len(parts)):
+        return (), f"its own record {saved.path} is not here: give --replay PATH"
+    for path in own:
         try:
-            for record in read_all(own, source):
+            for record in read_all(path, source):
                 _check(saved, record)
         except MsdError as error:
             return (), f"its own record cannot be replayed ({error}): give --replay PATH and how to read it"
-        return (own,), ""
-    return (), f"its own record {saved.path} is not here: give --replay PATH"
+    return own, ""
 
 
 def _check(saved: SavedModel, record: Record) -> None:

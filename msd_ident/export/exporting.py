@@ -32,6 +32,10 @@ CLOSE, AIM = 0.2, 0.12
 WHOLE = "mujoco, mujoco-xml, python, python-msd, fmu or draws"
 
 
+#: Parameter sets that are drawn where the user says nothing.
+DRAWS = 1000
+
+
 @dataclass(frozen=True)
 class Options:
     """What the user decides about an export.
@@ -39,14 +43,27 @@ class Options:
     Attributes:
         joint: name of the joint.
         mass: the moving mass [kg or kg·m²], which gives a result without newtons its force scale.
-        draws: parameter sets to draw.
+        draws: parameter sets to draw; ``None`` for ``DRAWS``.
         steps: solver steps for each sample period of the record; ``None`` for as many as the replay needs.
     """
 
     joint: str = "x"
     mass: float | None = None
-    draws: int = 1000
+    draws: int | None = None
     steps: int | None = None
+
+    def check(self, target: Target) -> None:
+        """Refuse what a target does not use.
+
+        Raises:
+            UsageError: draws of a target without any, or steps of one that takes none.
+        """
+        if self.draws is not None and target.name != "draws":
+            raise UsageError(f"--draws with --to {target.name}; expected --to draws: leave --draws away")
+        if self.steps is not None and not target.stepped:
+            raise UsageError(
+                f"--steps with --to {target.name}, which has no fixed steps; expected a MuJoCo target: leave --steps away"
+            )
 
 
 def export(
@@ -66,12 +83,13 @@ def export(
         records: for the nearest parameters, the draws and the proof; none for a file without proof.
 
     Raises:
-        UsageError: units or a name that no joint has, a result without newtons for a target that needs them, or
-            records in other units.
+        UsageError: units or a name that no joint has, options of other targets, a result without newtons for a target
+            that needs them, or records in other units.
         DataError: the records cannot carry any estimate.
         SetupError: a library is missing, or the disk does not take the file.
     """
     target.check_name(out)
+    options.check(target)
     check_joint(options.joint)
     check_units(saved)
     used = as_saved(saved, records).records if records else ()
@@ -98,7 +116,8 @@ def _planned(
         check_scale(saved, target.name, WHOLE)
     rows = tuple(row.sentence for row in _rows(saved, target)) + ((near.sentence,) if near else ())
     period = records[0].period if records else 1.0 / saved.rate if saved.rate > 0.0 else 1e-3
-    made = posterior.draw(saved, records, options.draws).scaled(scale) if target.name == "draws" else None
+    number = DRAWS if options.draws is None else options.draws
+    made = posterior.draw(saved, records, number).scaled(scale) if target.name == "draws" else None
     plan = Plan(
         saved=source, model=model, joint=options.joint, zero=zero if near is None else near.zero,
         period=period, steps=options.steps or _steps(model, period, target), force_scale=scale,

@@ -51,6 +51,40 @@ def test_export_without_its_record_says_so(rig: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.xdist_group("export_cli")
+def test_a_result_of_several_records_is_replayed_on_all_and_replaces_none(rig: Path, tmp_path: Path) -> None:
+    for name in ("rig.csv", "again.csv"):
+        (tmp_path / name).write_bytes((rig / "rig.csv").read_bytes())
+    told = json.loads((rig / "result.json").read_text()) | {"path": "rig.csv + again.csv"}
+    (tmp_path / "both.json").write_text(json.dumps(told))
+    whole = ("export", tmp_path / "both.json", "--out")
+    refused = run(*whole, tmp_path / "again.csv", "--to", "draws", "--overwrite")
+    assert refused.code == 2 and "again.csv is read, and a result would replace it" in refused.err
+    found = run(*whole, tmp_path / "rig.xml", "--to", "mujoco", "--json", "-")
+    assert found.code == 0 and len(json.loads(found.out)["replay"]["records"]) == 2, found.err
+    (tmp_path / "again.csv").unlink()
+    alone = json.loads(run(*whole, tmp_path / "one.xml", "--to", "mujoco", "--json", "-").out)
+    assert alone["not_replayed"] == "its own record rig.csv + again.csv is not here: give --replay PATH"
+
+
+@pytest.mark.xdist_group("export_cli")
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--to", "python", "--out", "a.py", "--draws", "5"), "--draws with --to python; expected --to draws: leave"),
+        (("--to", "python", "--out", "a.py", "--steps", "5"), "--steps with --to python, which has no fixed steps; exp"),
+        (("--to", "mujoco", "--out", "a.xml", "--draws", "5"), "--draws with --to mujoco; expected --to draws: leave"),
+    ],
+)
+def test_what_a_target_does_not_use_is_refused(
+    options: tuple[str, ...], words: str, rig: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = run("export", rig / "result.json", "--no-replay", *options)
+    assert found.code == 2 and words in found.err and found.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.xdist_group("export_cli")
 @pytest.mark.parametrize("name", ["python", "python-msd", "mujoco"])
 def test_a_path_in_a_result_is_never_run(name: str, rig: Path, tmp_path: Path) -> None:
     told = json.loads((rig / "result.json").read_text())
