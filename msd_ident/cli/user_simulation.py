@@ -68,14 +68,17 @@ def table(path: Path, source: SourceOptions) -> Simulation:
 
     scales = {name: getattr(source, name) for name in ("position_scale", "position_unit", "time_scale")}
     try:
-        found = read(path, _by_headings(path, SourceOptions(force="none", **scales)))
+        options, unit = _by_headings(path, SourceOptions(force="none", **scales))
+        found = read(path, options)
     except (DataError, UsageError):
-        found = read(path, _by_headings(path, replace(source, force="none")))
-    return TableSimulation(str(path), found.time, found.position)
+        options, unit = _by_headings(path, replace(source, force="none"))
+        found = read(path, options)
+    return TableSimulation(str(path), found.time, found.position, unit)
 
 
-def _by_headings(path: Path, options: SourceOptions) -> SourceOptions:
-    """The options without those scales that the headings of the file's own columns tell.
+def _by_headings(path: Path, options: SourceOptions) -> tuple[SourceOptions, str]:
+    """The options without those scales that the headings of the file's own columns tell, and the position's unit that
+    they tell; empty for none.
 
     A heading in counts tells none: what a count is, the options say.
     """
@@ -87,15 +90,16 @@ def _by_headings(path: Path, options: SourceOptions) -> SourceOptions:
     from msd_ident.io.csv_file import choose_columns
 
     if is_bag(path):
-        return options
+        return options, ""
     columns = runs.select(open_columns(path), options.run, str(path))
     chosen = choose_columns(columns, str(path), options)
     own, _ = units.POSITION.known.get(units.unit(columns.header[chosen.position])[0], ("", 1.0))
-    if own in units.POSITION.plain:
+    told = own if own in units.POSITION.plain else ""
+    if told:
         options = replace(options, position_scale=None, position_unit=options.as_position[0])
     if chosen.time is not None and units.time_factor(columns.header[chosen.time]) is not None:
         options = replace(options, time_scale=None)
-    return options
+    return options, told
 
 
 def _doubted(record: Record, simulation: Simulation) -> Record:

@@ -14,9 +14,16 @@ if TYPE_CHECKING:
 
 
 KeepOption = Annotated[
-    str,
-    options.batch_option("--table", metavar="TABLE.parquet", help="table that keeps the results of records in folders"),
+    str | None,
+    options.batch_option(
+        "--table",
+        metavar="TABLE.parquet",
+        help="table that keeps the results of records in folders; default: msd_watch.parquet",
+    ),
 ]
+#: Where the results of records are kept if nothing else is said.
+KEPT = "msd_watch.parquet"
+
 FalseAlarmsOption = Annotated[
     float, options.model_option("--false-alarms", metavar="RATE", help="accepted false alarms per robot and year")
 ]
@@ -36,7 +43,7 @@ FollowOption = Annotated[
 def watch(
     paths: many_records.TablesArgument,
     source: groups.Source,
-    keep: KeepOption = "msd_watch.parquet",
+    keep: KeepOption = None,
     false_alarms: FalseAlarmsOption = 1.0,
     per_year: PerYearOption = 0.0,
     check: CheckOption = False,
@@ -54,11 +61,14 @@ def watch(
         raise UsageError(f"--follow takes seconds above 0, not {follow:g}; expected a period of at most a year")
     if follow and output.json == "-":
         raise UsageError("--follow with --json -; expected a file: each look replaces the results of the last one")
-    kept = () if any(map(is_table, paths)) else (keep,)
-    output.check(*many_records.read_from(paths), written=many_records.here(kept))
+    tables = [path for path in paths if is_table(path)]
+    if tables and keep is not None:
+        raise UsageError(f"--table beside {tables[0]}, which is one already; expected records: leave --table away")
+    kept = KEPT if keep is None else keep
+    output.check(*many_records.read_from(paths), written=many_records.here(() if tables else (kept,)))
 
     def look() -> list[Watch]:
-        table = batching.table(paths, source, output.quiet, keep)
+        table = batching.table(paths, source, output.quiet, kept)
         return _watch(table, settings, output, ", ".join(paths))
 
     found = _repeat(look, follow) if follow else look()

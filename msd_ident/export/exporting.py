@@ -62,7 +62,7 @@ class Options:
             raise UsageError(f"--draws with --to {target.name}; expected --to draws: leave --draws away")
         if self.steps is not None and not target.stepped:
             raise UsageError(
-                f"--steps with --to {target.name}, which has no fixed steps; expected a MuJoCo target: leave --steps away"
+                f"--steps with --to {target.name}, which has none; expected a MuJoCo target: leave --steps away"
             )
 
 

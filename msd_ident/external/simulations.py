@@ -184,14 +184,21 @@ class TableSimulation:
         name: of the file.
         time: (m,) [s] on the record's clock.
         position: (m,) in the position unit.
+        unit: position unit that the file names; empty where it names none.
     """
 
     name: str
     time: FloatArray
     position: FloatArray
+    unit: str = ""
 
     def check(self, record: Record) -> None:
-        """Raises DataError: it ends before the record does, or begins after it."""
+        """Raises DataError: it is in another unit, ends before the record does, or begins after it."""
+        if self.unit and self.unit != record.position_unit:
+            raise DataError(
+                f"{self.name} is in {self.unit}, and {record.name} in {record.position_unit}; expected one unit: "
+                "name it in the headings, or give --position-unit for the record"
+            )
         first, last = float(self.time[0]), float(self.time[-1])
         slack = 1.5 * record.period
         if first > record.time[0] + slack or last < record.time[-1] - slack:

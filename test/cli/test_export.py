@@ -71,7 +71,10 @@ def test_a_result_of_several_records_is_replayed_on_all_and_replaces_none(rig: P
     ("options", "words"),
     [
         (("--to", "python", "--out", "a.py", "--draws", "5"), "--draws with --to python; expected --to draws: leave"),
-        (("--to", "python", "--out", "a.py", "--steps", "5"), "--steps with --to python, which has no fixed steps; exp"),
+        (
+            ("--to", "python", "--out", "a.py", "--steps", "5"),
+            "--steps with --to python, which has none; expected a MuJoCo",
+        ),
         (("--to", "mujoco", "--out", "a.xml", "--draws", "5"), "--draws with --to mujoco; expected --to draws: leave"),
     ],
 )

@@ -108,6 +108,12 @@ def test_the_table_of_a_watch_may_be_watched_again(lab: Path, monkeypatch: pytes
     assert run("watch", "msd_watch.parquet", "--json", "w.json", "--quiet").code == 0
 
 
+def test_a_watch_of_a_table_keeps_none(lab: Path) -> None:
+    found = run("watch", lab, "--table", "kept.parquet")
+    assert found.code == 2 and found.err.count("\n") == 1
+    assert "--table beside" in found.err and "which is one already; expected records: leave --table away" in found.err
+
+
 def test_watch_says_who_changed_and_when(lab: Path, tmp_path: Path) -> None:
     found = run("watch", lab, "--check", "--report", tmp_path / "watch.html", "--json", tmp_path / "watch.json")
     assert found.code == 1

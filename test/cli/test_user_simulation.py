@@ -106,6 +106,15 @@ def test_so_does_the_time(header: str, scale: float | None, factor: float, tmp_p
     np.testing.assert_allclose(made.time, factor * time, rtol=1e-8, atol=1e-12)
 
 
+@pytest.mark.xdist_group("simulated")
+def test_a_heading_in_another_unit_is_refused(rig: Path, tmp_path: Path) -> None:
+    rows = np.loadtxt(rig / "theirs.csv", delimiter=",", skiprows=1)
+    theirs = write(tmp_path / "angle.csv", "time_s,angle_rad", rows)
+    found = run("validate", rig / "rig.csv", "--position-unit", "mm", "--simulated", theirs)
+    assert found.code == 2 and found.err.count("\n") == 1
+    assert "angle.csv is in rad, and" in found.err and "rig.csv in m; expected one unit: name" in found.err
+
+
 def test_a_file_without_positions_is_refused(tmp_path: Path) -> None:
     time = np.arange(100) * 1e-2
     theirs = write(tmp_path / "theirs.csv", "time,height", np.column_stack([time, time]))
