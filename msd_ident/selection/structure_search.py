@@ -31,6 +31,7 @@ from msd_ident.selection.ordering import leading, rank
 from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
+from msd_ident.selection.speed_curves import merged
 from msd_ident.selection.worthwhile import promising, within_reach
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
@@ -242,6 +243,9 @@ class Search:
         self.pruned.add(best.causes)
         for causes, model, initial in nearest(self.experiment, best):
             self._look_again(causes, model, initial)
+        for causes, model, initial in merged(self.experiment, best):
+            if causes not in self.sets or self.sets[causes].chi > best.chi:
+                self._look_again(causes, model, initial)
         return self._leader()
 
     def _follow_readings(self) -> None:

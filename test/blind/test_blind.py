@@ -36,6 +36,8 @@ FAINT_PEAK = Case(452043, "stribeck_friction", False, "steps", 1000.0, other="en
 LATE_MINIMUM = Case(
     462145, "position_dependent_friction", False, "steps", 1000.0, other="cogging", ranges="wide", noise="white"
 )
+#: Coulomb friction was stated with 0.99, beside drag and a disturbance.
+ONE_DECAY = Case(631613, "stribeck_friction", True, "release", 1000.0, ranges="wide")
 #: Of many by lot; a search that nothing ends takes seconds, up to a minute. ``make blind`` has them all.
 ODD = [
     Case(70181, "eccentric_friction", False),
@@ -79,6 +81,11 @@ def test_a_faint_stribeck_peak_beside_a_stop_is_not_taken_for_coulomb_friction()
 
 def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less() -> None:
     assert outcome(LATE_MINIMUM).exact
+
+
+def test_a_stribeck_curve_is_not_taken_for_coulomb_friction_and_drag_in_one_decay() -> None:
+    """From Coulomb friction alone its fit ends at 3.9 noise floors; both and a disturbance leave 1.03."""
+    assert outcome(ONE_DECAY).exact
 
 
 @pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)

@@ -76,6 +76,22 @@ class Effect(Law):
         return tuple(float(getattr(self, parameter.name)) for parameter in self.parameters)
 
     @classmethod
+    def curve_over_speed(cls) -> Callable[[float, Sequence[float]], float]:
+        """Force [N] against a motion in the positive direction, of a speed [m/s] and the effect's values, for a law of
+        the speed alone (``is_curve_over_speed``).
+        """
+        names = [parameter.name for parameter in cls.parameters]
+        given = {"v": 0, "speed": 0, "direction": 1} | {name: 2 + i for i, name in enumerate(names)}
+        acting = [law for kind, law in cls.laws().items() if kind in ("force", "friction")]
+        terms = [(law, [given[name] for name in arguments(law)]) for law in acting]
+
+        def force(speed: float, values: Sequence[float]) -> float:
+            known = (speed, 1.0, *values)
+            return sum(law(*[known[place] for place in places]) for law, places in terms)
+
+        return force
+
+    @classmethod
     def from_values(cls, values: dict[str, float]) -> Self:
         """The effect with those of ``values`` that are its own parameters."""
         return cls(**{parameter.name: values[parameter.name] for parameter in cls.parameters})

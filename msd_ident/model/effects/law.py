@@ -152,6 +152,14 @@ class Law:
         return any({"v", "speed", "lagged_v"} & set(arguments(law)) for law in acting)
 
     @classmethod
+    def is_curve_over_speed(cls) -> bool:
+        """Whether its force depends on the speed alone, and is against the motion alike in both directions."""
+        laws = cls.laws()
+        given = {name for law in laws.values() for name in arguments(law)} & set(ARGUMENTS)
+        dry = set(laws) <= {"force", "friction", "breakaway"} and bool(set(laws) & {"force", "friction"})
+        return dry and cls.mirror and given <= {"v", "speed", "direction"} and not (cls.memory or cls.structure)
+
+    @classmethod
     def cause(cls) -> str:
         """Name of the cause that acts where this law does."""
         return cls.form_of or cls.name
