@@ -134,7 +134,8 @@ def test_nobody_wakes_for_each_message(ros: Graph, tmp_path: Path) -> None:
         time.sleep(max(begin + 1e-3 * number - time.monotonic(), 0.0))
         stamp = time_message(10**18 + number * 10**6)
         encoder.publish(JointState(header=Header(stamp=stamp), name=["cart"], position=[1e-3 * number]))
-    until(lambda: identifier.buffer.position.size == 3000, "all messages")
+    until(lambda: identifier.buffer.position.newest_ns == 10**18 + 2999 * 10**6, "the last message")
+    assert identifier.buffer.position.size > 1000, "a busy machine may lose some"
     seconds = time.monotonic() - begin
     a_second = [len(found) / seconds for found in counted]
     assert a_second[0] < 1.5 / PERIOD and max(a_second[1:]) < 25, a_second
