@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from msd_ident.estimate.levels import BEYOND_DOUBT
+from msd_ident.model.declarations import PLACE
 from msd_ident.model.effects import Effect, by_name
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.tuning import fixed, tuned
@@ -229,8 +230,9 @@ class Ranking:
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another shape of
         the other laws, or of the controller's (``steered``). A law of another cause that gives the same motion is as
-        likely (``alike``); so is what the force may do between its samples (``sampled``), and, in a poor experiment,
-        another shape of a drift of the sensor in the place of a law that creeps beside one.
+        likely (``alike``); so is what the force may do between its samples (``sampled``), another shape of a drift in
+        the place of a law that is slower than the record beside it, and, in a poor experiment, another shape of a drift
+        of the sensor in the place of a law that creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
@@ -238,7 +240,8 @@ class Ranking:
             beside = by_name(twin).cause() in kinds(causes - {law})
             odds = min(odds, 1.0 if beside else CERTAIN_ODDS)
         aged = effect.ages_spring() and not plain
-        if law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ()):
+        even = law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ())
+        if even or self._drifts_beside_a_drift(causes, law):
             odds = min(odds, 1.0)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())
         seen_once = law in self.slow.get(causes, ()) or law in self.held.get(causes, ())
@@ -251,6 +254,14 @@ class Ranking:
             clear *= max(min(clear, _usual(effect)), 1.0)
             odds = min(odds, max(clear, FORM_ODDS * Effect.prior_odds))
         return probability_at(odds)
+
+    def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
+        """Whether a law is slower than the record, beside one that changes with time: two slow curves over time come
+        near any third.
+        """
+        harmonic = by_name(law).harmonic
+        over_time = harmonic is None or harmonic.over != PLACE
+        return over_time and law in self.slow.get(causes, ()) and not all(by_name(one).steady for one in causes - {law})
 
     def curved_by(self, causes: Causes, law: str) -> frozenset[str]:
         """Further curves of a set, of the spring or of the sensor as a law is, that explain so much beyond the others

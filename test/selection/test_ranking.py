@@ -26,6 +26,7 @@ from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.model.effects.position_dependent_friction import PositionDependentFriction
 from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.second_mode import SecondMode
+from msd_ident.model.effects.sensor_drift import SensorDrift
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
@@ -235,6 +236,23 @@ def test_a_motion_of_which_the_record_holds_less_than_a_period_is_not_certain(ex
     assert replace(tones, second_tone_amplitude=0.0).longest_period() == pytest.approx(1.0)
     bands = ModulatedDisturbance(1.0, 6.0, 0.0, 5.0, 0.5, 0.0, 0.0, 0.0)
     assert bands.longest_period() == pytest.approx(2.0 * math.pi)
+
+
+def test_beside_a_drift_what_is_slower_than_the_record_is_even_with_another_drift(experiment: Experiment) -> None:
+    """A sensor that settles and drifts was named as a drift beside a disturbance of two record lengths, with 0.90."""
+    duration, drift = max(record.duration for record in experiment.records), SensorDrift(1e-4)
+    for period, sure in ((2.0 * duration, 0.5), (0.2 * duration, 1.0)):
+        for effect in (PeriodicDisturbance(0.1, 2.0 * math.pi / period, 0.0), SecondMode(0.1, 3.95 / period**2, 0.0)):
+            found = ranked(
+                {
+                    "nothing": fitted(experiment, BASE, 840.0 * 1e3**2),
+                    "drift": fitted(experiment, BASE + drift, 840.0 * 500.0**2),
+                    "both": fitted(experiment, BASE + drift + effect, 840.0),
+                }
+            )
+            assert found.best.causes == {"sensor_drift", effect.name}
+            assert found.of_cause(effect.name) == pytest.approx(sure, abs=0.01)
+            assert found.of_cause("sensor_drift") == pytest.approx(1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("turns", [1.9, 2.1])
