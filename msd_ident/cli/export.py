@@ -107,9 +107,10 @@ def export(
 
 def _own(saved: SavedModel, result: Path) -> list[Path]:
     """Places where the records of a result are, as the result names them or beside the result; none where there are
-    none.
+    none. A name may end with that of a run, ``log.csv run 2``.
     """
-    return [place for name in _records(saved) for place in _places(name, result)]
+    names = [name for record in _records(saved) for name in (record, record.rpartition(" run ")[0])]
+    return [place for name in names for place in _places(name, result)]
 
 
 def _records(saved: SavedModel) -> list[str]:

@@ -168,15 +168,13 @@ def corrected(ranking: Ranking, rows: Sequence[Row], standins: Mapping[Causes, H
     before = {cause: ranking.of_cause(cause) for cause in lead.causes}
     lacking = {cause: [row for row in rows[1:] if not _holds(row.causes, cause)] for cause in lead.causes}
     against = {cause: _against(lead, lacking[cause], cause) for cause in lead.causes}
-    for rival in rows[1:]:
-        most = math.exp(-CALLED) * max(found.get(rival.causes, 0.0) for found in against.values())
-        if most > 0.0:
-            ranking = _raised(ranking, rival.causes, most, standins)
+    even = _with_rivals(ranking, rows, against, 1.0, standins)
+    ranking = _with_rivals(ranking, rows, against, math.exp(-CALLED), standins)
     for cause in sorted(lead.causes):
         limits = [before[cause]]
         if not lead.named(cause):
             limits.append(probability_at(ranking.limit(cause)))
-        if not certain(1.0 / (1.0 + sum(against[cause].values()))):
+        if not certain(even.of_cause(cause)):
             limits.append(CERTAIN)
         if copies := sum(row.copies for row in lacking[cause]):
             limits.append((copies + 1.0) / (copies + 2.0))
@@ -188,6 +186,21 @@ def _against(lead: Row, rivals: Sequence[Row], cause: str) -> dict[Causes, float
     """Odds of each rival without a cause against the leading set, had that been as likely before as all of them."""
     drawn = sum(row.any_strength for row in rivals)
     return {row.causes: odds(lead, row, cause) / (drawn if row.any_strength else 1) for row in rivals}
+
+
+def _with_rivals(
+    ranking: Ranking,
+    rows: Sequence[Row],
+    against: Mapping[str, Mapping[Causes, float]],
+    factor: float,
+    standins: Mapping[Causes, Hypothesis],
+) -> Ranking:
+    """The ranking in which each rival has at least the odds that the copies give it, times a factor."""
+    for rival in rows[1:]:
+        most = factor * max(found.get(rival.causes, 0.0) for found in against.values())
+        if most > 0.0:
+            ranking = _raised(ranking, rival.causes, most, standins)
+    return ranking
 
 
 def _holds(causes: Causes, cause: str) -> bool:

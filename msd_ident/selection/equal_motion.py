@@ -12,6 +12,7 @@ from msd_ident.residuals.noise_model import NOISE_ERROR
 from msd_ident.selection.evidence import NoiseScale
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.law_errors import leaves_noise
 
 
 def equal_motion(
@@ -30,13 +31,13 @@ def equal_motion(
         scale: of the likelihood.
     """
     others = ((effect, law.moving_as(effect, fitted.model)) for effect in fitted.model.effects for law in LIBRARY)
-    left = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0)
-    most = left + scale.unseen(fitted.chi)
+    most = max(fitted.chi - (1.0 + NOISE_ERROR) * scale.most, 0.0) + scale.unseen(fitted.chi)
+    exact = leaves_noise(fitted, scale.noise)
     top, held = max(speed(record) for record in experiment.records), {one.cause() for one in fitted.model.effects}
     forms = {
         effect.name: cause
         for effect in fitted.model.effects
-        for cause in [one for one in effect.may_be(top, exact=left == 0.0) if one not in held][:1]
+        for cause in [one for one in effect.may_be(top, exact) if one not in held][:1]
     }
     return forms | {
         effect.name: other.name

@@ -229,10 +229,10 @@ class Ranking:
         prior odds count only as far as it explains more than is left. In a poor experiment the amplitude falls with
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another shape of
-        the other laws, or of the controller's (``steered``). A law of another cause that gives the same motion is as
-        likely (``alike``); so is what the force may do between its samples (``sampled``), another shape of a drift in
-        the place of a law that is slower than the record beside it, and, in a poor experiment, another shape of a drift
-        of the sensor in the place of a law that creeps beside one.
+        the other laws, or of the controller's (``steered``), nor a cause of a set that leaves much (``leaves``). A law
+        of another cause that gives the same motion is as likely (``alike``); so is what the force may do between its
+        samples (``sampled``), another shape of a drift in the place of a law that is slower than the record beside it,
+        and, in a poor experiment, another shape of a drift of the sensor in the place of a law that creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
@@ -256,12 +256,14 @@ class Ranking:
         return probability_at(odds)
 
     def _drifts_beside_a_drift(self, causes: Causes, law: str) -> bool:
-        """Whether a law is slower than the record, beside one that changes with time: two slow curves over time come
-        near any third.
+        """Whether a law is slower than the record, beside one that changes with time as slowly: two slow curves over
+        time come near any third.
         """
-        harmonic = by_name(law).harmonic
-        over_time = harmonic is None or harmonic.over != PLACE
-        return over_time and law in self.slow.get(causes, ()) and not all(by_name(one).steady for one in causes - {law})
+        slow, effect = self.slow.get(causes, frozenset()), by_name(law)
+        along = effect.is_scale() or (effect.harmonic is not None and effect.harmonic.over == PLACE)
+        others = [by_name(one) for one in causes - {law}]
+        drifts = any(not one.steady and (one.harmonic is None or one.name in slow) for one in others)
+        return law in slow and not along and drifts
 
     def curved_by(self, causes: Causes, law: str) -> frozenset[str]:
         """Further curves of a set, of the spring or of the sensor as a law is, that explain so much beyond the others

@@ -6,7 +6,7 @@ each law of the speed is begun with the curve of the leading set: its parameters
 
     b·v + F(v; p) = b'·v + sum of the set's laws at v
 
-over all speeds v that the motion has.
+over speeds v up to the largest of the motion.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ _SPEEDS = fixed(12, "accuracy", "speeds at which two curves are compared: more t
 def merged(experiment: Experiment, fitted: Hypothesis) -> Iterator[Start]:
     """Sets with one law of the speed in the place of all that a fitted set has, if these are two or more.
 
-    Only laws that hold the cart at rest where theirs do, and whose curve differs from theirs by no more than laws of
-    one cause do (``LEAST_SPREAD``). Other forms of such a law are begun from it, as ever.
+    Only laws that hold the cart at rest as theirs do, or do not, and whose curve differs from theirs by no more than
+    laws of one cause do (``LEAST_SPREAD``). Other forms of a law that comes so near are begun from it, as ever.
 
     Args:
         experiment: readings with their weights.
@@ -54,13 +54,15 @@ def merged(experiment: Experiment, fitted: Hypothesis) -> Iterator[Start]:
     bare = replace(fitted.model, effects=others)
     holding = any(map(_holds, laws))
     curves = [by_name(name) for name in experiment.library if by_name(name).is_curve_over_speed()]
-    asked = [law for law in curves if _holds(law) is holding and not any(isinstance(one, law) for one in laws)]
-    for law in asked:
+    begun: set[str] = set()
+    for law in sorted(curves, key=lambda law: bool(law.form_of)):
         causes = frozenset({law.name, *(effect.name for effect in others)})
-        if not causes_that_fit(causes) or any(law.form_of == one.name for one in asked):
+        known = law.form_of in begun or any(isinstance(one, law) for one in laws)
+        if known or _holds(law) is not holding or not causes_that_fit(causes):
             continue
         damping, found, error = _nearest(law, law.guess(experiment.records[0], bare), speeds, force)
         if error < LEAST_SPREAD:
+            begun.add(law.name)
             yield causes, replace(bare, damping=damping) + found, fitted.initial
 
 
@@ -80,21 +82,28 @@ def _nearest(
 ) -> tuple[float, Effect, float]:
     """Damping [N·s/m] and law whose force is nearest to a curve (n,) [N], and the rms of what is left as a part of it.
 
-    The search begins with the nearest guess, and moves the logarithms of damping and values, which are positive.
+    The search begins with the nearest guess, and moves the logarithms of damping and values, which are positive, but
+    for those that are never fitted (``held``).
     """
     from scipy.optimize import least_squares  # imported here: few searches come to this
 
-    curve = _along(law, speeds)
-    size = float(np.sqrt(force @ force))
+    curve, size = _along(law, speeds), float(np.sqrt(force @ force))
+    free = np.array([True, *(parameter.name not in law.held for parameter in law.parameters)])
 
-    def error(point: FloatArray) -> FloatArray:
-        values = np.exp(np.clip(point, -_FARTHEST, _FARTHEST))
-        left: FloatArray = values[0] * speeds + curve(law.within_bounds(*values[1:]).values) - force
+    def values(point: FloatArray, start: FloatArray) -> FloatArray:
+        whole = start.copy()
+        whole[free] = point
+        moved: FloatArray = np.exp(np.clip(whole, -_FARTHEST, _FARTHEST))
+        return np.array([moved[0], *law.within_bounds(*moved[1:]).values])
+
+    def error(point: FloatArray, start: FloatArray) -> FloatArray:
+        damping, *own = values(point, start)
+        left: FloatArray = damping * speeds + curve(own) - force
         return left / size
 
     damping = max(float(np.mean(force / speeds)), 1e-9)
     points = [np.log(np.maximum([damping, *guess.values], 1e-9)) for guess in guesses]
-    start = min(points, key=lambda point: float(np.sum(error(point) ** 2)))
-    found = least_squares(error, start, method="lm", max_nfev=_TRIALS)
-    values, left = np.exp(np.clip(found.x, -_FARTHEST, _FARTHEST)), found.fun
-    return float(values[0]), law.within_bounds(*values[1:]), float(np.sqrt(left @ left))
+    start = min(points, key=lambda point: float(np.sum(error(point[free], point) ** 2)))
+    found = least_squares(error, start[free], args=(start,), method="lm", max_nfev=_TRIALS)
+    damping, *own = values(found.x, start).tolist()
+    return damping, law.within_bounds(*own), float(np.sqrt(found.fun @ found.fun))

@@ -70,10 +70,10 @@ def test_slow_fading_is_friction_with_the_slowest_turn() -> None:
     fading = plant() + FadingDamping(3.0, 0.05, 1.0)
     turned = SmoothFrictionTurn.in_place_of(fading.effects[0], fading)
     assert turned is not None
-    (friction,) = turned.effects
+    assert turned.effects == (SmoothFrictionTurn(3.0 * 0.05, 0.05, 1.0),)
     for speed in (1e-3, 0.05, 0.7):
         assert FadingDamping.force(speed, speed, 3.0, 0.05, 1.0) == pytest.approx(
-            SmoothFrictionTurn.force(speed, friction.values[0], friction.values[1], 1.0), rel=1e-12
+            SmoothFrictionTurn.force(speed, *turned.effects[0].values), rel=1e-12
         )
     beside = fading + StribeckFriction(0.3, 0.4, 0.02)
     assert SmoothFrictionTurn.in_place_of(beside.effect("fading_damping"), beside) is None, "two laws of dry friction"

@@ -18,11 +18,14 @@ rclpy = pytest.importorskip("rclpy", reason="no ROS 2 here")
 import numpy as np  # noqa: E402
 from bagmaker import JOINTS, START_NS, joints, stamps  # noqa: E402
 from graph import Graph, graph, until  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from msd_ident.io import BagWriter, open_bag  # noqa: E402
-from msd_interfaces.action import Diagnose  # noqa: E402
+from msd_ident.design import Profile, Segment  # noqa: E402
+from msd_ident.design.profile_file import to_yaml  # noqa: E402
+from msd_ident.io import BagWriter, SourceOptions, open_bag, read  # noqa: E402
+from msd_interfaces.action import Diagnose, RunExperiment  # noqa: E402
 
 
 @pytest.fixture
@@ -104,6 +107,25 @@ def test_the_recorder_closes_its_bag(ros: Graph, tmp_path: Path) -> None:
         assert "200 messages of 1 topics, none lost" in ended(process)
     bag = open_bag(tmp_path / "bag")
     assert len(list(bag.messages())) == 200 and not bag.notes
+
+
+def test_the_experimenter_lets_go_and_closes_its_bag(ros: Graph, tmp_path: Path) -> None:
+    """Nothing spins its node any more: what was sent last is in the bag all the same."""
+    from msd_sim.node.rig_node import RigNode
+
+    ros.spin(RigNode(context=ros.context, parameter_overrides=[Parameter("rate", value=200.0)]))
+    profile = Profile((Segment("step", 15.0, force=5.0),), "long")
+    goal = RunExperiment.Goal(profile=to_yaml(profile), limits="force: 10\ntravel: 0.03\nduration: 20\n", folder="one")
+    moved: list[float] = []
+    with running(ros, "experimenter", bag_folder=tmp_path) as process:
+        (name,) = (name for name in ros.node.get_node_names() if name.startswith("experimenter_"))
+        ros.goal(RunExperiment, f"{name}/run", goal, lambda told: moved.append(told.position))
+        until(lambda: moved and abs(moved[-1]) > 1e-3, "the motion")
+        os.kill(process.pid, signal.SIGTERM)
+        output = ended(process)
+    assert "lack its end" not in output, output
+    record = read(tmp_path / "one", SourceOptions())
+    assert 5.0 in record.force and record.force[-1] == 0.0 and record.duration < 10.0
 
 
 def test_the_replayer_ends_in_the_middle_of_a_loop(ros: Graph, tmp_path: Path) -> None:

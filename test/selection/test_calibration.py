@@ -115,7 +115,7 @@ def test_without_confusion_a_name_stays_as_sure_as_the_copies_allow(fitted: dict
 def test_a_rival_that_was_not_fitted_and_has_no_stand_in_changes_nothing(
     fitted: dict[frozenset[str], Hypothesis],
 ) -> None:
-    stated = ranking(fitted, rub=0.9, nothing=0.1)
+    stated = ranking(fitted, rub=0.94, nothing=0.06)
     assert corrected(stated, [row(RUB, rub=8), row(PEAK, rub=16)], {}).probability == stated.probability
 
 

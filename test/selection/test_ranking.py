@@ -255,6 +255,25 @@ def test_beside_a_drift_what_is_slower_than_the_record_is_even_with_another_drif
             assert found.of_cause("sensor_drift") == pytest.approx(1.0, abs=0.01)
 
 
+def test_beside_a_drift_a_law_along_the_travel_keeps_its_odds_and_so_does_a_slow_one_beside_a_fast_tone(
+    experiment: Experiment,
+) -> None:
+    """Only two slow curves over time come near any third one."""
+    duration = max(record.duration for record in experiment.records)
+    wheel = SensorEccentricity(1e-4, float(np.ptp(experiment.records[0].position)) / 1.5, 0.3)
+    slow = SecondMode(0.1, 0.1 * (math.pi / duration) ** 2, 0.0)
+    for one, beside in ((wheel, SensorDrift(1e-4)), (slow, PeriodicDisturbance(0.1, 60.0, 0.0))):
+        found = ranked(
+            {
+                "nothing": fitted(experiment, BASE, 840.0 * 1e3**2),
+                "other": fitted(experiment, BASE + beside, 840.0 * 500.0**2),
+                "both": fitted(experiment, BASE + beside + one, 840.0),
+            }
+        )
+        assert one.name in found.slow[found.best.causes]
+        assert found.of_cause(one.name) == pytest.approx(CERTAIN, abs=0.01)
+
+
 @pytest.mark.parametrize("turns", [1.9, 2.1])
 def test_what_is_not_seen_to_repeat_along_the_travel_is_not_certain(experiment: Experiment, turns: float) -> None:
     """A sensor bent like tanh³ was "explained" as an eccentric wheel that turned 1.64 times, with 1.000."""

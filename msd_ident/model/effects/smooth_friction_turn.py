@@ -62,12 +62,14 @@ class SmoothFrictionTurn(Effect):
 
     @classmethod
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
-        """A damping that fades as 1/v is friction with the slowest turn, n = 1: Fc = b1·v0, vc = v0."""
+        """A damping that fades as 1/v is friction with the slowest turn, n = 1: Fc = b1·v0, vc = v0. One that fades
+        faster is nearest to a sharper turn.
+        """
         others = tuple(effect for effect in model.effects if effect is not other)
         if other.name != "fading_damping" or any(effect.family == cls.family for effect in others):
             return None
-        damping, speed, _ = other.values
-        return replace(model, effects=(*others, cls.within_bounds(damping * speed, speed, _STARTS[0])))
+        damping, speed, exponent = other.values
+        return replace(model, effects=(*others, cls.within_bounds(damping * speed, speed, exponent)))
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SmoothFrictionTurn, ...]:

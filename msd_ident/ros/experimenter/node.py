@@ -51,6 +51,7 @@ class Experimenter(NodeOwner):
     def close(self) -> bool:
         """Stop what is played, force 0."""
         self._stop.set()
+        self.conductor.leave()
         ended = self._worker.close(5.0)
         self._server.destroy()
         return ended

@@ -21,7 +21,7 @@ from msd_ident.design import Limits, Profile
 from msd_ident.errors import SetupError
 from msd_ident.ros.common import names
 from msd_ident.ros.common.conversions import nanoseconds, time_message
-from msd_ident.ros.common.message_batching import subscribe
+from msd_ident.ros.common.message_batching import subscribe, waiting
 from msd_ident.ros.experimenter.safety_monitor import SafetyMonitor
 from msd_ident.ros.recorder.recording import Recording
 from msd_interfaces.msg import EncoderBatch
@@ -44,6 +44,7 @@ _KINDS: tuple[tuple[str, Any], ...] = (
 )
 
 Advance = Callable[[float, float, float], None]
+Take = Callable[[bytes, object], None]
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,8 @@ class ProfilePlayer:
         self._latest: tuple[int, float] | None = None
         self._unheard: WrenchStamped | None = None  # the last command, until it comes back
         self._halted = False
+        self._listening: list[tuple[Subscription, Take]] = []
+        self._alone = threading.Event()
 
     def play(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
         """Play an experiment to its end, or until a limit, silence or ``stop`` ends it with force 0.
@@ -119,7 +122,7 @@ class ProfilePlayer:
             SetupError: no rig answers; nothing has moved.
         """
         experiment.limits.check(experiment.profile)
-        listening = [self._listen(topic, kind) for topic, kind in _KINDS]
+        self._listening = [self._listen(topic, kind) for topic, kind in _KINDS]
         try:
             self._wait_for_rig()
             if experiment.reset:
@@ -127,8 +130,9 @@ class ProfilePlayer:
             self._wait_for_rest(experiment.limits, stop)
             return self._conduct(experiment, stop, advance)
         finally:
-            for subscription in listening:
+            for subscription, _ in self._listening:
                 self._node.destroy_subscription(subscription)
+            self._listening = []
 
     def _conduct(self, experiment: Experiment, stop: threading.Event, advance: Advance) -> Played:
         bag = experiment.bag
@@ -155,6 +159,10 @@ class ProfilePlayer:
     def close(self) -> None:
         """Leave the rig without force."""
         self._halt()
+
+    def leave(self) -> None:
+        """Nobody spins the node any more: what still comes is taken by the thread that plays."""
+        self._alone.set()
 
     def _send(
         self, profile: Profile, guard: SafetyMonitor, stop: threading.Event, advance: Advance, delays: list[float]
@@ -210,7 +218,7 @@ class ProfilePlayer:
         self._force.publish(message)
         self._ahead.append(stamp)
 
-    def _listen(self, topic: str, kind: Any) -> Subscription:
+    def _listen(self, topic: str, kind: Any) -> tuple[Subscription, Take]:
         name = self._node.resolve_topic_name(topic)
         qos = names.force_qos() if topic == names.FORCE else names.encoder_qos()
 
@@ -220,13 +228,15 @@ class ProfilePlayer:
             if recording is not None:
                 now = self._node.get_clock().now().nanoseconds
                 recording.put(name, raw, now, now)
-            message = deserialize_message(raw, kind)
+            message, waited = deserialize_message(raw, kind), self._unheard
             if kind is not WrenchStamped:
                 self._watch(message)
-            elif message == self._unheard:
-                self._unheard = None
+            elif message == waited:
+                with self._lock:
+                    if self._unheard is waited:  # no other command was sent meanwhile
+                        self._unheard = None
 
-        return subscribe(self._node, kind, topic, take, qos, raw=True)
+        return subscribe(self._node, kind, topic, take, qos, raw=True), take
 
     def _watch(self, message: Any) -> None:
         stamp = nanoseconds(message.header.stamp)
@@ -265,11 +275,15 @@ class ProfilePlayer:
     def _catch_up(self, most: float) -> None:
         """Wait until the last command and the readings up to this instant have come; at most so long [s].
 
-        Both may still lie in queues. A rig that has fallen silent sends no reading any more.
+        Both may still lie in queues. No reading is waited for when the rig has fallen silent.
         """
         until = int(self._node.get_clock().now().nanoseconds)
         deadline, before, since = time.monotonic() + most, 0, time.monotonic()
         while time.monotonic() < deadline:
+            if self._alone.is_set():
+                for subscription, take in self._listening:
+                    for taken in waiting(subscription):
+                        take(*taken)
             stamp = self._latest[0] if self._latest else 0
             read = stamp >= until or time.monotonic() - since > self._silence
             if read and self._unheard is None:
@@ -277,6 +291,9 @@ class ProfilePlayer:
             if stamp != before:
                 before, since = stamp, time.monotonic()
             time.sleep(0.01)
+        self._node.get_logger().warning(
+            f"{most:g} s were not enough for all messages to come: the bag may lack its end"
+        )
 
     def _lag(self) -> float:
         """How far the latest reading is behind the clock [s]; of another clock, any constant."""
