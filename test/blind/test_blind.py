@@ -6,6 +6,7 @@ is ``make blind``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -83,9 +84,13 @@ def test_sets_are_begun_again_when_a_smaller_one_is_found_to_leave_less() -> Non
     assert outcome(LATE_MINIMUM).exact
 
 
-def test_a_stribeck_curve_is_not_taken_for_coulomb_friction_and_drag_in_one_decay() -> None:
+@pytest.mark.usefixtures("without_copies")
+def test_a_stribeck_curve_is_not_taken_for_coulomb_friction_and_drag_in_one_decay(
+    asking_about: Callable[..., None],
+) -> None:
     """From Coulomb friction alone its fit ends at 3.9 noise floors; both and a disturbance leave 1.03."""
-    assert outcome(ONE_DECAY).exact
+    asking_about("coulomb_friction", "stribeck_friction", "quadratic_drag", "periodic_disturbance")
+    assert run(ONE_DECAY).exact
 
 
 @pytest.mark.parametrize("case", [c for c in ALONE + BESIDE if c.hidden == INVISIBLE], ids=label)
