@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -98,6 +99,21 @@ def test_what_waits_in_queues_at_the_end_is_recorded(
     after = record.force[record.force.tolist().index(5.0) + 1 :]
     assert len(after) == len(sent) - sent.index(5.0) - 1 and not after.any(), "the release, the end, and force 0"
     assert record.time[-1] > record.force_time[-1] - 0.05
+
+
+def test_stamps_of_another_clock_are_not_waited_for(ros: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An encoder that counts from its boot never comes to this clock's time."""
+    made = ProfilePlayer(ros.node)
+
+    def never(_seconds: float) -> None:
+        raise AssertionError("nothing is left to wait for")
+
+    monkeypatch.setattr(profile_player, "time", SimpleNamespace(monotonic=time.monotonic, sleep=never))
+    made._latest = (5 * 10**9, 0.0)
+    made._catch_up(profile_player.REST)
+    made._latest = (ros.node.get_clock().now().nanoseconds - 10**9, 0.0)
+    with pytest.raises(AssertionError, match="nothing is left"):
+        made._catch_up(profile_player.REST)
 
 
 def test_leaving_the_travel_stops_with_force_0(ros: Graph, tmp_path: Path) -> None:

@@ -275,9 +275,10 @@ class ProfilePlayer:
     def _catch_up(self, most: float) -> None:
         """Wait until the last command and the readings up to this instant have come; at most so long [s].
 
-        Both may still lie in queues. No reading is waited for when the rig has fallen silent.
+        Both may still lie in queues. No reading is waited for when the rig has fallen silent, nor where its stamps are
+        further away than that: they are of another clock.
         """
-        until = int(self._node.get_clock().now().nanoseconds)
+        until, own_clock = int(self._node.get_clock().now().nanoseconds), abs(self._lag()) < most
         deadline, before, since = time.monotonic() + most, 0, time.monotonic()
         while time.monotonic() < deadline:
             if self._alone.is_set():
@@ -285,15 +286,16 @@ class ProfilePlayer:
                     for taken in waiting(subscription):
                         take(*taken)
             stamp = self._latest[0] if self._latest else 0
-            read = stamp >= until or time.monotonic() - since > self._silence
+            read = not own_clock or stamp >= until or time.monotonic() - since > self._silence
             if read and self._unheard is None:
                 return
             if stamp != before:
                 before, since = stamp, time.monotonic()
             time.sleep(0.01)
-        self._node.get_logger().warning(
-            f"{most:g} s were not enough for all messages to come: the bag may lack its end"
-        )
+        if self._unheard is not None:
+            self._node.get_logger().warning(
+                f"the last command did not come back in {most:g} s: the bag may lack its end"
+            )
 
     def _lag(self) -> float:
         """How far the latest reading is behind the clock [s]; of another clock, any constant."""
