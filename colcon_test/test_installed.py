@@ -35,6 +35,7 @@ def test_both_packages_are_in_the_index() -> None:
 
 
 def test_interfaces_have_what_is_needed_to_send_them() -> None:
+    """Messages, services and actions of the installed package, and a client of one."""
     assert Identify.Request().bag_path == "" and list(Diagnose.Goal().bag_paths) == []
     context = rclpy.Context()
     rclpy.init(context=context)
@@ -62,6 +63,7 @@ def test_command_reads_a_bag() -> None:
 
 
 def test_recorder_runs_answers_and_ends(tmp_path: Path) -> None:
+    """The installed executable, under a namespace: a service call is answered, and a signal ends it."""
     arguments = ["--ros-args", "-r", "__ns:=/smoke", "-p", f"bag_folder:={tmp_path}"]
     process = subprocess.Popen([executable("recorder"), *arguments], stderr=subprocess.PIPE, text=True)
     context = rclpy.Context()

@@ -48,6 +48,7 @@ def children(mark: str) -> list[int]:
     ],
 )
 def test_bad_argument_starts_nothing(file: str, argument: str, words: str, tmp_path: Path) -> None:
+    """A launch file checks its arguments before it starts any node, and says in one line what is expected."""
     path = Path(get_package_share_directory("msd_ident")) / "launch" / f"{file}.launch.py"
     mark = f"MSD_LAUNCH_MARK={tmp_path}"
     name, value = mark.split("=")

@@ -13,17 +13,17 @@ if TYPE_CHECKING:
     from msd_ident.monitoring.watching import Options, Watch
 
 
+#: Where the results of records are kept if nothing else is said.
+KEPT = "msd_watch.parquet"
+
 KeepOption = Annotated[
     str | None,
     options.batch_option(
         "--table",
         metavar="TABLE.parquet",
-        help="table that keeps the results of records in folders; default: msd_watch.parquet",
+        help=f"table that keeps the results of records in folders; default: {KEPT}",
     ),
 ]
-#: Where the results of records are kept if nothing else is said.
-KEPT = "msd_watch.parquet"
-
 FalseAlarmsOption = Annotated[
     float, options.model_option("--false-alarms", metavar="RATE", help="accepted false alarms per robot and year")
 ]
