@@ -32,6 +32,7 @@ from msd_ident.selection import (
     naming,
     replication,
     rest_constraint,
+    ties,
 )
 from msd_ident.selection.candidate_models import of_ranking
 from msd_ident.selection.cause_assessment import assess
@@ -156,7 +157,7 @@ def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Caus
     found = []
     for name in sorted(best.causes):
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
-        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), naming.tied(ranking, name)))
+        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), ties.tied(ranking, name)))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 

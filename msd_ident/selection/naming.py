@@ -16,15 +16,15 @@ from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import COULOMB, Causes, Hypothesis
-from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, alternatives, certain, kinds
+from msd_ident.selection.ranking import CERTAIN_ODDS, DECISIVE, FAINT, ROUNDING, Ranking, certain, kinds
 
 
 def leading(ranking: Ranking) -> Ranking:
     """The ranking led by a set that names no cause with less probability than a cause that it leaves out.
 
     Candidates are the present leading set and those within ``DECISIVE`` of the likeliest set, in their order. If each
-    of them names such a cause, the set with the smallest difference leads, and ``tied`` lists what it leaves out. A
-    leading set without causes keeps the lead.
+    of them names such a cause, the set with the smallest difference leads, and ``ties.tied`` lists what it leaves out.
+    A leading set without causes keeps the lead.
     """
     if not ranking.best.causes:
         return ranking
@@ -154,27 +154,6 @@ def without(ranking: Ranking, refused: Hypothesis) -> Ranking:
         evidence=tuple(ranking.evidence[i] for i in kept),
         probability=tuple(ranking.probability[i] / total if total > 0.0 else 1.0 / len(kept) for i in kept),
     )
-
-
-def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
-    """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
-
-    Those in a set of their own count only if ``name`` is not certain. A cause that is left out although it is more
-    probable always counts.
-
-    Args:
-        ranking: sets by evidence, the leading one first.
-        name: a cause of the leading set.
-    """
-    sure, named = ranking.of_cause(name), ranking.best.causes
-    found = list(alternatives(ranking, name))
-    found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
-    if not found and not certain(sure):
-        kind = by_name(name).cause()
-        near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
-        found += _unnamed(near, named)
-    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + ROUNDING]
-    return tuple(dict.fromkeys(found))
 
 
 def _explaining(causes: Causes) -> str:
@@ -323,12 +302,6 @@ def chances(ranking: Ranking) -> dict[Causes, float]:
             likeliest = max(lacking, key=lambda causes: found[causes])
             found[likeliest] = max(found[likeliest], 1.0 - ranking.of_cause(name))
     return found
-
-
-def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:
-    """Laws of these sets whose cause is not named in another form, sorted."""
-    known = kinds(named)
-    return sorted(name for name in _all(sets) if by_name(name).cause() not in known)
 
 
 def _all(sets: Iterable[Hypothesis]) -> frozenset[str]:

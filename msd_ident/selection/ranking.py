@@ -330,25 +330,3 @@ def _usual(effect: type[Effect]) -> float:
 def probability_at(odds: float) -> float:
     """Probability at these odds."""
     return odds / (1.0 + odds) if math.isfinite(odds) else 1.0
-
-
-def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
-    """Causes that could replace one cause of the leading set, by falling evidence of the sets that contain them.
-
-    Args:
-        ranking: sets by evidence, the leading one first.
-        name: a cause of the leading set.
-
-    Returns:
-        Causes of sets within ``DECISIVE`` of the leading one that lack ``name`` in any law but contain all its other
-        causes.
-    """
-    kind, rest = by_name(name).cause(), kinds(ranking.best.causes - {name})
-    found: list[str] = []
-    for fitted in ranking.within(DECISIVE):
-        if kind in kinds(fitted.causes) or not rest <= kinds(fitted.causes):
-            continue
-        for other in sorted(fitted.causes):
-            if by_name(other).cause() not in rest and other not in found:
-                found.append(other)
-    return tuple(found)

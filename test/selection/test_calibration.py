@@ -19,9 +19,10 @@ from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.calibration import Calibration, Row, corrected, odds
 from msd_ident.selection.experiment import Experiment, formulated
 from msd_ident.selection.hypothesis import Hypothesis
-from msd_ident.selection.naming import leading, tied
+from msd_ident.selection.naming import leading
 from msd_ident.selection.ranking import CERTAIN, Ranking
 from msd_ident.selection.replication import left_unchecked
+from msd_ident.selection.ties import tied
 
 RUB, PEAK, DRAG, CREEP, NOTHING = (
     frozenset(names)

@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from msd_ident.selection import naming
+from msd_ident.selection import naming, ties
 from msd_ident.selection.cross_validation import HeldOut
 from msd_ident.selection.hypothesis import Hypothesis
 from msd_ident.selection.ranking import CERTAIN, DECISIVE, Ranking
@@ -61,7 +61,7 @@ def test_no_cause_is_named_with_less_probability_than_one_left_out(seed: int) ->
     assert named in near
     for name in named:
         above = {other for other in others if found.of_cause(other) > found.of_cause(name) + 1e-9}
-        assert above <= set(naming.tied(found, name))
+        assert above <= set(ties.tied(found, name))
         if above:
             assert all(naming.margin(given, causes) < 0.0 for causes in near)
     if naming.margin(given, given.best.causes) >= 0.0:
@@ -72,7 +72,7 @@ def test_the_simplest_leads_no_more_where_a_rival_is_likelier() -> None:
     given = ranking({("coulomb_friction",): 0.15, ("cogging", "hysteresis"): 0.85}, ("coulomb_friction",))
     found = naming.leading(given)
     assert found.best.causes == {"cogging", "hysteresis"}
-    assert naming.tied(found, "cogging") == ("coulomb_friction",)
+    assert ties.tied(found, "cogging") == ("coulomb_friction",)
 
 
 def test_a_set_that_predicts_nothing_takes_its_probability_with_it() -> None:

@@ -1,0 +1,58 @@
+"""Causes between which the data does not decide: what could stand in the place of a named one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from msd_ident.model.effects import by_name
+from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.ranking import DECISIVE, ROUNDING, Ranking, certain, kinds
+
+
+def tied(ranking: Ranking, name: str) -> tuple[str, ...]:
+    """Causes that could replace a cause of the leading set: with its other causes, or in a set of their own.
+
+    Those in a set of their own count only if ``name`` is not certain. A cause that is left out although it is more
+    probable always counts.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        name: a cause of the leading set.
+    """
+    sure, named = ranking.of_cause(name), ranking.best.causes
+    found = list(alternatives(ranking, name))
+    found += [other for law, other in ranking.alike.get(named, {}).items() if law == name]
+    if not found and not certain(sure):
+        kind = by_name(name).cause()
+        near = [one for one in ranking.within(DECISIVE) if kind not in kinds(one.causes)]
+        found += _unnamed(near, named)
+    found += [other for other in _unnamed(ranking.sets, named) if ranking.of_cause(other) > sure + ROUNDING]
+    return tuple(dict.fromkeys(found))
+
+
+def alternatives(ranking: Ranking, name: str) -> tuple[str, ...]:
+    """Causes that could replace one cause of the leading set, by falling evidence of the sets that contain them.
+
+    Args:
+        ranking: sets by evidence, the leading one first.
+        name: a cause of the leading set.
+
+    Returns:
+        Causes of sets within ``DECISIVE`` of the leading one that lack ``name`` in any law but contain all its other
+        causes.
+    """
+    kind, rest = by_name(name).cause(), kinds(ranking.best.causes - {name})
+    found: list[str] = []
+    for fitted in ranking.within(DECISIVE):
+        if kind in kinds(fitted.causes) or not rest <= kinds(fitted.causes):
+            continue
+        for other in sorted(fitted.causes):
+            if by_name(other).cause() not in rest and other not in found:
+                found.append(other)
+    return tuple(found)
+
+
+def _unnamed(sets: Iterable[Hypothesis], named: Causes) -> list[str]:
+    """Laws of these sets whose cause is not named in another form, sorted."""
+    known = kinds(named)
+    return sorted({name for one in sets for name in one.causes if by_name(name).cause() not in known})
