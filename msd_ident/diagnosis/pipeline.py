@@ -67,7 +67,7 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     plain = intervals.stated(result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    missing, *lacking = _forces(heard, base, (base, shown) if best.causes else (shown,))
+    missing, *lacking = _forces(heard, base, list(zip((base, shown), left, strict=True))[0 if best.causes else 1 :])
     still = lacking[-1]
     judged = [JudgedModel(*one) for one in zip(fits, (lacking[0], still), left, strict=True)]
     lacks = remainders(task.records, floor(heard), judged[0], judged[1], task.tolerance)
@@ -201,10 +201,10 @@ def _floors_left(experiment: Experiment, noise: NoiseSpectrum | None, one: Hypot
 
 
 def _forces(
-    experiment: Experiment, base: Hypothesis, sets: Sequence[Hypothesis]
+    experiment: Experiment, base: Hypothesis, judged: Sequence[tuple[Hypothesis, Adequacy]]
 ) -> list[tuple[DisturbanceEstimate, ...]]:
-    """The missing force of the base model, then what each of the sets still lacks, estimated side by side."""
-    works = [partial(_missing, experiment, base), *(partial(_still_missing, experiment, one) for one in sets)]
+    """The missing force of the base model, then what each of the judged sets still lacks, estimated side by side."""
+    works = [partial(_missing, experiment, base), *(partial(_still_missing, experiment, *one) for one in judged)]
     return parallel.each(lambda work: work(), works)
 
 
@@ -216,8 +216,10 @@ def _missing(experiment: Experiment, fitted: Hypothesis) -> tuple[DisturbanceEst
     )
 
 
-def _still_missing(experiment: Experiment, best: Hypothesis) -> tuple[DisturbanceEstimate, ...]:
+def _still_missing(experiment: Experiment, best: Hypothesis, left: Adequacy) -> tuple[DisturbanceEstimate, ...]:
     """The force that a model lacks, one for each record (``disturbance.lacking_force``)."""
     plant = (best.model.mass, best.model.damping, best.model.stiffness)
     parts = zip(experiment.readings, best.residuals(), strict=True)
-    return tuple(lacking_force(part.record, residual, plant, part.noise) for part, residual in parts)
+    return tuple(
+        lacking_force(part.record, residual, plant, part.noise, only_noise=left.consistent) for part, residual in parts
+    )

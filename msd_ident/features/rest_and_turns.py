@@ -131,8 +131,8 @@ def _refined(time: FloatArray, position: FloatArray, floor: float, found: list[t
     if first is None:
         return Extreme(float(time[index]), float(position[index]), math.inf, floor, side)
     # In noise the highest sample may stand well beside the top: look again around the top.
-    again = _through(time, position, floor, int(np.argmin(np.abs(time - first.time))), half)
-    fit = again or first
+    nearest = int(np.argmin(np.abs(time - first.time)))
+    fit = (_through(time, position, floor, nearest, half) if nearest != index else None) or first
     bend = fit.bend
     if neighbours and half:
         # The bend of a swing of this height and duration: noise makes that of the fit too sharp or too flat.

@@ -65,7 +65,7 @@ class DisturbanceEstimate:
 
 
 def lacking_force(
-    record: Record, residual: FloatArray, plant: tuple[float, float, float], noise: float
+    record: Record, residual: FloatArray, plant: tuple[float, float, float], noise: float, *, only_noise: bool = False
 ) -> DisturbanceEstimate:
     """Missing force of a simulation: smoothed from its residual, which may be a smooth error of the sensor instead.
 
@@ -78,13 +78,14 @@ def lacking_force(
         residual: simulated reading − data (n,) [m].
         plant: mass [kg], damping [N·s/m], stiffness [N/m] of the simulation.
         noise: standard deviation of a reading [m].
+        only_noise: whether the residual is known to be noise: then no smooth error of the sensor is looked for.
     """
     mass, damping, stiffness = plant
     modelled = missing_force(replace(record, position=record.position + residual), plant, noise)
     further = equivalent(modelled)
     equal = mass, damping + further[0], stiffness + further[1]
     error = replace(record, position=-residual, force_time=record.time[:1], force=np.zeros(1), upsampled=1)
-    found = _smoothed(error, equal, noise, 0.0, _natural_walk(record, mass, record.position))
+    found = _smoothed(error, equal, noise, _natural_walk(record, mass, record.position), smooth=not only_noise)
     velocity = modelled.velocity + found.velocity
     return replace(found, position=record.position, velocity=velocity, applied=modelled.applied)
 
@@ -108,14 +109,19 @@ def missing_force(
         noise: standard deviation of a reading [m].
         zero: reading at which the spring is relaxed [m].
     """
-    return _smoothed(record, plant, noise, zero)
+    return _smoothed(replace(record, position=record.position - zero), plant, noise)
 
 
 def _smoothed(
-    record: Record, plant: tuple[float, float, float], noise: float, zero: float, most: float = math.inf
+    record: Record,
+    plant: tuple[float, float, float],
+    noise: float,
+    most: float = math.inf,
+    *,
+    smooth: bool = False,
 ) -> DisturbanceEstimate:
-    """What ``missing_force`` gives; where a largest walk ``most`` [N²/s] is given, the sensor may err smoothly too."""
-    position = np.ascontiguousarray(record.position - zero)
+    """What ``missing_force`` gives, with a walk of at most ``most`` [N²/s]; the sensor may err smoothly too."""
+    position = np.ascontiguousarray(record.position)
     readings = Readings(np.diff(record.time), position, _mean_force(record))
     variance = max(noise, 1e-9 * float(np.ptp(position)), 1e-300) ** 2
     work, states = np.empty((record.samples, WORK)), np.empty((record.samples, STATES))
@@ -125,7 +131,7 @@ def _smoothed(
 
     natural = Law(*plant, variance, _natural_walk(record, plant[0], position), 0.0, 1.0)
     likeliest = _likeliest(natural, unlikely, most)
-    if math.isfinite(most):
+    if smooth:
         likeliest = _with_smooth_error(likeliest, readings, unlikely, most)
     filtered(readings, likeliest, states, work)
     spread = np.empty(record.samples)

@@ -201,7 +201,7 @@ def smoothed(steps, law, states, work, spread):
     a, g, gain = np.empty((STATES, STATES)), np.empty(2), np.empty(STATES)
     # What the later readings say: minus the gradient of their log likelihood in the state, and its information.
     pull, known = np.zeros(STATES), np.zeros((STATES, STATES))
-    moved, seen = np.empty(STATES), np.empty((STATES, STATES))
+    moved, seen, half = np.empty(STATES), np.empty((STATES, STATES)), np.empty((STATES, STATES))
     last = -1.0
     for i in range(n - 1, -1, -1):
         c = work[i, : STATES * STATES].copy().reshape(STATES, STATES)
@@ -235,12 +235,14 @@ def smoothed(steps, law, states, work, spread):
             pull[p] = 0.0
             for u in range(STATES):
                 pull[p] += a[u, p] * moved[u]
+                half[p, u] = 0.0
+                for w in range(STATES):
+                    half[p, u] += a[w, p] * seen[w, u]
+        for p in range(STATES):
             for q in range(STATES):
-                value = 0.0
+                known[p, q] = 0.0
                 for u in range(STATES):
-                    for w in range(STATES):
-                        value += a[u, p] * seen[u, w] * a[w, q]
-                known[p, q] = value
+                    known[p, q] += half[p, u] * a[u, q]
 
 
 @njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
