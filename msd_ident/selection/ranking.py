@@ -209,9 +209,21 @@ class Ranking:
         for fitted, p in zip(self.sets, self.probability, strict=True):
             twins = self.alike.get(fitted.causes, {})
             own = [law for law in fitted.causes if by_name(law).cause() == kind]
-            for law in own or [law for law, twin in twins.items() if by_name(twin).cause() == kind]:
-                found += p * self._greatest(fitted.causes, law)
+            found += p * sum(self._greatest(fitted.causes, law) for law in own)
+            if not own:
+                here = [law for law, twin in twins.items() if by_name(twin).cause() == kind]
+                found += p * sum(self._of_twin(fitted.causes, law) for law in here)
         return found
+
+    def _of_twin(self, causes: Causes, law: str) -> float:
+        """Greatest probability that a law acts which gives the same motion as one of a set, in that one's place."""
+        likelier = max(1.0 / self._prior_beside_twin(causes, law), 1.0)
+        return min(self._greatest(causes, law) * likelier, CERTAIN)
+
+    def _prior_beside_twin(self, causes: Causes, law: str) -> float:
+        """Odds before any data of a law of a set beside the law that gives the same motion (``alike``), at most 1."""
+        other = self.alike.get(causes, {}).get(law)
+        return min(by_name(law).prior_odds / by_name(other).prior_odds, 1.0) if other else math.inf
 
     def of_law(self, law: str) -> float:
         """Probability of all sets with this very law of a cause."""
@@ -230,9 +242,10 @@ class Ranking:
         time, so that no stiffness that changes with time is certain: it may change with the amplitude. Nor is it where
         more than noise is left: a mass that changes with time moves nearly alike. Nor is what may be another shape of
         the other laws, or of the controller's (``steered``), nor a cause of a set that leaves much (``leaves``). A law
-        of another cause that gives the same motion is as likely (``alike``); so is what the force may do between its
-        samples (``sampled``), another shape of a drift in the place of a law that is slower than the record beside it,
-        and, in a poor experiment, another shape of a drift of the sensor in the place of a law that creeps beside one.
+        of another cause that gives the same motion (``alike``) is as likely, or more by what it is likelier before any
+        data. As likely is what the force may do between its samples (``sampled``), another shape of a drift in the
+        place of a law that is slower than the record beside it, and, in a poor experiment, another shape of a drift of
+        the sensor in the place of a law that creeps beside one.
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
@@ -240,8 +253,8 @@ class Ranking:
             beside = by_name(twin).cause() in kinds(causes - {law})
             odds = min(odds, 1.0 if beside else CERTAIN_ODDS)
         aged = effect.ages_spring() and not plain
-        even = law in self.alike.get(causes, ()) or law in self.sampled.get(causes, ())
-        if even or self._drifts_beside_a_drift(causes, law):
+        odds = min(odds, self._prior_beside_twin(causes, law))
+        if law in self.sampled.get(causes, ()) or self._drifts_beside_a_drift(causes, law):
             odds = min(odds, 1.0)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())
         seen_once = law in self.slow.get(causes, ()) or law in self.held.get(causes, ())

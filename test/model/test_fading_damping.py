@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from msd_ident.data.record import from_samples
 from msd_ident.model import Plant, Simulator
+from msd_ident.model.declarations import RecordScales
 from msd_ident.model.effects.fading_damping import FadingDamping
 from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
@@ -79,8 +80,16 @@ def test_slow_fading_is_friction_with_the_slowest_turn() -> None:
     assert SmoothFrictionTurn.in_place_of(beside.effect("fading_damping"), beside) is None, "two laws of dry friction"
 
 
-@pytest.mark.parametrize(("speed", "exact", "tied"), [(0.14, True, True), (0.2, True, False), (0.2, False, True)])
-def test_a_force_that_rises_no_more_may_be_dry_friction(speed: float, exact: bool, tied: bool) -> None:
+def test_a_damping_that_has_faded_at_most_speeds_is_out_of_its_range() -> None:
+    """It was named beside friction that creeps in another way."""
+    seen = RecordScales(
+        MASS, STIFFNESS, reach=0.02, span=0.04, duration=3.0, period=2e-3, speed=0.4, rate=27.0, force=10.0
+    )
+    assert FadingDamping.resolvable(seen)["fading_speed"][0] >= 0.15 * seen.speed
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_force_that_rises_no_more_may_be_dry_friction(exact: bool) -> None:
     """Where more than noise is left, the curve is not this one."""
-    assert bool(FadingDamping(3.0, speed, 1.3).may_be(1.0, exact)) is tied
+    assert bool(FadingDamping(3.0, 0.2, 1.3).may_be(1.0, exact)) is not exact
     assert not FadingDamping(3.0, 0.34, 1.3).may_be(1.0, exact)

@@ -354,6 +354,17 @@ def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(ex
     assert ties.tied(one, "backlash") == ("cogging",)
 
 
+def test_of_two_laws_that_give_the_same_motion_the_rarer_has_the_odds_of_its_prior(experiment: Experiment) -> None:
+    """The likelier one has the rest, but is never certain: no record tells them apart."""
+    valve = frozenset({"force_dead_zone"})
+    sets = {"nothing": fitted(experiment, BASE, 1e6), "valve": fitted(experiment, BASE + ForceDeadZone(0.1), 840.0)}
+    told = replace(ranked(sets), alike={valve: {"force_dead_zone": "coulomb_friction"}})
+    rarer = ForceDeadZone.prior_odds / CoulombFriction.prior_odds
+    assert rarer < 0.1
+    assert told.of_cause("force_dead_zone") == pytest.approx(rarer / (1.0 + rarer))
+    assert told.of_cause("coulomb_friction") == pytest.approx(CERTAIN)
+
+
 def test_limits_of_nine_to_one_that_add_up_are_no_certainty() -> None:
     parts = (0.22876222127045265, 0.7165084742834696, 0.05472930444607771)
     assert sum(part * CERTAIN for part in parts) > CERTAIN

@@ -15,16 +15,15 @@ if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
 
-#: Speeds at which the damping has fallen to its half, in parts of the top speed: below, all that is seen is how the
-#: force falls with the speed; above, it is a part of the plant's own damping.
-HALVES = (0.03, 2.0)
+#: Speeds at which the damping has fallen to its half, in parts of the top speed: below, the force rises no more at most
+#: speeds, as that of dry friction that creeps; above, it is a part of the plant's own damping.
+HALVES = (0.15, 2.0)
 #: Where a search begins. A brake that is driven far beyond the peak of its force looks like Stribeck friction: from a
 #: third of the top speed a search does not get there.
-_STARTS = (0.06, 0.33, 0.67)
-#: Speed of half the damping, in parts of the top speed, below which the force rises no more at most speeds: dry
-#: friction that creeps does the same. The second where more than noise is left, so that the curve is not this one:
+_STARTS = (0.15, 0.33, 0.67)
+#: The first where more than noise is left, so that the curve is not this one: dry friction is on every rig, and
 #: eddy-current brakes have their peak at several m/s, few rigs get there.
-_DRY, _DRY_ROUGHLY = 0.15, 1.0 / 3.0
+_DRY = 1.0 / 3.0
 #: Share of the plant's natural damping force m·ω·v that a search starts from.
 _SHARE = 0.1
 
@@ -68,9 +67,9 @@ class FadingDamping(Effect):
         return fading_damping * v / (1.0 + math.exp(fading_exponent * math.log(speed / fading_speed)))
 
     def may_be(self, speed: float, exact: bool) -> tuple[str, ...]:
-        """Dry friction that creeps, where the force rises no more at most speeds."""
-        most = (_DRY if exact else _DRY_ROUGHLY) * speed
-        return ("coulomb_friction", "stribeck_friction") if self.fading_speed < most else ()
+        """Dry friction that creeps, where the force rises no more at most speeds and more than noise is left."""
+        dry = not exact and self.fading_speed < _DRY * speed
+        return ("coulomb_friction", "stribeck_friction") if dry else ()
 
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
