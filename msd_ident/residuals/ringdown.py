@@ -205,9 +205,14 @@ class _Quantity:
 
 
 def _said(amplitude: FloatArray, value: FloatArray, std: FloatArray, quantity: _Quantity) -> tuple[Observation, ...]:
-    """An observation when the values (n,) ± std go with 1/A or with A far better than with nothing."""
+    """An observation when the values (n,) ± std go with 1/A or with A far better than with nothing.
+
+    Values of an infinite std, of turning points that no curve goes through, say nothing.
+    """
     what, unit, length = quantity.what, quantity.unit, quantity.length
     weight = 1.0 / np.hypot(np.where(np.isfinite(std), std, np.inf), quantity.least) ** 2
+    if np.count_nonzero(weight) < _FEWEST:
+        return ()
     mean = float(np.average(value, weights=weight))
     nothing = float(np.sum(weight * (value - mean) ** 2))
     best = min((_line(shape, value, weight) for shape in (1.0 / amplitude, amplitude)), key=lambda line: line[0])

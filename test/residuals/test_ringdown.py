@@ -77,6 +77,21 @@ def test_drag_lowers_it_by_the_known_law() -> None:
     assert result.damping_ratio == pytest.approx(expected, rel=0.06)
 
 
+def test_swings_whose_frequency_is_not_known_show_no_trend_of_it() -> None:
+    """A reading that jumps with the force leaves turning points that no curve goes through."""
+    record = released({"coulomb_friction": {"coulomb_force": 0.2}})
+    features = extract(record)
+    unknown = replace(
+        features,
+        responses=tuple(
+            replace(one, swings=tuple(replace(swing, natural_frequency_std=math.inf) for swing in one.swings))
+            for one in features.responses
+        ),
+    )
+    told = ring_down([unknown])
+    assert told is not None and not any("frequency" in sentence for sentence in told.sentences)
+
+
 def test_a_hardening_spring_is_told_by_its_frequency_alone() -> None:
     result = found({"cubic_spring": {"cubic_stiffness": 1e5}})
     assert len(result.sentences) == 1
