@@ -305,13 +305,16 @@ class Ranking:
         In a set that leaves only noise, that form would have to agree with the cause but for what the noise can hide:
         the more clearly the cause is seen above this, the surer it is. A poor experiment makes none certain, and no
         experiment a law of less than the usual prior odds, which bends to much, or a spring or a sensor's scale beside
-        another one: two curves over the position come near any third one.
+        another one: two curves over the position come near any third one. Nor is a curve over the speed certain beside
+        another form of such a law, which is a curve that bends more than the simple one.
         """
         odds = by_name(law).prior_odds
         if causes not in self.exact:
             return FORM_ODDS * odds
         clear = self.clear.get(causes, {}).get(law, math.inf)
-        bends = any(by_name(law).bends_as(by_name(one)) for one in causes - {law})
+        effect, others = by_name(law), [by_name(one) for one in causes - {law}]
+        bends = any(effect.bends_as(one) for one in others)
+        bends |= effect.is_curve_over_speed() and any(one.form_of and one.is_curve_over_speed() for one in others)
         if not self.rich or odds < Effect.prior_odds or bends:
             clear = min(clear, CERTAIN_ODDS)
         return clear * odds / Effect.prior_odds

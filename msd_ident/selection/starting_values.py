@@ -112,10 +112,12 @@ def residual_ripples(record: Record, plant: Model, residual: FloatArray, noise: 
         noise: standard deviation of a reading [m].
 
     Returns:
-        At most ``KEPT`` triples of amplitude [N], pitch [m] and phase [rad].
+        At most ``KEPT`` triples of amplitude [N], pitch [m] and phase [rad]; none where the model ran away.
     """
     error = replace(record, position=-residual, force=np.zeros(record.force.size))
     force = missing_force(error, (plant.mass, plant.damping, plant.stiffness), noise).force
+    if not np.all(np.isfinite(force)):
+        return []  # a motion that ran away: nothing is seen in what it leaves
     x, velocity = record.position, np.gradient(record.position, record.time)
     common = np.column_stack([np.ones(x.size), x, velocity, np.sign(velocity)])
     frame = np.linalg.qr(common / np.maximum(np.linalg.norm(common, axis=0), 1e-300))[0]

@@ -111,7 +111,9 @@ def test_its_values_are_found_from_another_start() -> None:
     assert found.mass == pytest.approx(MASS, rel=1e-3)
 
 
-@pytest.mark.parametrize(("creep", "named"), [(0.05, "smooth_friction"), (2e-4, "coulomb_friction")])
+@pytest.mark.parametrize(
+    ("creep", "named"), [(0.05, "smooth_friction"), (2e-4, "smooth_friction"), (1e-5, "coulomb_friction")]
+)
 def test_a_joint_that_creeps_has_no_second_mass_and_no_fading_damping(
     creep: float, named: str, asking_about: Callable[..., None]
 ) -> None:

@@ -28,6 +28,7 @@ from msd_ident.model.effects.quadratic_drag import QuadraticDrag
 from msd_ident.model.effects.second_mode import SecondMode
 from msd_ident.model.effects.sensor_drift import SensorDrift
 from msd_ident.model.effects.sensor_eccentricity import SensorEccentricity
+from msd_ident.model.effects.smooth_friction_turn import SmoothFrictionTurn
 from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.model.effects.two_tone_disturbance import TwoToneDisturbance
 from msd_ident.selection import naming, ties
@@ -352,6 +353,21 @@ def test_of_two_laws_that_give_the_same_motion_each_is_as_likely_as_the_other(ex
     one = replace(ranked({name: sets[name] for name in ("nothing", "play")}), alike={play: twins[play]})
     assert one.of_cause("backlash") == pytest.approx(0.5) == one.of_cause("cogging")
     assert ties.tied(one, "backlash") == ("cogging",)
+
+
+@pytest.mark.parametrize(("rubs", "sure"), [(CoulombFriction(0.3), True), (SmoothFrictionTurn(0.3, 0.01, 2.0), False)])
+def test_drag_beside_a_friction_of_a_free_form_is_not_certain(rubs: Effect, sure: bool, experiment: Experiment) -> None:
+    """Two curves over the speed come near a third: a Stribeck curve that creeps was drag with 0.94 beside friction."""
+    sets = {
+        "nothing": fitted(experiment, BASE, 1e6),
+        "rubs": fitted(experiment, BASE + rubs, 2e3),
+        "drag": fitted(experiment, BASE + QuadraticDrag(1.0), 9e5),
+        "both": fitted(experiment, BASE + rubs + QuadraticDrag(1.0), 840.0),
+    }
+    told = replace(ranked(sets), rich=True)
+    assert told.best.causes == {rubs.name, "quadratic_drag"} and told.best.causes in told.exact
+    assert "quadratic_drag" in told.further[told.best.causes]
+    assert certain(told.of_cause("quadratic_drag")) is sure
 
 
 def test_of_two_laws_that_give_the_same_motion_the_rarer_has_the_odds_of_its_prior(experiment: Experiment) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fitrigs import measured
 
-from msd_ident.data.record import Record
+from msd_ident.data.record import Record, from_samples
 from msd_ident.estimate.effort import KEPT
 from msd_ident.model import Model, Plant, simulate
 from msd_ident.model.effects import by_name
@@ -54,6 +54,16 @@ def test_a_ripple_of_the_missing_force_is_found(pitch: float) -> None:
     best = residual_ripples(found.record, PLANT, found.residual, NOISE)[0]
     assert best[1] == pytest.approx(pitch, rel=0.05)
     assert best[0] == pytest.approx(0.5, rel=0.6)
+
+
+def test_a_motion_that_ran_away_shows_no_ripple() -> None:
+    """A simulated cart a kilometre beyond a stop: its missing force was not a number, and numpy warned of it."""
+    time = 0.004 * np.arange(1069)
+    begun, since = time < time[11], time - time[11]
+    far = np.where(begun, 4300.0 * time / time[11] - 1100.0, -2800.0 * np.exp(-54.0 * since) * np.cos(40.0 * since))
+    far += np.random.default_rng(0).normal(0.0, 6e-6, time.size)
+    record = from_samples(time, np.zeros(time.size), 0.01 * np.cos(40.0 * time))
+    assert residual_ripples(record, Plant(1.0, 53.4, 1624.0), far, 6.4e-6) == []
 
 
 @pytest.mark.parametrize("pitch", [4e-3, 15e-3])

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from msd_ident.model.plant import Model
 
 #: Creep speeds in parts of the top speed: below the first it is Coulomb's friction, above the second a damping that
-#: fades.
-_SLOWEST, _FASTEST = 3e-3, 0.5
+#: fades. A cart that is held for a second creeps by a thousandth of its top speed, far more than an encoder's step.
+_SLOWEST, _FASTEST = 3e-4, 0.5
 #: Where a search begins.
 _STARTS = (0.02, 0.15)
 
