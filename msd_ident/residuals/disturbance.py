@@ -121,7 +121,7 @@ def _smoothed(
     smooth: bool = False,
 ) -> DisturbanceEstimate:
     """What ``missing_force`` gives, with a walk of at most ``most`` [N²/s]; the sensor may err smoothly too."""
-    position = np.ascontiguousarray(record.position)
+    position = np.array(record.position)  # the compiled filter knows arrays that can be written to
     readings = Readings(np.diff(record.time), position, _mean_force(record))
     variance = max(noise, 1e-9 * float(np.ptp(position)), 1e-300) ** 2
     work, states = np.empty((record.samples, WORK)), np.empty((record.samples, STATES))

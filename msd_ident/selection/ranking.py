@@ -218,7 +218,7 @@ class Ranking:
     def _of_twin(self, causes: Causes, law: str) -> float:
         """Greatest probability that a law acts which gives the same motion as one of a set, in that one's place."""
         likelier = max(1.0 / self._prior_beside_twin(causes, law), 1.0)
-        return min(self._greatest(causes, law) * likelier, CERTAIN)
+        return min(self._greatest(causes, law) * likelier, probability_at(1.0))
 
     def _prior_beside_twin(self, causes: Causes, law: str) -> float:
         """Odds before any data of a law of a set beside the law that gives the same motion (``alike``), at most 1."""
