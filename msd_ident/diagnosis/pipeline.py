@@ -67,7 +67,8 @@ def concluded(task: Task, found: Searched, progress: Progress = silent) -> Diagn
     plain = intervals.stated(result(experiment, base, shared), base, (), scale) if best.causes else extended
     fits = (plain, extended)
     causes = _causes(ranking, best, fits[1]) if best.causes else ()
-    missing, *lacking = _forces(heard, base, list(zip((base, shown), left, strict=True))[0 if best.causes else 1 :])
+    ends = ((base, left[0]), (shown, left[1]))
+    missing, *lacking = _forces(heard, base, ends if best.causes else ends[1:])
     still = lacking[-1]
     judged = [JudgedModel(*one) for one in zip(fits, (lacking[0], still), left, strict=True)]
     lacks = remainders(task.records, floor(heard), judged[0], judged[1], task.tolerance)

@@ -21,8 +21,8 @@ HALVES = (0.15, 2.0)
 #: Where a search begins. A brake that is driven far beyond the peak of its force looks like Stribeck friction: from a
 #: third of the top speed a search does not get there.
 _STARTS = (0.15, 0.33, 0.67)
-#: The first where more than noise is left, so that the curve is not this one: dry friction is on every rig, and
-#: eddy-current brakes have their peak at several m/s, few rigs get there.
+#: The same as the first of ``HALVES`` where more than noise is left, so that the curve is not this one: dry friction is
+#: on every rig, and few rigs get to the peak of an eddy-current brake, which lies at several m/s.
 _DRY = 1.0 / 3.0
 #: Share of the plant's natural damping force m·ω·v that a search starts from.
 _SHARE = 0.1
