@@ -43,6 +43,22 @@ class ActuatorLag(Effect):
     structure = LAG
     measured_by = "read the force with a load cell while the cart is held"
 
+    def same_as(self, model: Model) -> str:
+        """On a linear plant a motor's back-EMF behind its inductance, with another mass and damping.
+
+        m·T·s³ + (m + b·T)·s² + (b + k·T + c)·s + k with T = L/R and c = Kt·Ke/R has a real root, so that it is a lag's
+        (1 + tau·s)·(m·s² + b·s + k) with another m and b. As c and b of the motor are not negative, its mass is at
+        least that beside the lag, and larger by b·tau of the lag at most.
+        """
+        more = self.lag_time * model.damping / model.mass
+        if more < 0.01 or any(effect.acts_on == "force" for effect in model.effects):
+            return ""
+        return (
+            "actuator_lag is equivalent to a motor's back-EMF behind its inductance, where a voltage drives it: then the "
+            f"mass is up to {100.0 * more:.2g} % larger, and the damping smaller. Let the cart swing with the drive "
+            "disconnected to tell them apart."
+        )
+
     @classmethod
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
