@@ -53,6 +53,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "force_offset": {"offset_force": 0.5},
     "gain_drift": {"gain_drift_rate": 0.02},
     "gravity": {"gravity_moment": 300.0},
+    "frame_compliance": {"frame_compliance": 1e-4},
     "growing_damping": {"damping_slope": 100.0, "damping_growth": 30.0},
     "hysteresis": {"hysteresis_force": 0.4, "hysteresis_length": 0.003},
     "lagging_drive_damping": {"drive_damping": 3.0, "relaxation_time": 0.02},

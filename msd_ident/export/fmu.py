@@ -13,12 +13,14 @@ import numpy as np
 
 from msd_ident.data.record import FloatArray
 from msd_ident.errors import SetupError
-from msd_ident.export import header, python_source
+from msd_ident.export import header, python_source, roles
 from msd_ident.export.mujoco_replay import at_samples, averages, lagged
 from msd_ident.export.plan import Plan
 from msd_ident.export.python_target import PythonTarget
+from msd_ident.export.support import Support
 from msd_ident.export.target import InitialState
 from msd_ident.export.templates import filled
+from msd_ident.model.effects import Effect
 from msd_ident.model.effects.law import LAG
 
 
@@ -31,6 +33,12 @@ class FmuTarget(PythonTarget):
     library = "fmpy"
     imported = False
     commanded = True
+
+    def supports(self, effect: type[Effect]) -> Support:
+        """How this target carries an effect."""
+        if roles.role(effect) == roles.FORCED_READING:
+            return Support("cannot", "at the end of a step an FMU does not know the force that begins there")
+        return super().supports(effect)
 
     def files(self, plan: Plan, out: Path) -> dict[Path, bytes]:
         """Content of each file to write; the main file first."""

@@ -21,7 +21,7 @@ _SUPPORT = {
     roles.CONSTANT: Support("exact", "kG"),
     LAG: Support("exact", "lag_time: lead the command by it"),
     DELAY: Support("exact", "delay: lead the command by it"),
-    roles.READING_DRIFT: Support("cannot", "a feedforward reads no sensor"),
+    **dict.fromkeys((roles.READING_DRIFT, roles.FORCED_READING), Support("cannot", "a feedforward reads no sensor")),
     roles.DISTURBANCE: Support("cannot", "gains know no time"),
     **dict.fromkeys((SECOND_MASS, roles.LOADED_SECOND), Support("cannot", "gains know one mass")),
     PLAY: Support("cannot", "gains know no play"),

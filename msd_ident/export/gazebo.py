@@ -25,6 +25,7 @@ _SUPPORT = {
     roles.CONSTANT: Support("exact", "spring_reference"),
     roles.STOPS: Support("approximated", "limit; a physics engine may treat it as rigid, whatever its stiffness"),
     roles.READING_DRIFT: Support("cannot", "the drift of a sensor is not part of a joint"),
+    roles.FORCED_READING: Support("cannot", "the error of a sensor is not part of a joint"),
     LAG: Support("cannot", "no actuator: put the lag into the controller"),
     DELAY: Support("cannot", "no actuator: put the delay into the controller"),
     roles.DISTURBANCE: Support("cannot", "no force that depends on time"),

@@ -197,6 +197,8 @@ def supports(effect: type[Effect]) -> Support:
         )
     if effect.asks_drive() or effect.knee not in (None, AT_ZERO):
         return Support("cannot", "no element for its spring or damper, and the callback file has no events")
+    if role == roles.FORCED_READING:
+        return Support("cannot", "MuJoCo asks a sensor of the position before it knows the forces")
     if any(kind in effect.laws() for kind in CALLED):
         return Support("exact", "the callback file beside it")
     return Support("cannot", "neither an element nor a law that a callback could call")

@@ -16,6 +16,7 @@ from msd_ident.model.effects import Effect
 _SUPPORT = {
     roles.FRICTION: Support("exact", "frictionloss, dry within a step by solreffriction"),
     roles.READING_DRIFT: Support("cannot", "no element drifts; readings are the joint's position"),
+    roles.FORCED_READING: Support("cannot", "no element adds the force to a reading"),
     roles.GAIN_DRIFT: Support("approximated", "the mean gain over the record, in the nearest m, b, k and friction"),
     roles.DISTURBANCE: Support("cannot", "no force that depends on time"),
 }

@@ -88,6 +88,7 @@ def structure(plan: Plan) -> dict[str, str]:
         + (", lagged velocity" if slow else ""),
         "UNPACK": (", f" if lag else "") + (", x2, v2" if second else "") + (", lagged_v" if slow else ""),
         "APPLIED": "f" if lag else "push",
+        "HEARD": "y[2]" if lag else "push(t)",
         "STOP": "".join(f" - {force}" for force in laws.knees(model.effects)),
         "COUPLING": f" - {coupling}".replace(" + ", " - ") if second else "",
         "RATES": "".join(f", (push - f) / {tau}" for tau in lag)

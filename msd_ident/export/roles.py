@@ -26,6 +26,8 @@ SQUARE, CUBE, DRAG = "square of the position", "cube of the position", "square o
 #: What depends on the time: a force, the spring, the reading, the gain of the force.
 DISTURBANCE, SPRING_DRIFT, READING_DRIFT = "disturbance", "drift of the spring", "drift of the reading"
 GAIN_DRIFT = "drift of the gain"
+#: A reading that follows the force.
+FORCED_READING = "reading that follows the force"
 
 _POWERS: Mapping[str, Callable[[float, float], float]] = {
     SQUARE: lambda x, v: x * x,
@@ -49,6 +51,8 @@ def role(effect: type[Effect]) -> str:
         return DISTURBANCE
     if not effect.steady:
         return READING_DRIFT if "reading" in laws else GAIN_DRIFT if "input_map" in laws else SPRING_DRIFT
+    if "u" in inspect.signature(laws.get("reading", _stop)).parameters:
+        return FORCED_READING
     return _stop(effect) or _power(effect)
 
 

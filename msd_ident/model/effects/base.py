@@ -52,7 +52,7 @@ class Effect(Law):
       ``contact_at_rest(...)`` [N]: what dry friction has to hold of the net force of all else at rest;
     - ``grip(...)``: of a force with two formulas beyond its knee, tells by its sign which one holds;
     - ``input_map(...)`` [N]: the force that a commanded ``u`` becomes, at ``t`` too if the law is not ``steady``;
-    - ``reading(...)`` [m]: what the sensor makes of x.
+    - ``reading(...)`` [m]: what the sensor makes of x, while a force ``u`` [N] is on the cart.
 
     Of several maps or readings in a model, each is given what the one before made, in the order of their names.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
 from msd_ident.model.kernel import laws, segments
-from msd_ident.model.kernel.compiled import give_up, joined, lean, plain
+from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, plain
 from msd_ident.model.kernel.exact import exact, longest_glide
 from msd_ident.model.kernel.exponential import STIFF
 from msd_ident.model.kernel.general import general, run_of
@@ -97,6 +97,7 @@ def row(bits, values, place, plan, out):
         m2, b2 = _WEIGHTLESS * p[laws.RELAXATION_TIME], _WEIGHTLESS
     world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
     path = _path(out, cut.start.size, pick)
+    arriving = cut
     if bits & ~laws.EXACT_BITS:
         scales = _scales(Linear(m, b, k), time, largest, motion)
         general(run_of(world, spring, m, scales), cut, motion, path)
@@ -109,7 +110,7 @@ def row(bits, values, place, plan, out):
         if eventful:
             cut = segments.walked_where_long(cut, longest_glide(axis))
         exact(axis, cut, motion, path)
-    _read(world, time, pick, path, out)
+    _read(world, time, pick, arriving, path, out)
 
 
 @plain
@@ -209,8 +210,11 @@ def _behind_loop(commanded, half, crossed):
 
 
 @lean
-def _read(world, time, pick, path, out):
-    """What the sensor says at the samples; without ``pick`` the path is the output itself."""
+def _read(world, time, pick, arriving, path, out):
+    """What the sensor says at the samples; without ``pick`` the path is the output itself.
+
+    ``arriving`` are the segments with the force on the cart: at a jump the sensor hears the new one.
+    """
     if pick.size > 0:
         for i in range(out.x.size):
             out.x[i] = path.x[pick[i]]
@@ -219,7 +223,23 @@ def _read(world, time, pick, path, out):
     active = world.cart.active
     if active & laws.READING_BITS:
         for i in range(out.x.size):
-            out.x[i] = laws.reading(active, world.p, world.w, time[i], out.x[i])
+            force = _begins_with(arriving, pick[i] if pick.size > 0 else i)
+            out.x[i] = laws.reading(active, world.p, world.w, time[i], out.x[i], force)
+
+
+@inlined
+def _begins_with(cut, j):
+    """Force [N] at the beginning of segment j, or at the end of the last one."""
+    last = cut.start.size - 1
+    after = 0.0
+    if j > last:
+        j, after = last, cut.length[last]
+    force = cut.level[j]
+    if cut.slope.size > 0:
+        force += cut.slope[j] * after
+    if cut.transient.size > 0:
+        force += cut.transient[j] * math.exp(-cut.decay * after)
+    return force
 
 
 @lean
