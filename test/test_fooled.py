@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from bench.reliability import datafaults, estimates
 from bench.reliability.datafaults import Fault, clean
@@ -67,6 +68,20 @@ def test_a_zero_that_moves_is_found_with_its_place_and_size(seed: int) -> None:
     (jump,) = quality.clean(spoiled).jumps
     assert truth[jump.index - 1] == 0.0 and jump.size == pytest.approx(truth[jump.index], abs=1e-5)
     assert f"at {clean().time[jump.index]:.3f} s and goes on with the same speed" in found["zero_shift"]
+
+
+@pytest.mark.parametrize(("hears", "slips"), [(-6e-5, 0.0), (0.0, 1e-3), (-6e-5, 8e-3)])
+def test_a_jump_with_the_force_is_a_zero_that_moved_where_other_jumps_of_the_force_make_none(
+    hears: float, slips: float
+) -> None:
+    time = np.arange(4000) / 500.0
+    force = np.random.default_rng(5).uniform(-6.0, 6.0, 10)[np.arange(time.size) // 400]
+    _, position, _ = lsim(([1.0], [0.94, 3.9, 694.0]), force, time, interp=False)
+    position += hears * force + np.random.default_rng(6).normal(0.0, 2e-5, time.size)
+    largest = int(np.argmax(np.abs(np.diff(force)))) + 1
+    position[largest:] += slips
+    jumps = quality.clean(from_samples(time, force, position)).jumps
+    assert [jump.index for jump in jumps] == ([largest] if slips else [])
 
 
 @pytest.mark.parametrize("rate", [1000.0, 250.0, 60.0])

@@ -25,6 +25,8 @@ _PASSES = 5
 _MOST_WILD = 0.05
 #: A jump of the zero is so many times the noise and the change of speed beside it; there are few of them.
 _JUMP_NOISE, _JUMP_STEPS, _JUMP_BENDS, _MOST_JUMPS = 14.0, 8.0, 2.5, 3
+#: A jump of the force is this part of its range. So many others are looked at, each this part of it at least.
+_WITH_FORCE, _ALIKE, _MOST_STEPS = 0.1, 0.2, 20
 #: Samples to each side from which speed and size of a jump are estimated.
 _SIDE = 10
 
@@ -182,7 +184,27 @@ def _jumps(record: Record) -> tuple[Jump, ...]:
     for index in found:
         bends[max(index - reach - 2, 0) : index + reach] = 0.0
     least = max(least, _JUMP_BENDS * float(np.max(bends)))
-    return tuple(Jump(index, size) for index in found if abs(size := _size(record, index)) > least)
+    sizes = ((index, _size(record, index)) for index in found)
+    return tuple(Jump(i, size) for i, size in sizes if abs(size) > least and not _with_force(record, i, size))
+
+
+def _with_force(record: Record, index: int, size: float) -> bool:
+    """Whether a jump comes with one of the force, and others of the force make alike ones: the sensor hears the force.
+
+    Args:
+        record: the measurement.
+        index, size: of the jump of the position [m].
+    """
+    force = np.asarray(record.force_at(record.time))
+    steps = np.diff(force)
+    near = slice(max(index - 2, 0), index + 1)
+    step = float(steps[near][np.argmax(np.abs(steps[near]))])
+    if abs(step) < _WITH_FORCE * float(np.ptp(force)):
+        return False
+    others = np.flatnonzero(np.abs(steps) > _ALIKE * abs(step)) + 1
+    others = others[(np.abs(others - index) > _SIDE) & (others > _SIDE) & (others < force.size - _SIDE)][:_MOST_STEPS]
+    alike = [_size(record, int(i)) / float(steps[i - 1]) for i in others]
+    return not alike or abs(float(np.median(alike)) - size / step) < 0.5 * abs(size / step)
 
 
 def _size(record: Record, index: int) -> float:

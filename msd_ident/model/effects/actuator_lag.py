@@ -54,9 +54,9 @@ class ActuatorLag(Effect):
         if more < 0.01 or any(effect.acts_on == "force" for effect in model.effects):
             return ""
         return (
-            "actuator_lag is equivalent to a motor's back-EMF behind its inductance, where a voltage drives it: then the "
-            f"mass is up to {100.0 * more:.2g} % larger, and the damping smaller. Let the cart swing with the drive "
-            "disconnected to tell them apart."
+            "actuator_lag is equivalent to a motor's back-EMF behind its inductance, where a voltage drives it: then "
+            f"the mass is up to {100.0 * more:.2g} % larger, and the damping smaller. Let the cart swing with the "
+            "drive disconnected to tell them apart."
         )
 
     @classmethod
