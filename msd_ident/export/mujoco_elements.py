@@ -199,6 +199,8 @@ def supports(effect: type[Effect]) -> Support:
         return Support("cannot", "no element for its spring or damper, and the callback file has no events")
     if role == roles.FORCED_READING:
         return Support("cannot", "MuJoCo asks a sensor of the position before it knows the forces")
+    if role == roles.FRICTION_DRIFT:
+        return Support("cannot", "the callback file's dry friction knows no time")
     if any(kind in effect.laws() for kind in CALLED):
         return Support("exact", "the callback file beside it")
     return Support("cannot", "neither an element nor a law that a callback could call")

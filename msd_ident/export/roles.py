@@ -26,8 +26,8 @@ SQUARE, CUBE, DRAG = "square of the position", "cube of the position", "square o
 #: What depends on the time: a force, the spring, the reading, the gain of the force.
 DISTURBANCE, SPRING_DRIFT, READING_DRIFT = "disturbance", "drift of the spring", "drift of the reading"
 GAIN_DRIFT = "drift of the gain"
-#: A reading that follows the force.
-FORCED_READING = "reading that follows the force"
+#: A reading that follows the force, and dry friction that changes with time.
+FORCED_READING, FRICTION_DRIFT = "reading that follows the force", "drift of the friction"
 
 _POWERS: Mapping[str, Callable[[float, float], float]] = {
     SQUARE: lambda x, v: x * x,
@@ -49,6 +49,8 @@ def role(effect: type[Effect]) -> str:
         return GAIN
     if "disturbance" in laws:
         return DISTURBANCE
+    if not effect.steady and "friction" in laws:
+        return FRICTION_DRIFT
     if not effect.steady:
         return READING_DRIFT if "reading" in laws else GAIN_DRIFT if "input_map" in laws else SPRING_DRIFT
     if "u" in inspect.signature(laws.get("reading", _stop)).parameters:

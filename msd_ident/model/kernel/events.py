@@ -140,8 +140,14 @@ def release(phase, step):
     return high, end
 
 
+@inlined
+def _freed(phase, t, place):
+    """Whether dry friction no longer holds a cart at rest there."""
+    return abs(forces_at(phase, t, place)) > breakaway(phase, t, place.x)
+
+
 @lean
-def _breakaway(phase, hold, step):
+def _breakaway(phase, step):
     """Length of a held cart's step in (0, h] at whose end friction no longer holds it, as it does not after h."""
     method, t, h, start, _ = step
     low, high = 0.0, h
@@ -151,7 +157,7 @@ def _breakaway(phase, hold, step):
         if phase.world.cart.m2 > 0.0:
             there, _, _ = step_to(method, held(phase), t, tau, start)
             y, u = there.y, there.u
-        if abs(forces_at(phase, t + tau, Place(x, 0.0, y, u))) > hold:
+        if _freed(phase, t + tau, Place(x, 0.0, y, u)):
             high = tau
         else:
             low = tau
@@ -170,7 +176,7 @@ def rest(run, phase, t, longest, start):
     x, y, u = start.x, start.y, start.u
     start = State(x, 0.0, 0.0, y, u, start.c)
     left = phase.length - t
-    hold = breakaway(phase, x)
+    hold = breakaway(phase, t, x)
     net = forces_at(phase, t, Place(x, 0.0, y, u))
     if abs(net) > hold:
         return 0.0, True, start, longest
@@ -183,8 +189,8 @@ def rest(run, phase, t, longest, start):
         # Quarters, so that a push that rises above the friction and falls again within a segment is seen.
         for quarter in range(1, 5):
             h = 0.25 * quarter * left
-            if abs(forces_at(phase, t + h, Place(x, 0.0, y, u))) > hold:
-                return _breakaway(phase, hold, Step(FIFTH, t, h, start, start)), True, start, longest
+            if _freed(phase, t + h, Place(x, 0.0, y, u)):
+                return _breakaway(phase, Step(FIFTH, t, h, start, start)), True, start, longest
         return left, False, start, longest
     h = left if left <= longest else left / math.ceil(left / longest)
     while True:
@@ -197,8 +203,8 @@ def rest(run, phase, t, longest, start):
         longest = h
     if error < EASY:
         longest = max(longest, 2.0 * h)
-    if abs(forces_at(phase, t + h, Place(x, 0.0, end.y, end.u))) > hold:
-        h = _breakaway(phase, hold, Step(method, t, h, start, end))
+    if _freed(phase, t + h, Place(x, 0.0, end.y, end.u)):
+        h = _breakaway(phase, Step(method, t, h, start, end))
         end, _, _ = step_to(method, held(phase), t, h, start)
         return h, True, end, longest
     return h, False, end, longest

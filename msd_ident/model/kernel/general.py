@@ -234,7 +234,7 @@ def _held(run, j, segments, progress, path):
             break
         if j == begun or level[j] != level[j - 1]:
             phase = Phase(run.world, piece, drive, length[j], s)
-            if not abs(forces_at(phase, 0.0, place)) <= breakaway(phase, x):
+            if not abs(forces_at(phase, 0.0, place)) <= breakaway(phase, 0.0, x):
                 break
         budget -= 1
         j += 1

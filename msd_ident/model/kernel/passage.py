@@ -34,7 +34,7 @@ _NONE, _TURN, _KNEE, _AGAIN, _RELEASE = 0, 1, 2, 3, 4
 def _settle(phase, t, state):
     """Direction in which a cart at v = 0 goes on; 0 if dry friction holds it."""
     net = forces_at(phase, t, Place(state.x, 0.0, state.y, state.u))
-    if abs(net) <= breakaway(phase, state.x):
+    if abs(net) <= breakaway(phase, t, state.x):
         return 0.0
     return 1.0 if net > 0.0 else -1.0
 

@@ -82,7 +82,7 @@ def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     """x'' [m/s²] while sliding in direction s."""
     net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
     if world[0] & laws.DRY_BITS:
-        net -= s * laws.friction(world[0], p, w, x, s * v, piece[3] + piece[2] * x)
+        net -= s * laws.friction(world[0], p, w, drive[0] + t, x, s * v, piece[3] + piece[2] * x)
     if world[0] & laws.CONTACT_BITS:
         net = laws.contact(world[0], p, w, net, x, v, piece[4])
     return net * world[1]
@@ -97,7 +97,8 @@ def grip_at(phase, t, place):
     x, v, y, u = place
     net = net_force(cart, p, w, elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
     if cart.active & laws.DRY_BITS:
-        net -= s * laws.friction(cart.active, p, w, x, s * v, elastic.own_intercept + elastic.own_slope * x)
+        own = elastic.own_intercept + elastic.own_slope * x
+        net -= s * laws.friction(cart.active, p, w, drive[0] + t, x, s * v, own)
     return laws.grip(cart.active, p, w, net, x, v, elastic.inside)
 
 
@@ -141,12 +142,13 @@ def acceleration_at(phase, t, place):
 
 
 @inlined
-def breakaway(phase, x):
-    """The most that dry friction holds [N] of a cart at rest at x [m]."""
+def breakaway(phase, t, x):
+    """The most that dry friction holds [N] of a cart at rest at x [m], a time t [s] after the segment began."""
     cart, p, w, _ = phase.world
     if cart.active & laws.DRY_BITS:
         elastic = phase.piece.elastic
-        return laws.breakaway(cart.active, p, w, x, elastic.own_intercept + elastic.own_slope * x)
+        own = elastic.own_intercept + elastic.own_slope * x
+        return laws.breakaway(cart.active, p, w, phase.drive[0] + t, x, own)
     return 0.0
 
 

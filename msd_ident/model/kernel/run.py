@@ -104,7 +104,7 @@ def row(bits, values, place, plan, out):
     else:
         kinetic, hold = 0.0, 0.0
         if bits & laws.DRY_BITS:
-            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0)
+            kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0, 0.0)
         eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
         axis = Axis(m, b, constant, kinetic, hold, spring, eventful)
         if eventful:
