@@ -78,6 +78,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
         "second_mass": 0.2, "second_stiffness": 800.0, "second_damping": 0.5, "second_friction": 0.3,
         "second_creep": 0.002,
     },
+    "position_dependent_gain": {"gain_gradient": 2.0, "gain_curvature": -300.0},
     "position_dependent_inertia": {"inertia_slope": 8.0},
     "scale_drift": {"scale_drift_rate": 0.02},
     "smooth_friction": {"smooth_friction": 0.4, "creep_speed": 0.02},

@@ -54,9 +54,16 @@ def _values(plan: Plan, header: str, module: str) -> dict[str, str]:
         "MOVED": laws.chained(effects, "contact", "net", "force").replace("piece_x", "ahead(x, mode)"),
         "RESTED": _at_rest(effects),
         "READING": laws.chained(effects, "reading", "x", "x"),
-        "DRIVEN": "    driven = 1.0 if push != 0.0 else 0.0\n" if any(e.asks_drive() for e in effects) else "",
+        "DRIVEN": _drive(effects, "f" if plan.model.structure(LAG) else "push"),
         "FORCES": "".join(f"    total -= {one}\n" for one in calls).replace("piece_x", "ahead(x, direction)"),
     }
+
+
+def _drive(effects: Sequence[Effect], applied: str) -> str:
+    """Lines that say what laws ask of the commanded force; ``applied`` is the one that arrives."""
+    if not any(effect.asks_drive() for effect in effects):
+        return ""
+    return f"    u, driven = {applied}, 1.0 if push != 0.0 else 0.0\n"
 
 
 def _at_rest(effects: Sequence[Effect]) -> str:

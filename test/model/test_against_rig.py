@@ -34,7 +34,7 @@ APART = {
     "bouc_wen", "buffered_stop", "constraint_stop", "curved_stiffness_drift", "drive_hysteresis",
     "eccentricity_harmonic", "fading_damping", "frame_compliance", "friction_drift", "gain_drift",
     "growing_damping",     "modulated_disturbance",
-    "position_dependent_damping", "position_dependent_inertia",
+    "position_dependent_damping", "position_dependent_gain", "position_dependent_inertia",
     "rubbing_second_mode", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity", "settling_friction",
     "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction",
 }  # fmt: skip

@@ -142,8 +142,9 @@ class Law:
 
     @classmethod
     def asks_drive(cls) -> bool:
-        """Whether its force depends on whether any is commanded."""
-        return any("driven" in arguments(law) for law in cls.laws().values())
+        """Whether its force depends on the one that is commanded, or on whether any is."""
+        force = cls.laws().get("force")
+        return force is not None and not {"driven", "u"}.isdisjoint(arguments(force))
 
     @classmethod
     def asks_speed(cls) -> bool:

@@ -61,7 +61,7 @@ TURNING_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.turns or eff
 QUICK_BITS = sum(BIT[e.name] for e in LIBRARY if e.memory or ("friction" in e.laws() and not e.piecewise_linear))
 #: Effects whose force changes with the speed in another way than damping does.
 SPEED_BITS = sum(BIT[e.name] for e in LIBRARY if e.asks_speed())
-#: Effects whose force depends on whether any is commanded.
+#: Effects whose force depends on the commanded one, or on whether there is any.
 DRIVEN_BITS = sum(BIT[effect.name] for effect in LIBRARY if effect.asks_drive())
 #: Effects beside which a jump of the force is no jump of the acceleration by that force alone.
 JUMPING_BITS = DRIVEN_BITS | CONTACT_BITS
@@ -195,7 +195,7 @@ def _rows(place: str, stiffness: str, side: str) -> tuple[str, ...]:
 active = _active()
 constant = _dispatcher("constant", "", "0.0", "+=")
 disturbance = _dispatcher("disturbance", "t", "0.0", "+=")
-force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, lagged_v, piece_x", "0.0", "+=")
+force = _dispatcher("force", "t, x, v, direction, speed, spring_force, driven, u, lagged_v, piece_x", "0.0", "+=")
 knees = _knees()
 friction = _dispatcher("friction", "t, x, speed, spring_force", "0.0", "=")
 breakaway = _dispatcher("breakaway", "t, x, spring_force", "0.0", "=")

@@ -74,7 +74,8 @@ def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     driven = 1.0 if drive[1] != 0.0 or drive[2] != 0.0 else 0.0
     lagged = u if m2 > 0.0 else v
     own = own_intercept + own_slope * x
-    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, lagged, inside)
+    force = applied(drive, t) if active & laws.DRIVEN_BITS else 0.0
+    return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, force, lagged, inside)
 
 
 @inlined

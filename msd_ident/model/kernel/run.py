@@ -110,7 +110,9 @@ def row(bits, values, place, plan, out):
         if eventful:
             cut = segments.walked_where_long(cut, longest_glide(axis))
         exact(axis, cut, motion, path)
-    _read(world, time, pick, arriving, path, out)
+    _sampled(pick, path, out)
+    if bits & laws.READING_BITS:
+        _read(world, time, pick, arriving, out.x)
 
 
 @plain
@@ -210,21 +212,24 @@ def _behind_loop(commanded, half, crossed):
 
 
 @lean
-def _read(world, time, pick, arriving, path, out):
-    """What the sensor says at the samples; without ``pick`` the path is the output itself.
-
-    ``arriving`` are the segments with the force on the cart: at a jump the sensor hears the new one.
-    """
+def _sampled(pick, path, out):
+    """The motion at the samples; without ``pick`` the path is the output itself."""
     if pick.size > 0:
         for i in range(out.x.size):
             out.x[i] = path.x[pick[i]]
         for i in range(out.v.size):
             out.v[i] = path.v[pick[i]]
-    active = world.cart.active
-    if active & laws.READING_BITS:
-        for i in range(out.x.size):
-            force = _begins_with(arriving, pick[i] if pick.size > 0 else i)
-            out.x[i] = laws.reading(active, world.p, world.w, time[i], out.x[i], force)
+
+
+@lean
+def _read(world, time, pick, arriving, x):
+    """Turn positions (n,) [m] at the samples into what the sensor says there.
+
+    ``arriving`` are the segments with the force on the cart: at a jump the sensor hears the new one.
+    """
+    for i in range(x.size):
+        force = _begins_with(arriving, pick[i] if pick.size > 0 else i)
+        x[i] = laws.reading(world.cart.active, world.p, world.w, time[i], x[i], force)
 
 
 @inlined
