@@ -20,7 +20,8 @@ NOT_DRAWN = (
     "bilinear_spring", "direction_dependent_damping", "drive_damping", "frame_compliance", "friction_drift",
     "gain_drift", "gravity",
     "load_dependent_friction",
-    "position_dependent_damping", "position_dependent_gain", "position_dependent_inertia", "relaxing_spring", "scale_drift",
+    "position_dependent_damping", "position_dependent_gain", "position_dependent_inertia",
+    "relaxing_spring", "scale_drift",
     "sensor_eccentricity", "sensor_nonlinearity",
 )  # fmt: skip
 
