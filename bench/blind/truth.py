@@ -24,8 +24,8 @@ EARLY_FORCE = "early_force"
 
 #: What may be said of rigs whose law the library does not have: the effects of the same family.
 FAMILIES: Mapping[str, frozenset[str]] = {
-    "friction_change": DRY | {"friction_drift"},
-    "fading_friction": DRY | {"friction_drift"},
+    "friction_change": DRY,
+    "fading_friction": DRY,
     "eccentric_friction": DRY,
     "mass_drop": frozenset(),
     "magnet": frozenset({"cubic_spring", "asymmetric_spring", "force_offset"}),

@@ -17,8 +17,8 @@ from msd_ident.model.effects import LIBRARY, by_name
 
 #: Causes whose law the rig has in another form, so that the study does not draw them; the variants do.
 NOT_DRAWN = (
-    "bilinear_spring", "direction_dependent_damping", "drive_damping", "frame_compliance", "friction_drift",
-    "gain_drift", "gravity",
+    "bilinear_spring", "direction_dependent_damping", "drive_damping", "frame_compliance", "gain_drift",
+    "gravity",
     "load_dependent_friction",
     "position_dependent_damping", "position_dependent_gain", "position_dependent_inertia",
     "relaxing_spring", "scale_drift",

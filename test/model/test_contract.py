@@ -23,8 +23,7 @@ NAMES = tuple(effect.name for effect in LIBRARY)
 #: one means nothing.
 NOT_AT_ONCE = {
     "cogging_harmonic", "drive_hysteresis", "eccentricity_harmonic", "fading_damping", "force_dead_zone",
-    "force_gain_asymmetry", "modulated_disturbance", "one_sided_stop", "settling_friction", "settling_sensor",
-    "settling_stiffness",
+    "force_gain_asymmetry", "modulated_disturbance", "one_sided_stop", "settling_sensor", "settling_stiffness",
     "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction", "two_tone_disturbance",
 }  # fmt: skip
 

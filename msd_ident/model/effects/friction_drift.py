@@ -38,6 +38,7 @@ class FrictionDrift(Effect):
     source = "Coulomb friction, first order in time as grease warms up"
     neutral = (("coulomb_force", 0.0),)
     family = "dry friction"
+    form_of = "coulomb_friction"
     dissipative = True
     steady = False
     dry_limit = "coulomb_force"
@@ -58,6 +59,12 @@ class FrictionDrift(Effect):
     def resolvable(cls, seen: RecordScales) -> dict[str, tuple[float, float]]:
         """See ``Effect``."""
         return {"friction_drift_rate": (-1.0 / seen.duration, 5.0 / seen.duration)}
+
+    @classmethod
+    def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[FrictionDrift, ...]:
+        """The constant friction, and one that grows or falls by a third over the record."""
+        del plant
+        return tuple(cls(simple.values[0], change / record.duration) for change in (0.0, 0.3, -0.3))
 
     @classmethod
     def from_dry_friction(cls, force: float, record: Record, plant: Model) -> tuple[FrictionDrift, ...]:

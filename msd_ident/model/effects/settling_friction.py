@@ -37,7 +37,7 @@ class SettlingFriction(Effect):
     source = "Coulomb friction with first-order warming of its grease"
     neutral = (("coulomb_force", 0.0),)
     family = "dry friction"
-    form_of = FrictionDrift.name
+    form_of = FrictionDrift.form_of
     dissipative = True
     steady = False
     dry_limit = "coulomb_force"
@@ -69,14 +69,19 @@ class SettlingFriction(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SettlingFriction, ...]:
-        """Around the guess of the simple law."""
-        return tuple(
-            one for simple in FrictionDrift.guess(record, plant) for one in cls.from_simple(simple, record, plant)
-        )
+        """Around the guess of the steady drift."""
+        return tuple(one for drift in FrictionDrift.guess(record, plant) for one in cls._at_its_ends(drift, record))
 
     @classmethod
     def from_simple(cls, simple: Effect, record: Record, plant: Model) -> tuple[SettlingFriction, ...]:
-        """The friction of the steady drift at both ends of the record, settling in a seventh and in a half of it."""
-        force, rate = simple.values
+        """The constant friction, half as large again or two thirds of that at the start."""
+        del plant
+        force, time = simple.values[0], 0.3 * record.duration
+        return cls(force, 0.0, time), cls(force, 0.5, time), cls(force, -0.3, time)
+
+    @classmethod
+    def _at_its_ends(cls, drift: FrictionDrift, record: Record) -> tuple[SettlingFriction, ...]:
+        """The friction of a steady drift at both ends of the record, settling in a seventh and in a half of it."""
+        force, rate = drift.values
         last = force * max(1.0 + rate * record.duration, 0.05)
         return tuple(cls(last, force / last - 1.0, share * record.duration) for share in (0.15, 0.5))
