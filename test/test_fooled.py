@@ -84,6 +84,14 @@ def test_a_jump_with_the_force_is_a_zero_that_moved_where_other_jumps_of_the_for
     assert [jump.index for jump in jumps] == ([largest] if slips else [])
 
 
+def test_a_zero_that_moves_is_found_where_no_force_acts() -> None:
+    time = np.arange(1000) / 250.0
+    decay = 0.01 * np.exp(-0.5 * time) * np.cos(20.0 * time) + np.random.default_rng(6).normal(0.0, 1e-5, time.size)
+    decay[600:] += 2e-3
+    (jump,) = quality.clean(from_samples(time, np.zeros(time.size), decay)).jumps
+    assert jump.index == 600 and jump.size == pytest.approx(2e-3, rel=0.05)
+
+
 @pytest.mark.parametrize("rate", [1000.0, 250.0, 60.0])
 @pytest.mark.parametrize("rig", ["ecp", "sticky", "backlash", "end_stop", "odd"])
 def test_nothing_is_cleaned_where_nothing_is_wrong(rig: str, rate: float) -> None:

@@ -199,7 +199,7 @@ def _with_force(record: Record, index: int, size: float) -> bool:
     steps = np.diff(force)
     near = slice(max(index - 2, 0), index + 1)
     step = float(steps[near][np.argmax(np.abs(steps[near]))])
-    if abs(step) < _WITH_FORCE * float(np.ptp(force)):
+    if not abs(step) > _WITH_FORCE * float(np.ptp(force)):
         return False
     others = np.flatnonzero(np.abs(steps) > _ALIKE * abs(step)) + 1
     others = others[(np.abs(others - index) > _SIDE) & (others > _SIDE) & (others < force.size - _SIDE)][:_MOST_STEPS]
