@@ -53,7 +53,7 @@ def role(effect: type[Effect]) -> str:
         return FRICTION_DRIFT
     if not effect.steady:
         return READING_DRIFT if "reading" in laws else GAIN_DRIFT if "input_map" in laws else SPRING_DRIFT
-    if "u" in inspect.signature(laws.get("reading", _stop)).parameters:
+    if "reading" in laws and "u" in inspect.signature(laws["reading"]).parameters:
         return FORCED_READING
     return _stop(effect) or _power(effect)
 
