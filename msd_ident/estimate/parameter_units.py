@@ -136,7 +136,10 @@ def unit_in(unit: str, rig: HasUnits) -> str:
     if unit == "kg":
         return "kg·m²" if (force, length) == ("N·m", "rad") else f"{force}·s²/{length}"
     numerator, slash, denominator = unit.partition("/")
-    return _rename(numerator, force, length) + slash + _rename(denominator, force, length)
+    below = _rename(denominator, force, length)
+    if denominator == "N" and "·" in below:
+        below = f"({below})"
+    return _rename(numerator, force, length) + slash + below
 
 
 def _rename(product: str, force: str, length: str) -> str:

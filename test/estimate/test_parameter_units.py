@@ -43,6 +43,8 @@ def test_every_unit_of_the_library_scales_with_its_yardsticks(unit: str) -> None
         ("kg", "N", "m", "kg"),
         ("kg", "N·m", "rad", "kg·m²"),
         ("N·s/m", "N·m", "rad", "N·m·s/rad"),
+        ("m/N", "N·m", "rad", "rad/(N·m)"),
+        ("m/N", "V", "m", "m/V"),
         ("N/m", "V", "m", "V/m"),
         ("kg", "V", "m", "V·s²/m"),
         ("N·s²/m²", "V", "count", "V·s²/count²"),
