@@ -195,7 +195,9 @@ def supports(effect: type[Effect]) -> Support:
         return Support(
             "cannot", "no element for a damper behind a spring, and the callback file has no state of its own"
         )
-    if effect.asks_drive() or effect.knee not in (None, AT_ZERO):
+    if effect.asks_drive():
+        return Support("cannot", "the callback file has no part for a force that depends on the command and the motion")
+    if effect.knee not in (None, AT_ZERO):
         return Support("cannot", "no element for its spring or damper, and the callback file has no events")
     if role == roles.FORCED_READING:
         return Support("cannot", "MuJoCo asks a sensor of the position before it knows the forces")
