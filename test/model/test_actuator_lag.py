@@ -10,6 +10,7 @@ from msd_ident.data.record import from_samples
 from msd_ident.model import Plant
 from msd_ident.model.effects.actuator_lag import ActuatorLag
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
+from msd_ident.model.effects.position_dependent_gain import PositionDependentGain
 from msd_ident.model.effects.sensor_drift import SensorDrift
 from msd_ident.workflow import pipeline
 
@@ -39,4 +40,5 @@ def test_where_the_two_differ_nothing_is_said() -> None:
     assert LAG.same_as(PLANT + LAG).startswith(f"{SAID}: then the mass is up to 20 % larger")
     assert LAG.same_as(PLANT + LAG + SensorDrift(1e-4)).startswith(SAID)
     assert LAG.same_as(PLANT + LAG + CoulombFriction(0.1)) == ""
+    assert LAG.same_as(PLANT + LAG + PositionDependentGain(1.0, 0.0)) == ""
     assert ActuatorLag(1e-3).same_as(PLANT + ActuatorLag(1e-3)) == ""

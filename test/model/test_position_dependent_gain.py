@@ -45,6 +45,11 @@ def test_against_scipy(hold: str, lag: float) -> None:
     assert np.max(np.abs(found - expected)) < 1e-6 * np.ptp(expected)
 
 
+def test_a_disturbance_beside_it_does_not_add_up() -> None:
+    """Another force moves the cart to where the commanded one has another gain."""
+    assert not PositionDependentGain.adds_up()
+
+
 @pytest.mark.parametrize("experiment", ["steps", "sweep"])
 def test_it_is_found(experiment: str) -> None:
     time = np.arange(3000) / 500.0

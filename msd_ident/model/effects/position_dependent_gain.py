@@ -36,7 +36,7 @@ class PositionDependentGain(Effect):
             advice="push the cart through the same place with forces of both signs",
         ),
     )  # fmt: skip
-    acts_on = "input"
+    acts_on = "force"
     law = "F·(1 + a·x + c·x²)"
     source = "force factor Bl(x) of a voice coil; W. Klippel 2006, J. Audio Eng. Soc. 54(10)"
     neutral = (("gain_gradient", 0.0), ("gain_curvature", 0.0))
