@@ -6,13 +6,17 @@ that it and ``msd diagnose`` need of it. Importing scipy.ndimage takes a thirtie
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from msd_ident.compiled import Library
 from msd_ident.data.record import FloatArray
+
+LIBRARY = Library(__name__, f"{__name__}_loops")
+_all_pole = LIBRARY.function("all_pole", "f8[:]", "f8[:,:]", "f8[:,:]")
+_pole_zero = LIBRARY.function("pole_zero", "f8[:]", "f8[:]", "f8[:]", "f8[:]")
+_ranked = LIBRARY.function("ranked", "f8[:]", "i8", "i8", "f8[:]")
+_peaks = LIBRARY.function("peaks", "f8[:]", "f8", "i8[:]")
 
 
 def all_pole(coefficients: FloatArray, signal: FloatArray) -> FloatArray:
@@ -23,22 +27,9 @@ def all_pole(coefficients: FloatArray, signal: FloatArray) -> FloatArray:
         signal: (n,) or (k, n), each row on its own.
     """
     rows = np.atleast_2d(np.ascontiguousarray(signal, dtype=np.float64))
-    return cast(FloatArray, _all_pole(coefficients, rows).reshape(signal.shape))
-
-
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator, unused-ignore]
-def _all_pole(coefficients, rows):  # type: ignore[no-untyped-def]
-    """Direct form II, transposed: the sums have the order of scipy's, so that their rounding is the same."""
-    order = coefficients.size - 1
     found = np.empty_like(rows)
-    for row in range(rows.shape[0]):
-        state = np.zeros(order + 1)
-        for n in range(rows.shape[1]):
-            value = state[0] + rows[row, n]
-            for i in range(order):
-                state[i] = state[i + 1] - coefficients[i + 1] * value
-            found[row, n] = value
-    return found
+    _all_pole(np.ascontiguousarray(coefficients, dtype=np.float64), rows, found)
+    return found.reshape(signal.shape)
 
 
 def pole_zero(above: FloatArray, below: FloatArray, signal: FloatArray) -> FloatArray:
@@ -50,20 +41,9 @@ def pole_zero(above: FloatArray, below: FloatArray, signal: FloatArray) -> Float
         signal: (n,).
     """
     upper, lower = np.asarray(above, dtype=np.float64) / below[0], np.asarray(below, dtype=np.float64) / below[0]
-    return cast(FloatArray, _pole_zero(upper, lower, np.ascontiguousarray(signal, dtype=np.float64)))
-
-
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator, unused-ignore]
-def _pole_zero(above, below, signal):  # type: ignore[no-untyped-def]
-    order = above.size - 1
-    found = np.empty_like(signal)
-    state = np.zeros(order + 1)
-    for n in range(signal.size):
-        value = signal[n]
-        result = state[0] + above[0] * value
-        for i in range(order):
-            state[i] = state[i + 1] + value * above[i + 1] - result * below[i + 1]
-        found[n] = result
+    given = np.ascontiguousarray(signal, dtype=np.float64)
+    found = np.empty_like(given)
+    _pole_zero(upper, lower, given, found)
     return found
 
 
@@ -78,29 +58,8 @@ def ranked(signal: FloatArray, rank: int, window: int) -> FloatArray:
     Returns:
         (n - window + 1,), of the window that begins at each value.
     """
-    return cast(FloatArray, _ranked(np.ascontiguousarray(signal, dtype=np.float64), rank, window))
-
-
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator, unused-ignore]
-def _ranked(signal, rank, window):  # type: ignore[no-untyped-def]
     found = np.empty(signal.size - window + 1)
-    ordered = np.empty(window)
-    for n in range(signal.size):
-        last = n
-        if n >= window:
-            last = window - 1
-            old, i = signal[n - window], 0
-            while i < last and ordered[i] != old:
-                i += 1
-            while i < last:
-                ordered[i] = ordered[i + 1]
-                i += 1
-        while last > 0 and ordered[last - 1] > signal[n]:
-            ordered[last] = ordered[last - 1]
-            last -= 1
-        ordered[last] = signal[n]
-        if n >= window - 1:
-            found[n - window + 1] = ordered[rank]
+    _ranked(np.ascontiguousarray(signal, dtype=np.float64), rank, window, found)
     return found
 
 
@@ -112,37 +71,6 @@ def peaks(signal: FloatArray, prominence: float) -> npt.NDArray[np.int64]:
         prominence: height of a maximum above the higher one of the two lowest points that separate it from higher
             ground, or from the ends.
     """
-    return cast("npt.NDArray[np.int64]", _peaks(np.ascontiguousarray(signal, dtype=np.float64), prominence))
-
-
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator, unused-ignore]
-def _peaks(signal, prominence):  # type: ignore[no-untyped-def]
-    last, found = signal.size - 1, []
-    i = 1
-    while i < last:
-        if signal[i - 1] < signal[i]:
-            end = i + 1
-            while end < last and signal[end] == signal[i]:
-                end += 1
-            if signal[end] < signal[i]:
-                middle = (i + end - 1) // 2
-                if _prominence(signal, middle) >= prominence:
-                    found.append(middle)
-                i = end
-        i += 1
-    return np.array(found, dtype=np.int64)
-
-
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator, unused-ignore]
-def _prominence(signal, top):  # type: ignore[no-untyped-def]
-    height = signal[top]
-    left = right = height
-    i = top
-    while i >= 0 and signal[i] <= height:
-        left = min(left, signal[i])
-        i -= 1
-    i = top
-    while i < signal.size and signal[i] <= height:
-        right = min(right, signal[i])
-        i += 1
-    return height - max(left, right)
+    found = np.zeros(signal.size // 2 + 2, np.int64)  # no two neighbours are maxima; the last entry says how many
+    _peaks(np.ascontiguousarray(signal, dtype=np.float64), prominence, found)
+    return found[: found[-1]]

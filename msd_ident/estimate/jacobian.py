@@ -6,19 +6,21 @@ the simulations.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
-from numba import njit
 
+from msd_ident.compiled import Library
 from msd_ident.data.record import FloatArray
 from msd_ident.tuning import fixed
+
+LIBRARY = Library(__name__, f"{__name__}_loops")
+_ROW, _MATRIX = "f8[:]", "f8[:,:]"
+_broyden_update = LIBRARY.function("broyden_update", _ROW, _ROW, *(4 * (_MATRIX,)))
+_with_rows = LIBRARY.function("with_rows", _MATRIX, _MATRIX, "i8[:]", *(3 * (_MATRIX,)))
 
 _FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
 def safe_steps(point: FloatArray, steps: FloatArray, upper: FloatArray) -> FloatArray:
     """Steps (p,) that rounding does not swallow, negative where they would leave the upper bound.
 
@@ -27,25 +29,10 @@ def safe_steps(point: FloatArray, steps: FloatArray, upper: FloatArray) -> Float
         steps: (p,) positive steps.
         upper: (p,) bound of the point.
     """
-    safe = np.empty(point.size)
-    for i in range(point.size):
-        size = abs(point[i])  # beside a huge phase a small step is none
-        safe[i] = max(steps[i], _FELT * (np.nextafter(size, math.inf) - size))
-        if point[i] + safe[i] > upper[i]:
-            safe[i] = -safe[i]
-    return safe
+    safe = np.maximum(steps, _FELT * np.spacing(np.abs(point)))  # beside a huge phase a small step is none
+    return np.where(point + safe > upper, -safe, safe)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def _product(one: FloatArray, other: FloatArray) -> float:
-    """Inner product; numpy's would bring a library of linear algebra into the compiled code, which loads longer."""
-    total = 0.0
-    for j in range(one.size):
-        total += one[j] * other[j]
-    return total
-
-
-@njit(nogil=True, cache=True, error_model="numpy")
 def broyden_update(
     move: FloatArray, change: FloatArray, jacobian: FloatArray, normal: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -63,29 +50,11 @@ def broyden_update(
     Returns:
         Jacobian (p, n) and Gauss–Newton matrix (p, p) after it.
     """
-    along, length = np.empty(move.size), 0.0
-    for i in range(move.size):
-        size = max(normal[i, i], 1e-300)  # an entry may move nothing
-        along[i] = size * move[i]
-        length += along[i] * move[i]
-    along /= length
-    surprise = change.copy()
-    for i in range(move.size):
-        for j in range(change.size):
-            surprise[j] -= move[i] * jacobian[i, j]
-    further, across = _product(surprise, surprise), np.empty(move.size)
     updated, matrix = np.empty_like(jacobian), np.empty_like(normal)
-    for i in range(move.size):
-        across[i] = _product(jacobian[i], surprise)
-        for j in range(change.size):
-            updated[i, j] = jacobian[i, j] + along[i] * surprise[j]
-    for i in range(move.size):
-        for k in range(move.size):
-            matrix[i, k] = normal[i, k] + along[i] * across[k] + across[i] * along[k] + further * along[i] * along[k]
+    _broyden_update(move, change, jacobian, normal, updated, matrix)
     return updated, matrix
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
 def with_rows(
     jacobian: FloatArray, normal: FloatArray, places: npt.NDArray[np.intp], further: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -101,19 +70,5 @@ def with_rows(
         Jacobian (p, n) and Gauss–Newton matrix (p, p).
     """
     larger, matrix = np.empty((places.size, jacobian.shape[1])), np.empty((places.size, places.size))
-    fresh = 0
-    for i in range(places.size):
-        if places[i] < 0:
-            larger[i] = further[fresh]
-            fresh += 1
-        else:
-            larger[i] = jacobian[places[i]]
-            for k in range(i):
-                if places[k] >= 0:
-                    matrix[i, k] = matrix[k, i] = normal[places[i], places[k]]
-            matrix[i, i] = normal[places[i], places[i]]
-    for i in range(places.size):
-        if places[i] < 0:
-            for k in range(places.size):
-                matrix[i, k] = matrix[k, i] = _product(larger[i], larger[k])
+    _with_rows(jacobian, normal, places, further, larger, matrix)
     return larger, matrix

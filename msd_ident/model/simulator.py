@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +12,8 @@ import numpy.typing as npt
 from msd_ident import cancellation
 from msd_ident.data.record import Record
 from msd_ident.errors import UsageError
+from msd_ident.model import solver
+from msd_ident.model.kernel import places
 from msd_ident.model.plant import Model
 
 FloatArray = npt.NDArray[np.float64]
@@ -39,78 +38,17 @@ class Trajectory:
 
 
 _NOTHING: FloatArray = np.empty(0)
-#: What ``run.compare`` leaves readings as they are with. As in a record, the positions cannot be written to: for arrays
-#: that can, numba would compile the solver once more.
+#: What ``run.compare`` leaves readings as they are with.
 _NOT_COMPARED = (np.empty(0), _NOTHING, 0.0)
-_NOT_COMPARED[0].setflags(write=False)
 
 
 def _to_stderr(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-@lru_cache(maxsize=1)
-def _kernel() -> Any:
-    """The compiled entries, from the cache on disk or compiled now; says so on stderr."""
-    return _load(_to_stderr)
-
-
-def _load(say: Callable[[str], None]) -> Any:
-    from msd_ident.model.kernel import cache
-
-    entries = cache.load(say)
-    if not cache.compiled(entries):
-        # Code that was compiled in this process may round in another way than the same code from the cache, and stays
-        # in use where that is loaded later.
-        cache.compile_apart()
-        entries = cache.load(_nobody)
-    _run_once(entries)
-    return entries
-
-
-def compile_here() -> None:
-    """Compile the solver in this process, into the cache."""
-    from msd_ident.model.kernel import cache
-
-    _run_once(cache.load(_nobody))
-
-
-def _nobody(line: str) -> None:
-    del line
-
-
-def _run_once(entries: Any) -> None:
-    """A first run, which loads the entries' code or compiles it.
-
-    The collector of garbage rests meanwhile: it would look through the compiler's millions of objects again and again,
-    a tenth of the time, and find little.
-    """
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        time = np.linspace(0.0, 1.0, 20)
-        plan = _plan(Record(time=time, position=time, force_time=time, force=time), entries)
-        out = np.empty((1, time.size))
-        entries.run(0, np.ones((1, 6)), np.arange(3, dtype=np.int64), plan, _NOT_COMPARED, out, out[:, :0])
-    finally:
-        if collecting:
-            gc.enable()
-
-
 def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
     """Make sure that the solver is compiled and loaded; ``say`` is told, in one line, if that takes a while."""
-    if not _kernel.cache_info().currsize and say is not _to_stderr:
-        _load(say)
-    _kernel()
-
-
-def _plan(record: Record, entries: Any) -> tuple[Any, ...]:
-    def made() -> tuple[Any, ...]:
-        seen = record.from_origin()
-        given = (seen.time, seen.force_time, seen.force, seen.hold == "linear")
-        return given + tuple(entries.plan(*given))
-
-    return record.kept("plan", made)
+    solver.LIBRARY.load(say)
 
 
 class Simulator:
@@ -123,13 +61,10 @@ class Simulator:
     def __init__(self, model: Model, record: Record) -> None:
         self.model = model
         self.record = record
-        entries = _kernel()
-        from msd_ident.model.kernel import laws
-
-        self._run = entries.run
-        self._bits = laws.bits(*model.effect_names)
-        self._place: IntArray = np.array([laws.INDEX[name] for name in model.names], dtype=np.int64)
-        self._plan = _plan(record, entries)
+        warm_up()
+        self._bits = places.bits(*model.effect_names)
+        self._place: IntArray = np.array([places.INDEX[name] for name in model.names], dtype=np.int64)
+        self._plan = solver.plan(record)
 
     def _rows(self, values: FloatArray, position: npt.ArrayLike, velocity: npt.ArrayLike) -> FloatArray:
         rows = np.zeros((values.shape[0], self._place.size + 3))
@@ -174,7 +109,7 @@ class Simulator:
     def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float]) -> FloatArray:
         cancellation.raise_if_cancelled()
         out: FloatArray = np.empty((rows.shape[0], self.record.samples))
-        self._run(self._bits, rows, self._place, self._plan, measured, out, out[:, :0])
+        solver.run(self._bits, rows, self._place, self._plan, measured, out, out[:, :0])
         return out
 
     def trajectory(
@@ -184,7 +119,7 @@ class Simulator:
         cancellation.raise_if_cancelled()
         row = self._rows(np.asarray(values, dtype=np.float64)[None, :], initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
-        self._run(self._bits, row, self._place, self._plan, _NOT_COMPARED, x, v)
+        solver.run(self._bits, row, self._place, self._plan, _NOT_COMPARED, x, v)
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from msd_ident.compiled import Library
 from msd_ident.data.record import FloatArray, Record
 from msd_ident.estimate import Initial, see
 from msd_ident.estimate.effort import SHORT
@@ -25,6 +25,10 @@ from msd_ident.estimate.levels import KNOTS, NATURAL_RANGE, RELATIVE_STEP
 from msd_ident.model import Model
 from msd_ident.model.base_model import friction_force
 from msd_ident.residuals.noise_model import Readings
+
+LIBRARY = Library(__name__, f"{__name__}_loops")
+_TABLE = ("f8[:]", "f8[:]")
+_simulate = LIBRARY.function("simulate", "f8[:]", "f8[:]", ("f8", _TABLE, _TABLE), "f8[:]", "f8[:]")
 
 
 @dataclass(frozen=True)
@@ -212,34 +216,3 @@ def _top_speed(record: Record) -> float:
     stretch = max(record.samples // 300, 1)
     rise = np.abs(record.position[stretch:] - record.position[:-stretch])
     return float(np.max(rise / (record.time[stretch:] - record.time[:-stretch])))
-
-
-@njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _value(table, at):  # type: ignore[no-untyped-def]
-    """Piecewise linear, going on straight beyond the ends."""
-    knots, values = table
-    i = min(max(np.searchsorted(knots, at) - 1, 0), knots.size - 2)
-    share = (at - knots[i]) / (knots[i + 1] - knots[i])
-    return values[i] + share * (values[i + 1] - values[i])
-
-
-@njit(nogil=True, cache=True, error_model="numpy")  # type: ignore[untyped-decorator, unused-ignore]
-def _simulate(time, force, plant, start, out):  # type: ignore[no-untyped-def]
-    """Classical Runge–Kutta, two steps a sample; a held force between samples."""
-    m, spring, damper = plant
-    x, v = start[0], start[1]
-    out[0] = x
-    for i in range(1, time.size):
-        h = 0.5 * (time[i] - time[i - 1])
-        u = force[i - 1]
-        for _ in range(2):
-            a1 = (u - _value(spring, x) - _value(damper, v)) / m
-            v2 = v + 0.5 * h * a1
-            a2 = (u - _value(spring, x + 0.5 * h * v) - _value(damper, v2)) / m
-            v3 = v + 0.5 * h * a2
-            a3 = (u - _value(spring, x + 0.5 * h * v2) - _value(damper, v3)) / m
-            v4 = v + h * a3
-            a4 = (u - _value(spring, x + h * v3) - _value(damper, v4)) / m
-            x += h * (v + 2.0 * v2 + 2.0 * v3 + v4) / 6.0
-            v += h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
-        out[i] = x

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_continuous_lyapunov
 
-from msd_ident.residuals.force_smoother import STATES, WORK, Law, Readings, _transition, filtered, smoothed
+from msd_ident.residuals.force_smoother import STATES, WORK, Law, Readings, filtered, smoothed
+from msd_ident.residuals.force_smoother_loops import _transition
 
 STEP, SAMPLES = 0.02, 60
 READING = np.array([1.0, 0.0, 0.0, 1.0, 0.0])

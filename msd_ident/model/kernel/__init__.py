@@ -1,1 +1,1 @@
-"""The compiled solver. Importing its modules imports numba, so ``model.simulator`` does it at the first simulation."""
+"""The solver, for numba to compile. Only ``places`` is imported without numba."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel import laws
+from msd_ident.model.kernel import places
 from msd_ident.model.kernel.compiled import inlined, lean
 from msd_ident.model.kernel.groups import Place, State
 from msd_ident.model.kernel.rk import acceleration_at, pull, second_acceleration
@@ -43,7 +43,7 @@ _FADED = 10.0
 @lean
 def is_stiff(cart, length):
     """Whether steps as long as the segment [s] are exponential ones, by the linear damping alone."""
-    least = STIFF_BESIDE if cart.active & laws.SPEED_BITS or cart.m2 > 0.0 else STIFF
+    least = STIFF_BESIDE if cart.active & places.SPEED_BITS or cart.m2 > 0.0 else STIFF
     return cart.b * cart.lightness * length > least
 
 
@@ -51,7 +51,7 @@ def is_stiff(cart, length):
 def becomes_stiff(phase, t, left, start):
     """The same by what other laws, and a second mass, add to the damping, where any does."""
     cart = phase.world.cart
-    return (cart.active & laws.SPEED_BITS or cart.m2 > 0.0) and _rate(phase, t, start) * left > STIFF_BESIDE
+    return (cart.active & places.SPEED_BITS or cart.m2 > 0.0) and _rate(phase, t, start) * left > STIFF_BESIDE
 
 
 @lean
@@ -65,7 +65,7 @@ def _rate(phase, t, start):
     """Rate r [1/s] at which the velocity of the cart fades as the step begins."""
     cart = phase.world.cart
     plain = cart.b * cart.lightness
-    if not (cart.active & laws.SPEED_BITS or cart.m2 > 0.0):
+    if not (cart.active & places.SPEED_BITS or cart.m2 > 0.0):
         return plain
     slight = _SLIGHT * max(abs(start.v), abs(start.a) * min(phase.length, 1.0 / plain if plain > 0.0 else phase.length))
     if slight == 0.0:
@@ -122,7 +122,7 @@ def _transient(phase, t, rate):
 def _second_rate(phase, start):
     """The same of the second mass, by a force that acts on it alone; 0 without one."""
     cart, p, w, _ = phase.world
-    if not cart.active & laws.SECOND_BITS:
+    if not cart.active & places.SECOND_BITS:
         return 0.0
     x, v, _, y, u, c = start
     slight = _SLIGHT * max(abs(u), abs(c) * phase.length)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel import laws
+from msd_ident.model.kernel import laws, places
 from msd_ident.model.kernel.adams import FEWEST, PAST, step_adams
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean
 from msd_ident.model.kernel.exponential import is_stiff, second_is_stiff, step_exponential
@@ -94,7 +94,7 @@ def _alone(
     It is an exponential one where friction stops the second mass at once.
     """
     phase = Phase(World(world, p, w, k), Piece(0, 0.0, 0.0, elastic), drive, h, s)
-    if world.active & laws.SECOND_BITS and second_is_stiff(phase, h, State(x, v, a, y, u, c)):
+    if world.active & places.SECOND_BITS and second_is_stiff(phase, h, State(x, v, a, y, u, c)):
         end, error_x, error_v = step_exponential(phase, 0.0, h, State(x, v, a, y, u, c))
         x1, v1, a1, y1, u1, c1 = end
         return error_x <= tolerances.x4 and error_v <= tolerances.v4, x1, v1, a1, y1, u1, c1, longest4
@@ -140,7 +140,7 @@ def _cruise(run, j, segments, progress, path):
     eventful, quick = run.eventful, run.quick
     start, length, _, _, level, slope, transient, decay = segments
     tolerances, out_x, out_v = run.tolerances, path.x, path.v
-    keep, second, gripped = out_v.size > 0, world.m2 > 0.0, (world.active & laws.GRIP_BITS) != 0
+    keep, second, gripped = out_v.size > 0, world.m2 > 0.0, (world.active & places.GRIP_BITS) != 0
     known, even, half = 0, 0.0, 1.0
     past = past_c = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     while j < length.size:
@@ -151,7 +151,7 @@ def _cruise(run, j, segments, progress, path):
         last = beside(world, p, w, _pushed(drive, left, half * half), drive.start + left)
         # Position and velocity go on smoothly, so only the force can have jumped.
         a0 = a + _jump(segments, j) * world.lightness
-        if world.active & laws.JUMPING_BITS:  # the drive may go on or off as the segment begins
+        if world.active & places.JUMPING_BITS:  # the drive may go on or off as the segment begins
             a0 = acceleration_at(Phase(run.world, spring, drive, left, s), 0.0, Place(x, v, y, u))
         here = State(x, v, a0, y, u, c)
         if eventful and _meets_event(s, spring, left, here):
@@ -198,7 +198,7 @@ def _begin(run, drive, length, motion):
     laws.remember(cart.active, world.p, world.w, x, 0.0)
     s = (1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)) if run.eventful else 0.0
     i = piece(run.spring.edges, x, s)
-    u = 0.0 if cart.active & laws.LAGGED_BITS else v
+    u = 0.0 if cart.active & places.LAGGED_BITS else v
     place = Place(x, v, x, u)
     a = 0.0
     if not run.eventful or s != 0.0:
@@ -211,7 +211,7 @@ def _jumped(run, segments, j, progress):
     """The state as segment j begins, of which only the acceleration may have jumped."""
     x, v, a, y, u, c = progress.state
     a += _jump(segments, j) / run.m
-    if run.world.cart.active & laws.JUMPING_BITS:
+    if run.world.cart.active & places.JUMPING_BITS:
         phase = Phase(run.world, piece_of(run.spring, progress.i), _drive(segments, j), segments.length[j], progress.s)
         a = acceleration_at(phase, 0.0, Place(x, v, y, u))
     return State(x, v, a, y, u, c)
@@ -254,9 +254,9 @@ def run_of(world, spring, m, scales):
         world,
         spring,
         m,
-        (active & (laws.DRY_BITS | laws.TURNING_BITS)) != 0 or spring.edges.size > 2,
-        (active & laws.RESTLESS_BITS) != 0 or world.cart.m2 > 0.0,
-        (active & laws.QUICK_BITS) != 0,
+        (active & (places.DRY_BITS | places.TURNING_BITS)) != 0 or spring.edges.size > 2,
+        (active & places.RESTLESS_BITS) != 0 or world.cart.m2 > 0.0,
+        (active & places.QUICK_BITS) != 0,
         1e12 * far,
         Tolerances(TOLERANCE4 * far, TOLERANCE4 * fast, TOLERANCE5 * far, TOLERANCE5 * fast, TOLERANCE_ADAMS * fast),
     )

@@ -164,7 +164,7 @@ class Cart(NamedTuple):
     """The cart's linear part, and what is coupled to it.
 
     Attributes:
-        active: set of effects, see ``laws.BIT``.
+        active: set of effects, see ``places.BIT``.
         lightness: 1/m [1/kg]; 0 for a held cart, beside which the second mass moves alone.
         b: damping [N s/m].
         constant: force against +x [N].

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from msd_ident.model.kernel import laws
+from msd_ident.model.kernel import laws, places
 from msd_ident.model.kernel.compiled import inlined, joined, lean
 from msd_ident.model.kernel.events import EASY, knee, release, rest, slowest, turn
 from msd_ident.model.kernel.exponential import becomes_stiff, is_stiff, second_is_stiff
@@ -58,7 +58,7 @@ def calm(s, piece, a, end):
 @lean
 def lets_go(phase, t, h, start, end):
     """Whether another formula of a stop's force holds at the end of a step than at its start."""
-    if not phase.world.cart.active & laws.GRIP_BITS:
+    if not phase.world.cart.active & places.GRIP_BITS:
         return False
     before = grip_at(phase, t, Place(start.x, start.v, start.y, start.u))
     return (before > 0.0) != (grip_at(phase, t + h, Place(end.x, end.v, end.y, end.u)) > 0.0)

@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from msd_ident.model.kernel import laws
+from msd_ident.model.kernel import laws, places
 from msd_ident.model.kernel.compiled import inlined, lean
 from msd_ident.model.kernel.groups import Cart, Phase, State, World
 
@@ -74,7 +74,7 @@ def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     driven = 1.0 if drive[1] != 0.0 or drive[2] != 0.0 else 0.0
     lagged = u if m2 > 0.0 else v
     own = own_intercept + own_slope * x
-    force = applied(drive, t) if active & laws.DRIVEN_BITS else 0.0
+    force = applied(drive, t) if active & places.DRIVEN_BITS else 0.0
     return plain - laws.force(active, p, w, drive[0] + t, x, v, s, s * v, own, driven, force, lagged, inside)
 
 
@@ -82,9 +82,9 @@ def net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u):
 def acceleration(world, p, w, piece, drive, outside, s, t, x, v, y, u):
     """x'' [m/s²] while sliding in direction s."""
     net = net_force(world, p, w, piece, drive, outside, s, t, x, v, y, u)
-    if world[0] & laws.DRY_BITS:
+    if world[0] & places.DRY_BITS:
         net -= s * laws.friction(world[0], p, w, drive[0] + t, x, s * v, piece[3] + piece[2] * x)
-    if world[0] & laws.CONTACT_BITS:
+    if world[0] & places.CONTACT_BITS:
         net = laws.contact(world[0], p, w, net, x, v, piece[4])
     return net * world[1]
 
@@ -97,7 +97,7 @@ def grip_at(phase, t, place):
     elastic = piece.elastic
     x, v, y, u = place
     net = net_force(cart, p, w, elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
-    if cart.active & laws.DRY_BITS:
+    if cart.active & places.DRY_BITS:
         own = elastic.own_intercept + elastic.own_slope * x
         net -= s * laws.friction(cart.active, p, w, drive[0] + t, x, s * v, own)
     return laws.grip(cart.active, p, w, net, x, v, elastic.inside)
@@ -115,7 +115,7 @@ def second_acceleration(world, p, w, pulled, u):
     """Acceleration [m/s²] of the second mass by ``pull`` [N], and by what acts on it alone."""
     active, _, _, _, m2, _, _ = world
     if m2 > 0.0:
-        if active & laws.SECOND_BITS:
+        if active & places.SECOND_BITS:
             pulled -= laws.second_force(active, p, w, u)
         return pulled / m2
     return 0.0
@@ -128,7 +128,7 @@ def forces_at(phase, t, place):
     cart, p, w, _ = world
     x, v, y, u = place
     net = net_force(cart, p, w, piece.elastic, drive, outer(cart, p, w, drive, t), s, t, x, v, y, u)
-    if cart.active & laws.CONTACT_BITS:
+    if cart.active & places.CONTACT_BITS:
         return laws.contact_at_rest(cart.active, p, w, net, x)
     return net
 
@@ -146,7 +146,7 @@ def acceleration_at(phase, t, place):
 def breakaway(phase, t, x):
     """The most that dry friction holds [N] of a cart at rest at x [m], a time t [s] after the segment began."""
     cart, p, w, _ = phase.world
-    if cart.active & laws.DRY_BITS:
+    if cart.active & places.DRY_BITS:
         elastic = phase.piece.elastic
         own = elastic.own_intercept + elastic.own_slope * x
         return laws.breakaway(cart.active, p, w, phase.drive[0] + t, x, own)

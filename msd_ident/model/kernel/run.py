@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from msd_ident.model.effects.law import COMMAND_LOOP, DELAY, LAG, PLAY, SECOND_MASS
-from msd_ident.model.kernel import laws, segments
+from msd_ident.model.kernel import laws, places, segments
 from msd_ident.model.kernel.compiled import give_up, inlined, joined, lean, plain
 from msd_ident.model.kernel.exact import exact, longest_glide
 from msd_ident.model.kernel.exponential import STIFF
@@ -25,14 +25,14 @@ RIGID = 150.0
 #: Damping [N·s/m] between the cart and a second mass, too light to be felt, that has the lagged velocity.
 _WEIGHTLESS = 1e-60
 
-_MASS, _DAMPING, _STIFFNESS = laws.INDEX["mass"], laws.INDEX["damping"], laws.INDEX["stiffness"]
-_PARAMETERS = len(laws.INDEX)
-_BACKLASH, (_GAP,) = laws.structure(PLAY)
-_ACTUATOR_LAG, (_LAG,) = laws.structure(LAG)
-_TIME_OFFSET, (_SHIFT,) = laws.structure(DELAY)
-_SECOND_MODE, _SECOND = laws.structure(SECOND_MASS)
-_HYSTERETIC, (_REMANENT, _CROSSED) = laws.structure(COMMAND_LOOP)
-_MEMORY = np.array(laws.MEMORY_START)
+_MASS, _DAMPING, _STIFFNESS = places.INDEX["mass"], places.INDEX["damping"], places.INDEX["stiffness"]
+_PARAMETERS = len(places.INDEX)
+_BACKLASH, (_GAP,) = places.structure(PLAY)
+_ACTUATOR_LAG, (_LAG,) = places.structure(LAG)
+_TIME_OFFSET, (_SHIFT,) = places.structure(DELAY)
+_SECOND_MODE, _SECOND = places.structure(SECOND_MASS)
+_HYSTERETIC, (_REMANENT, _CROSSED) = places.structure(COMMAND_LOOP)
+_MEMORY = np.array(places.MEMORY_START)
 
 #: Scale of the position where damping stops the mass at once, in parts of the way of a sample: that of the plant,
 #: F·m/b², would vanish with the mass.
@@ -64,9 +64,9 @@ def row(bits, values, place, plan, out):
     """Simulate one parameter vector.
 
     Args:
-        bits: set of the model's effects, see ``laws.BIT``.
+        bits: set of the model's effects, see ``places.BIT``.
         values: (p + 3,) the model's parameters, then position [m] and velocity [m/s] at the first sample, and the zero.
-        place: (p,) where each parameter stands in ``laws.INDEX``.
+        place: (p,) where each parameter stands in ``places.INDEX``.
         plan: the record and what ``plan`` made of it, see ``simulator.Simulator``.
         out: ``Path`` for the readings of the positions, NaN from where the motion leaves all bounds, and velocities.
     """
@@ -89,21 +89,21 @@ def row(bits, values, place, plan, out):
     spring = Spring(edges, lines)
     constant = laws.constant(bits, p, w)
     m2, k2, b2 = (p[_SECOND[0]], p[_SECOND[1]], p[_SECOND[2]]) if bits & _SECOND_MODE else (0.0, 0.0, 0.0)
-    hangs = bits & _SECOND_MODE and not bits & laws.SECOND_BITS
+    hangs = bits & _SECOND_MODE and not bits & places.SECOND_BITS
     if hangs and _rate_between(m, m2, k2, b2) * (time[-1] - time[0]) > RIGID * time.size:
         m, m2, k2, b2 = m + m2, 0.0, 0.0, 0.0
         bits &= ~_SECOND_MODE
-    if bits & laws.LAGGED_BITS and RIGID * time.size * p[laws.RELAXATION_TIME] > time[-1] - time[0]:
-        m2, b2 = _WEIGHTLESS * p[laws.RELAXATION_TIME], _WEIGHTLESS
+    if bits & places.LAGGED_BITS and RIGID * time.size * p[places.RELAXATION_TIME] > time[-1] - time[0]:
+        m2, b2 = _WEIGHTLESS * p[places.RELAXATION_TIME], _WEIGHTLESS
     world = World(Cart(bits, 1.0 / m, b, constant, m2, k2, b2), p, w, np.zeros(STAGES))
     path = _path(out, cut.start.size, pick)
     arriving = cut
-    if bits & ~laws.EXACT_BITS:
+    if bits & ~places.EXACT_BITS:
         scales = _scales(Linear(m, b, k), time, largest, motion)
         general(run_of(world, spring, m, scales), cut, motion, path)
     else:
         kinetic, hold = 0.0, 0.0
-        if bits & laws.DRY_BITS:
+        if bits & places.DRY_BITS:
             kinetic, hold = laws.friction(bits, p, w, 0.0, 0.0, 0.0, 0.0), laws.breakaway(bits, p, w, 0.0, 0.0, 0.0)
         eventful = kinetic > 0.0 or hold > 0.0 or edges.size > 2
         axis = Axis(m, b, constant, kinetic, hold, spring, eventful)
@@ -111,7 +111,7 @@ def row(bits, values, place, plan, out):
             cut = segments.walked_where_long(cut, longest_glide(axis))
         exact(axis, cut, motion, path)
     _sampled(pick, path, out)
-    if bits & laws.READING_BITS:
+    if bits & places.READING_BITS:
         _read(world, time, pick, arriving, out.x)
 
 
@@ -155,15 +155,15 @@ def _on_the_cart(bits, p, w, plan):
     if shift != 0.0:
         moved = segments.merge(time, Command(force_time, force, straight, shift))
         start, length, kind, force_index, pick, lengths = moved
-    timed = bits & laws.TIMED_MAP_BITS
-    if bits & laws.MAP_BITS & ~laws.TIMED_MAP_BITS:
+    timed = bits & places.TIMED_MAP_BITS
+    if bits & places.MAP_BITS & ~places.TIMED_MAP_BITS:
         commanded, force = force, np.empty(force.size)
         for i in range(force.size):
-            force[i] = laws.input_map(bits & ~laws.TIMED_MAP_BITS, p, w, 0.0, commanded[i])
+            force[i] = laws.input_map(bits & ~places.TIMED_MAP_BITS, p, w, 0.0, commanded[i])
     if bits & _HYSTERETIC:
         force = _behind_loop(force, p[_REMANENT], p[_CROSSED])
     command = Command(force_time, force, straight, shift)
-    if bits & (laws.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG | _HYSTERETIC):
+    if bits & (places.MAP_BITS | _TIME_OFFSET | _ACTUATOR_LAG | _HYSTERETIC):
         level = np.empty(start.size)
         slope = np.zeros(start.size if straight or timed else 0)
         segments.force_lines(start, force_index, command, level, slope)

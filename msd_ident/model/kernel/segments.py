@@ -145,6 +145,9 @@ def walked_where_long(segments, longest):
     """The same segments; those longer than ``longest`` [s] count as odd ones, so they are walked event by event."""
     if not np.any(segments.lengths > longest):
         return segments
-    kind = np.where(segments.length > longest, np.int8(-1), segments.kind)
+    kind = segments.kind.copy()
+    for j in range(kind.size):
+        if segments.length[j] > longest:
+            kind[j] = -1
     start, length, _, lengths, level, slope, transient, decay = segments
     return Segments(start, length, kind, lengths, level, slope, transient, decay)
