@@ -56,6 +56,7 @@ setup(
     install_requires=[
         "control>=0.10.1",
         "jinja2>=3.1",
+        "llvmlite>=0.43",  # numba's; links the compiled functions
         "lz4>=4.3",
         "matplotlib>=3.8",
         "mcap>=1.5",  # the first whose writer can close a chunk by time

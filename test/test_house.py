@@ -26,7 +26,7 @@ pytestmark = pytest.mark.xdist_group("house")
 #: Rooms of msd_ident, lowest first: a room knows itself and those before it.
 STOREYS = (
     ("errors", "quantity", "seeds", "cancellation", "tuning"),
-    ("paths", "writing", "parallel"),
+    ("paths", "writing", "parallel", "compiled"),
     ("data",),
     ("model",),
     ("features",),
@@ -57,6 +57,11 @@ ROS = (
     *("rcl_interfaces", "rosgraph_msgs", "rosidl_runtime_py", "sensor_msgs", "std_msgs", "std_srvs"),
 )
 
+#: Modules with functions for numba to compile, which nothing imports but what compiles them.
+LOOPS = tuple(
+    ".".join(path.relative_to(REPOSITORY).with_suffix("").parts) for path in REPOSITORY.glob("msd_ident/*/*_loops.py")
+)
+
 #: Library -> the only places that may import it.
 AT_HOME = {
     **dict.fromkeys(ROS, ("msd_ident.ros", "msd_sim.node")),
@@ -68,6 +73,8 @@ AT_HOME = {
     **dict.fromkeys(("dask", "distributed", "fsspec", "pyarrow"), ("msd_ident.batching",)),
     "rich": ("msd_ident.cli", "msd_ident.report"),
     "h5py": ("msd_ident.io",),
+    "llvmlite": ("msd_ident.compiled",),
+    "numba": ("msd_ident.compiled.build", "msd_ident.model.kernel", "msd_sim", *LOOPS),
     **dict.fromkeys(("mujoco", "fmpy"), ("msd_ident.export",)),
 }
 
@@ -201,7 +208,7 @@ def test_functions_are_short() -> None:
     assert not too_long, "\n".join(too_long)
 
 
-#: Rooms each module of which has tests of its own: ``test/ROOM/test_MODULE.py``.
+#: Rooms each module of which has tests of its own: ``test/ROOM/test_MODULE.py``; compiled loops those of their caller.
 TESTED_ONE_BY_ONE = ("estimate", "residuals", "selection", "diagnosis", "design")
 
 
@@ -209,7 +216,7 @@ TESTED_ONE_BY_ONE = ("estimate", "residuals", "selection", "diagnosis", "design"
 def test_each_module_has_tests_of_its_own(room: str) -> None:
     bare = []
     for path in sorted((REPOSITORY / "msd_ident" / room).glob("*.py")):
-        own = REPOSITORY / "test" / room / f"test_{path.name}"
+        own = REPOSITORY / "test" / room / f"test_{path.stem.removesuffix('_loops')}.py"
         tree = ast.parse(own.read_text(encoding="utf-8") if own.exists() else "", str(own))
         tests = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")]
         if path.stem != "__init__" and not tests:

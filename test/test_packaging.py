@@ -26,6 +26,7 @@ ROSDEP_KEYS = {
     "control": "python-control-pip",
     "h5py": "python3-h5py",
     "jinja2": "python3-jinja2",
+    "llvmlite": "python3-numba",  # which depends on it
     "lz4": "mcap-ros2-support",
     "markupsafe": "python3-jinja2",
     "matplotlib": "python3-matplotlib",

@@ -25,6 +25,8 @@ RIGHT = {
     "msd_ident/io/yaml_text.py: yaml.load()": "by the safe loader, the one in C where there is one",
     "msd_ident/model/kernel/laws.py: exec()": "joins the laws of the effect library, which is source of this package",
     "msd_ident/model/kernel/laws.py: compile()": "the same",
+    "msd_ident/compiled/build.py: exec()": "entries of the functions that the package declares, from their kinds",
+    "msd_ident/compiled/build.py: compile()": "the same",
     "msd_ident/tuning.py: ast.literal_eval()": "reads the constants off the source of this package",
     "docs/generate/tuning_tables.py: ast.literal_eval()": "the same",
     "bench/sensitivity.py: ast.literal_eval()": "the same",

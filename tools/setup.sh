@@ -60,7 +60,7 @@ check_machine() {
 }
 
 # Sources of what is compiled for this user.
-compiled() { find msd_ident/model msd_sim -name '*.py'; grep -rl --include='*.py' '^@njit' msd_ident; }
+compiled() { find msd_ident/model msd_ident/compiled msd_sim -name '*.py'; grep -rl --include='*.py' '^@njit' msd_ident; }
 
 inputs() { cat "$@" | sha256sum | cut -d' ' -f1; }
 done_with() { [ "$(cat "$STAMPS/$1" 2>/dev/null)" = "$2" ]; }

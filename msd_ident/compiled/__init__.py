@@ -1,6 +1,6 @@
 """Compiled functions, called without numba.
 
-In: functions that numba can compile, in modules of their own. Out: machine code on disk, and functions that take arrays.
+In: functions that numba can compile, in modules of their own. Out: machine code on disk, functions that take arrays.
 Begin with ``function.Library``; ``build`` alone imports numba.
 """
 

@@ -11,7 +11,7 @@ numba's ``cfunc`` compiles it to code that asks nothing of Python unless it fail
 """
 
 # Numba's functions have no types.
-# mypy: allow-untyped-defs, allow-untyped-calls, disable-error-code="untyped-decorator"
+# mypy: allow-untyped-defs, allow-untyped-calls, disable-error-code="untyped-decorator, attr-defined, call-arg"
 
 from __future__ import annotations
 
@@ -137,7 +137,9 @@ def object_code(library: Library) -> bytes:
 def addresses(library: Library) -> Mapping[str, int]:
     """The functions' addresses in this process, where numba compiles them or loads them from its own cache."""
     path = folders.object_file(library).with_suffix(".py")
-    path.write_text(source(library, cached=True))
+    entry = source(library, cached=True)
+    if not path.exists() or path.read_text() != entry:  # numba compiles anew what is newer than its cache
+        path.write_text(entry)
     entries = _imported(path.stem.replace(".", "_").replace("-", "_"), str(path))
     return {name: getattr(entries, name).address for name in library.functions}
 

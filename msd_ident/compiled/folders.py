@@ -30,8 +30,8 @@ def fingerprint(library: Library) -> str:
 
 @cache
 def _machine() -> str:
-    features = llvm.get_host_cpu_features().flatten()
-    return f"{metadata.version('numba')} {metadata.version('llvmlite')} {sys.version} {llvm.get_host_cpu_name()} {features}"
+    versions = " ".join(metadata.version(package) for package in ("numba", "llvmlite", "numpy"))
+    return f"{versions} {sys.version} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
 
 
 def _roots() -> Iterator[Path]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import os
 import struct
+import sys
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -17,9 +18,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-#: What an argument is: ``f8``, ``i8`` or ``b1`` for a number, with ``[:]`` or ``[:,:]`` for an array (also ``i1``); or a
-#: tuple of kinds, the first of which may be the class of a named tuple.
+#: What an argument is: ``f8``, ``i8`` or ``b1`` for a number, with ``[:]`` or ``[:,:]`` for an array (``i1`` too); or
+#: a tuple of kinds, the first of which may be the class of a named tuple.
 Kind = Any
+#: Machine code: it takes words, and gives 1 when it came to its end.
+Native = Callable[[bytes], int]
+
+#: Where numba is not to compile, the functions run as they are written.
+_AS_WRITTEN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 #: Format in ``struct`` of a number.
 _FORMATS = {"f8": "d", "i8": "q", "b1": "q"}
@@ -69,13 +75,15 @@ class Library:
         given += [package / name for name in (*self.sources, "compiled")]
         return sorted({file for path in given for file in (path.glob("*.py") if path.is_dir() else [path])})
 
-    def load(self, say: Callable[[str], None]) -> None:
-        """Load the machine code, or compile it; ``say`` is told, in one line, if that takes long."""
+    def load(self, say: Callable[[str], None] | None = None) -> None:
+        """Load the machine code, or compile it; ``say``, or stderr, is told in one line if that takes long."""
+        if _AS_WRITTEN:
+            return
         from msd_ident.compiled import loading
 
         with _LOADING:
             if not all(function.loaded for function in self.functions.values()):
-                for name, native in loading.natives(self, say).items():
+                for name, native in loading.natives(self, say or _to_stderr).items():
                     self.functions[name].native = native
 
 
@@ -92,7 +100,7 @@ class Function:
         self.library = library
         self.name = name
         self.kinds = tuple(kinds)
-        self.native: Callable[[bytes], int] | None = None
+        self.native: Native | None = None
         self._pack = struct.Struct("".join(map(_format, self.kinds))).pack
 
     @property
@@ -107,17 +115,17 @@ class Function:
             TypeError: an argument is not of its kind.
             MemoryError: there was not room enough.
         """
-        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-            getattr(importlib.import_module(self.library.written_in), self.name)(*arguments)
+        if _AS_WRITTEN:
+            written = getattr(importlib.import_module(self.library.written_in), self.name)
+            written(*(one.kept if type(one) is Prepared else one for one in arguments))
             return
         if self.native is None:
-            self.library.load(_nobody)
-        native = self.native
-        assert native is not None
+            self.library.load()
+        assert self.native is not None
         words: list[Any] = []
         for kind, argument in zip(self.kinds, arguments, strict=True):
             _append(kind, argument, words)
-        if native(self._pack(*words)) != 1:
+        if self.native(self._pack(*words)) != 1:
             raise MemoryError(f"{self.name} did not come to its end: there was not room enough for its arrays")
 
     def prepared(self, place: int, argument: Any) -> Prepared:
@@ -160,10 +168,8 @@ def _append(kind: Kind, value: Any, words: list[Any]) -> None:
         words.extend(value.shape)
 
 
-_ARRAYS = {
-    f"{name}[{axes}]": (np.dtype(name), axes.count(":")) for name in ("f8", "i8", "i1") for axes in (":", ":,:")
-}
+_ARRAYS = {f"{name}[{axes}]": (np.dtype(name), axes.count(":")) for name in ("f8", "i8", "i1") for axes in (":", ":,:")}
 
 
-def _nobody(line: str) -> None:
-    del line
+def _to_stderr(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import importlib
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -15,23 +16,23 @@ from typing import Any
 import llvmlite.binding as llvm
 
 from msd_ident.compiled import folders
-from msd_ident.compiled.function import Library
-
-Native = Callable[[bytes], int]
+from msd_ident.compiled.function import Library, Native
 
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_char_p)
 _APART = """
 import json, sys
 sys.path[:] = json.loads(sys.argv[1])
 from msd_ident.compiled.loading import build_here
-build_here(sys.argv[2:])
+sys.exit(build_here(sys.argv[2:]))
 """
+#: How a process ends that somebody stopped.
+_STOPPED = (-signal.SIGINT, -signal.SIGTERM, -9)
 
 
 def natives(library: Library, say: Callable[[str], None]) -> Mapping[str, Native]:
     """The functions of a library by name; compiled first, and kept, where no build of them is at hand.
 
-    Where machine code cannot be linked, or there can be no process to make it, numba compiles it in this one.
+    Where machine code cannot be made or linked, numba compiles the functions in this process, and keeps them itself.
     """
     path = folders.object_file(library)
     if not path.exists():
@@ -39,27 +40,26 @@ def natives(library: Library, say: Callable[[str], None]) -> Mapping[str, Native
         for line in filter(None, (one.announced for one in missing)):
             say(line)
         _build_apart(missing)
-    if path.exists():
-        with contextlib.suppress(RuntimeError, OSError):
-            return linked(library, path.read_bytes())
+    if code := path.read_bytes() if path.exists() else b"":
+        with contextlib.suppress(RuntimeError):
+            return linked(library, code)
     from msd_ident.compiled import build
 
     return {name: _PROTOTYPE(address) for name, address in build.addresses(library).items()}
 
 
-def linked(library: Library, code: bytes) -> dict[str, Native]:
+def linked(library: Library, code: bytes) -> Mapping[str, Native]:
     """The functions in object code.
 
     Raises:
-        RuntimeError: it cannot be linked.
+        RuntimeError: it asks for something that is not there.
     """
     builder = llvm.JITLibraryBuilder().add_object_img(code).add_current_process()
     for name in library.functions:
         builder.export_symbol(name)
-    tracker = builder.link(_compiler(), library.declared_in)
-    found = {name: _PROTOTYPE(tracker[name]) for name in library.functions}
+    tracker = builder.link(_compiler(), f"{library.declared_in} {len(_KEPT)}")
     _KEPT.append(tracker)
-    return found
+    return {name: _PROTOTYPE(tracker[name]) for name in library.functions}
 
 
 #: Code that is unloaded with these.
@@ -73,21 +73,38 @@ def _compiler() -> Any:
     return llvm.create_lljit_compiler()
 
 
-def build_here(declaring: list[str]) -> None:
-    """Compile the libraries that these modules declare, in this process, and keep them."""
+def build_here(declaring: list[str]) -> int:
+    """Compile the libraries that these modules declare, in this process, and keep them.
+
+    Returns:
+        How many cannot be made.
+    """
     from msd_ident.compiled import build
 
+    failed = 0
     for name in declaring:
         library = importlib.import_module(name).LIBRARY
-        code = build.object_code(library)
-        linked(library, code)
+        try:
+            code = build.object_code(library)
+            linked(library, code)
+        except Exception:  # whatever a version of numba or of llvmlite raises
+            code, failed = b"", failed + 1
         folders.keep(library, code)
+    return failed
 
 
 def _build_apart(libraries: list[Library]) -> None:
-    """Compile libraries in a process of its own; without one, nothing is made."""
-    with contextlib.suppress(OSError):
-        subprocess.run(
-            [sys.executable or "", "-c", _APART, json.dumps(sys.path), *(one.declared_in for one in libraries)],
-            check=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+    """Compile libraries in a process of its own; without one, nothing is made.
+
+    What brings it down is not tried again: an empty file says so.
+    """
+    command = [sys.executable or "", "-c", _APART, json.dumps(sys.path), *(one.declared_in for one in libraries)]
+    quiet = subprocess.DEVNULL
+    try:
+        ended = subprocess.run(command, check=False, stdin=quiet, stdout=quiet, stderr=quiet).returncode
+    except OSError:
+        return
+    if ended and ended not in _STOPPED:
+        for library in libraries:
+            if not folders.object_file(library).exists():
+                folders.keep(library, b"")

@@ -50,9 +50,7 @@ define void @NRT_MemInfo_call_dtor(ptr %header) {{
 declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 """
 #: What code asks of Python and of numba's runtime where it fails.
-_LEFT_OUT = re.compile(
-    "_?Py|NRT_Free$|numba_(gil_ensure|gil_release|unpickle|do_raise|runtime_build_excinfo_struct)$"
-)
+_LEFT_OUT = re.compile("_?Py|NRT_Free$|numba_(gil_ensure|gil_release|unpickle|do_raise|runtime_build_excinfo_struct)$")
 
 
 def self_contained(module: Any) -> bytes:
@@ -70,7 +68,9 @@ def _without_python(module: Any) -> list[str]:
     lines = []
     for function in module.functions:
         if function.is_declaration and _LEFT_OUT.match(function.name):
-            result, taken = re.match(r"declare (?:noalias )?(\S+) @\S+?\((.*?)\)", str(function).strip()).groups()
+            declared = re.match(r"declare (?:noalias )?(\S+) @\S+?\((.*?)\)", str(function).strip())
+            assert declared is not None
+            result, taken = declared.groups()
             taken = ", ".join(word.split()[0] for word in taken.split(",") if word)
             nothing = {"void": "ret void", "ptr": "ret ptr null"}.get(result, f"ret {result} 0")
             lines.append(f"define {result} @{function.name}({taken}) {{ {nothing} }}")

@@ -12,8 +12,8 @@ from msd_ident.data.record import FloatArray
 from msd_ident.estimate.levels import NULL
 
 LIBRARY = Library(__name__, f"{__name__}_loops")
-_ROW, _MATRIX = "f8[:]", "f8[:,:]"
-_damped_step = LIBRARY.function("damped_step", _MATRIX, _ROW, "f8", _ROW, _ROW, "f8", _ROW, _ROW)
+_ROW = "f8[:]"
+_damped_step = LIBRARY.function("damped_step", "f8[:,:]", _ROW, ("f8", "f8"), (_ROW, _ROW), (_ROW, _ROW))
 
 
 def damped_step(
@@ -34,5 +34,5 @@ def damped_step(
         The step (p,), and the decrease −2·gᵀs − sᵀA·s of the sum of squares that the linear model predicts for it.
     """
     move, decrease = np.zeros(gradient.size), np.empty(1)
-    _damped_step(matrix, gradient, damping, lowest, highest, NULL, move, decrease)
+    _damped_step(matrix, gradient, (damping, NULL), (lowest, highest), (move, decrease))
     return move, float(decrease[0])

@@ -12,8 +12,11 @@ from numba import njit
 
 
 @njit(error_model="numpy")
-def damped_step(matrix, gradient, damping, lowest, highest, null, move, decrease):
+def damped_step(matrix, gradient, levels, bounds, found):
     """Fill the step (p,), which begins as zero, and the predicted decrease (1,)."""
+    damping, null = levels
+    lowest, highest = bounds
+    move, decrease = found
     count = gradient.size
     size, free = np.ones(count), np.ones(count, dtype=np.bool_)
     for i in range(count):

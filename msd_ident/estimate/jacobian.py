@@ -14,9 +14,9 @@ from msd_ident.data.record import FloatArray
 from msd_ident.tuning import fixed
 
 LIBRARY = Library(__name__, f"{__name__}_loops")
-_ROW, _MATRIX = "f8[:]", "f8[:,:]"
-_broyden_update = LIBRARY.function("broyden_update", _ROW, _ROW, *(4 * (_MATRIX,)))
-_with_rows = LIBRARY.function("with_rows", _MATRIX, _MATRIX, "i8[:]", *(3 * (_MATRIX,)))
+_LINEAR = ("f8[:,:]", "f8[:,:]")  # a Jacobian and its Gauss-Newton matrix
+_broyden_update = LIBRARY.function("broyden_update", "f8[:]", "f8[:]", _LINEAR, _LINEAR)
+_with_rows = LIBRARY.function("with_rows", _LINEAR, "i8[:]", "f8[:,:]", _LINEAR)
 
 _FELT = fixed(1024.0, "accuracy", "least finite-difference step, in units in the last place of what it moves")
 
@@ -51,7 +51,7 @@ def broyden_update(
         Jacobian (p, n) and Gauss–Newton matrix (p, p) after it.
     """
     updated, matrix = np.empty_like(jacobian), np.empty_like(normal)
-    _broyden_update(move, change, jacobian, normal, updated, matrix)
+    _broyden_update(move, change, (jacobian, normal), (updated, matrix))
     return updated, matrix
 
 
@@ -70,5 +70,5 @@ def with_rows(
         Jacobian (p, n) and Gauss–Newton matrix (p, p).
     """
     larger, matrix = np.empty((places.size, jacobian.shape[1])), np.empty((places.size, places.size))
-    _with_rows(jacobian, normal, places, further, larger, matrix)
+    _with_rows((jacobian, normal), places, further, (larger, matrix))
     return larger, matrix

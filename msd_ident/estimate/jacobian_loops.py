@@ -19,7 +19,9 @@ def _product(one, other):
 
 
 @njit(error_model="numpy")
-def broyden_update(move, change, jacobian, normal, updated, matrix):
+def broyden_update(move, change, before, after):
+    jacobian, normal = before
+    updated, matrix = after
     along, length = np.empty(move.size), 0.0
     for i in range(move.size):
         size = max(normal[i, i], 1e-300)  # an entry may move nothing
@@ -41,7 +43,9 @@ def broyden_update(move, change, jacobian, normal, updated, matrix):
 
 
 @njit(error_model="numpy")
-def with_rows(jacobian, normal, places, further, larger, matrix):
+def with_rows(known, places, further, whole):
+    jacobian, normal = known
+    larger, matrix = whole
     fresh = 0
     for i in range(places.size):
         if places[i] < 0:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -42,12 +41,8 @@ _NOTHING: FloatArray = np.empty(0)
 _NOT_COMPARED = (np.empty(0), _NOTHING, 0.0)
 
 
-def _to_stderr(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
-
-
-def warm_up(say: Callable[[str], None] = _to_stderr) -> None:
-    """Make sure that the solver is compiled and loaded; ``say`` is told, in one line, if that takes a while."""
+def warm_up(say: Callable[[str], None] | None = None) -> None:
+    """Make sure that the solver is compiled and loaded; ``say``, or stderr, is told in one line if that takes long."""
     solver.LIBRARY.load(say)
 
 
@@ -61,7 +56,6 @@ class Simulator:
     def __init__(self, model: Model, record: Record) -> None:
         self.model = model
         self.record = record
-        warm_up()
         self._bits = places.bits(*model.effect_names)
         self._place: IntArray = np.array([places.INDEX[name] for name in model.names], dtype=np.int64)
         self._plan = solver.plan(record)
@@ -109,7 +103,7 @@ class Simulator:
     def _simulated(self, rows: FloatArray, measured: tuple[FloatArray, FloatArray, float]) -> FloatArray:
         cancellation.raise_if_cancelled()
         out: FloatArray = np.empty((rows.shape[0], self.record.samples))
-        solver.run(self._bits, rows, self._place, self._plan, measured, out, out[:, :0])
+        solver.run((self._bits, self._place), rows, self._plan, measured, (out, out[:, :0]))
         return out
 
     def trajectory(
@@ -119,7 +113,7 @@ class Simulator:
         cancellation.raise_if_cancelled()
         row = self._rows(np.asarray(values, dtype=np.float64)[None, :], initial_position, initial_velocity)
         x, v = np.empty((1, self.record.samples)), np.empty((1, self.record.samples))
-        solver.run(self._bits, row, self._place, self._plan, _NOT_COMPARED, x, v)
+        solver.run((self._bits, self._place), row, self._plan, _NOT_COMPARED, (x, v))
         return Trajectory(self.record.time, x[0], v[0], self.record.force_at(self.record.time))
 
 

@@ -20,13 +20,12 @@ _REAL, _WHOLE, _SMALL = "f8[:]", "i8[:]", "i1[:]"
 _PARTS = (_REAL, _REAL, _SMALL, _WHOLE, _WHOLE, _REAL, _REAL, _REAL)
 
 #: See ``kernel.entries.plan``.
-_plan = LIBRARY.function("plan", _REAL, _REAL, _REAL, "b1", _PARTS, _WHOLE, _REAL)
-#: See ``kernel.entries.run``; bits, rows, place, plan, measured, readings, velocities.
+_GIVEN = (_REAL, _REAL, _REAL, "b1")
+_plan = LIBRARY.function("plan", _GIVEN, _PARTS, _WHOLE, _REAL)
+#: See ``kernel.entries.run``; model, rows, plan, measured, out.
 run = LIBRARY.function(
-    "run",
-    *("i8", "f8[:,:]", _WHOLE, (_REAL, _REAL, _REAL, "b1", *_PARTS, "f8"), (_REAL, _REAL, "f8"), "f8[:,:]", "f8[:,:]"),
+    "run", ("i8", _WHOLE), "f8[:,:]", (*_GIVEN, *_PARTS, "f8"), (_REAL, _REAL, "f8"), ("f8[:,:]", "f8[:,:]")
 )
-_PLAN = 3
 
 
 def plan(record: Record) -> Any:
@@ -39,8 +38,8 @@ def plan(record: Record) -> Any:
         types = {_REAL: np.float64, _WHOLE: np.int64, _SMALL: np.int8}
         room = tuple(np.empty(most, types[kind]) for kind in _PARTS)
         sizes, largest = np.empty(len(room), np.int64), np.empty(1)
-        _plan(*given, room, sizes, largest)
+        _plan(given, room, sizes, largest)
         parts = (part[:size].copy() for part, size in zip(room, sizes, strict=True))
-        return run.prepared(_PLAN, (*given, *parts, float(largest[0])))
+        return run.prepared(2, (*given, *parts, float(largest[0])))
 
     return record.kept("plan", made)

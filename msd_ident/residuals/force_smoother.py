@@ -58,8 +58,9 @@ class Law(NamedTuple):
 
 
 LIBRARY = Library(__name__, f"{__name__}_loops")
-_ROW, _MATRIX, _LAW = "f8[:]", "f8[:,:]", (Law, *(7 * ("f8",)))
-_filtered = LIBRARY.function("filtered", (Readings, _ROW, _ROW, _ROW), _LAW, "f8", _MATRIX, _MATRIX, _ROW)
+_ROW, _MATRIX = "f8[:]", "f8[:,:]"
+_LAW = (Law, "f8", "f8", "f8", "f8", "f8", "f8", "f8")
+_filtered = LIBRARY.function("filtered", (Readings, _ROW, _ROW, _ROW), _LAW, "f8", (_MATRIX, _MATRIX), _ROW)
 _smoothed = LIBRARY.function("smoothed", _ROW, _LAW, _MATRIX, _MATRIX, _ROW)
 
 
@@ -70,7 +71,7 @@ def filtered(readings: Readings, law: Law, states: FloatArray, work: FloatArray)
     what each reading surprises by; nothing where they have no rows.
     """
     likelihood = np.empty(1)
-    _filtered(readings, law, float(np.median(readings.steps)), states, work, likelihood)
+    _filtered(readings, law, float(np.median(readings.steps)), (states, work), likelihood)
     return float(likelihood[0])
 
 

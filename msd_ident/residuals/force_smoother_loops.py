@@ -24,9 +24,9 @@ def _transition(h, law, a, g):
     p, r = -k / m, -b / m
     halvings = max(0, math.ceil(math.log2(max(h * max(math.sqrt(abs(p)), abs(r)), 1e-300))))
     part = h * 0.5**halvings
-    for p in range(STATES):
-        for q in range(STATES):
-            a[p, q] = 0.0
+    for i in range(STATES):
+        for j in range(STATES):
+            a[i, j] = 0.0
     for column in range(3):
         x = 1.0 if column == 0 else 0.0
         v = 1.0 if column == 1 else 0.0
@@ -88,7 +88,8 @@ def _walked(h, law, a, out):
 
 
 @njit(error_model="numpy")
-def filtered(readings, law, typical, states, work, likelihood):
+def filtered(readings, law, typical, kept, likelihood):
+    states, work = kept
     steps, y, u = readings
     m, k, variance = law.m, law.k, law.variance
     n, keep = y.size, states.shape[0] > 0

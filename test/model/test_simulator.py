@@ -6,7 +6,6 @@ import numpy as np
 
 from msd_ident.data.record import Record
 from msd_ident.model import Plant, Simulator
-from msd_ident.model.simulator import _kernel
 
 TIME = np.arange(400) / 200.0
 RECORD = Record(time=TIME, position=1e-3 * np.sin(TIME), force_time=TIME[:1], force=np.ones(1))
@@ -27,13 +26,3 @@ def test_a_simulation_that_diverges_counts_as_its_worst() -> None:
     (found,) = Simulator(MODEL, RECORD).residuals(row, 7.0)
     assert np.max(found) == 7.0
     assert np.all(np.isfinite(found))
-
-
-def test_the_solver_is_compiled_once_for_all_that_it_is_asked() -> None:
-    simulator = Simulator(MODEL, RECORD)
-    simulator.positions(MODEL.values)
-    simulator.trajectory(MODEL.values)
-    simulator.residuals(np.zeros((1, 6)), 1.0)
-    simulator.residuals(np.zeros((1, 6)), 1.0, np.ones(TIME.size))
-    signatures = getattr(_kernel().run, "signatures", [()])  # none where numba compiles nothing
-    assert len(signatures) == 1

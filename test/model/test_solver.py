@@ -297,17 +297,6 @@ def test_threads_get_the_same_numbers() -> None:
         assert np.array_equal(x, alone[i % len(alone)])
 
 
-def test_one_compiled_function_serves_every_combination() -> None:
-    from msd_ident.model import simulator
-
-    for name in sorted(EXAMPLES):
-        simulate(model(name), record())
-        simulate(model(name), record(hold="linear"))
-    entries = simulator._kernel()
-    assert len(entries.run.signatures) == 1
-    assert len(entries.plan.signatures) == 1
-
-
 def test_positions_many_says_what_shape_it_wants() -> None:
     with pytest.raises(UsageError, match=r"values have shape \(2, 7\); expected \(any, 3\)"):
         Simulator(plant(), record()).positions_many(np.ones((2, 7)), np.zeros(2), np.zeros(2))

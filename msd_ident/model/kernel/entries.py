@@ -11,17 +11,18 @@ from msd_ident.model.kernel.groups import Path
 
 
 @making
-def plan(time, force_time, force, straight, room, sizes, largest):
+def plan(given, room, sizes, largest):
     """What a record says before any parameter is known, see ``run.plan``.
 
     Args:
+        given: stamps of the samples, stamps and values of the force, and whether it is straight between them.
         room: arrays for its parts, each with room for as many as there are samples and stamps of the force.
         sizes: (8,) filled with the sizes of the parts.
         largest: (1,) filled with the largest force [N].
     """
-    start, length, kind, force_index, pick, lengths, level, slope, largest[0] = kernel.plan(
-        time, force_time, force, straight
-    )
+    time, force_time, force, straight = given
+    made = kernel.plan(time, force_time, force, straight)
+    start, length, kind, force_index, pick, lengths, level, slope, largest[0] = made
     sizes[0] = _copied(start, room[0])
     sizes[1] = _copied(length, room[1])
     sizes[2] = _copied(kind, room[2])
@@ -40,13 +41,15 @@ def _copied(given, room):
 
 
 @making
-def run(bits, rows, place, plan, measured, out_x, out_v):
+def run(model, rows, plan, measured, out):
     """``run.row`` and ``run.compare`` for each of r rows of values.
 
     Args:
-        out_x: (r, n) filled with readings, or with what these miss by.
-        out_v: (r, n) or (r, 0) filled with velocities.
+        model: set of effects and places of the parameters, see ``run.row``.
+        out: (r, n), filled with readings or with what these miss by, and (r, n) or (r, 0), filled with velocities.
     """
+    bits, place = model
+    out_x, out_v = out
     for i in range(rows.shape[0]):
         kernel.row(bits, rows[i], place, plan, Path(out_x[i], out_v[i]))
         kernel.compare(rows[i], measured, out_x[i])
