@@ -121,9 +121,8 @@ def object_code(library: Library) -> bytes:
     collecting = gc.isenabled()
     gc.disable()
     try:
-        entries: dict[str, Any] = {}
+        whole, entries = runtime.memory(), dict[str, Any]()
         exec(compile(source(library, cached=False), f"<entries of {library.declared_in}>", "exec"), entries)
-        whole = llvm.parse_assembly("")
         for name in library.functions:
             part = llvm.parse_assembly(entries[name].inspect_llvm())
             part.get_function(entries[name].native_name).name = name

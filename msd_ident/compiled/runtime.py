@@ -53,9 +53,17 @@ declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 _LEFT_OUT = re.compile("_?Py|NRT_Free$|numba_(gil_ensure|gil_release|unpickle|do_raise|runtime_build_excinfo_struct)$")
 
 
+def memory() -> Any:
+    """A module with what arrays need.
+
+    Raises:
+        RuntimeError: a version of LLVM that cannot read it.
+    """
+    return llvm.parse_assembly(_MEMORY)
+
+
 def self_contained(module: Any) -> bytes:
-    """Object code of a module, with its memory, and with functions that do nothing in place of Python's."""
-    module.link_in(llvm.parse_assembly(_MEMORY))
+    """Object code of a module, with functions that do nothing in place of Python's."""
     module.link_in(llvm.parse_assembly("\n".join(_without_python(module))))
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, reloc="pic", jit=True
