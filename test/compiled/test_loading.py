@@ -92,16 +92,14 @@ def test_what_cannot_be_linked_is_compiled_by_numba_and_kept_by_it(repository: P
 
 def test_what_cannot_be_made_is_tried_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(Library, "known", [])
+    monkeypatch.setattr(Library, "files", lambda self: [])
+    monkeypatch.setattr(build, "addresses", lambda library: {"by": 0})
     library = Library("test_no_such_module", "test_no_such_module")
-    try:
-        monkeypatch.setattr(Library, "files", lambda self: [])
-        monkeypatch.setattr(build, "addresses", lambda library: {"by": 0})
-        assert set(loading.natives(library, print)) == {"by"}
-        assert folders.object_file(library).read_bytes() == b""
-        monkeypatch.setattr(loading, "_build_apart", lambda libraries: pytest.fail("it is made again"))
-        assert set(loading.natives(library, print)) == {"by"}
-    finally:
-        Library.known.remove(library)
+    assert set(loading.natives(library, print)) == {"by"}
+    assert folders.object_file(library).read_bytes() == b""
+    monkeypatch.setattr(loading, "_build_apart", lambda libraries: pytest.fail("it is made again"))
+    assert set(loading.natives(library, print)) == {"by"}
 
 
 def test_a_cold_start_says_so_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
