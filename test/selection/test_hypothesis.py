@@ -12,12 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from setrigs import BASE, fitted, pushed, stood
 
+from msd_ident.data.record import from_samples
 from msd_ident.errors import UsageError
 from msd_ident.estimate.problem import Initial
-from msd_ident.model import Plant
+from msd_ident.model import Plant, simulate
 from msd_ident.model.effects.backlash import Backlash
+from msd_ident.model.effects.buffered_stop import BufferedStop
 from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.end_stop import EndStop
+from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.periodic_disturbance import PeriodicDisturbance
 from msd_ident.residuals.noise_model import of_record
 from msd_ident.selection.hypothesis import causes_that_fit, imitated, without
@@ -34,6 +37,25 @@ def test_what_stops_and_a_play_come_to() -> None:
         assert imitated(model) == {play: Plant(1.0, 2.0, 400.0) + Backlash(width)}
     assert set(imitated(alone, alike=True)) == {play}
     assert imitated(beside, alike=True) == {} == imitated(Plant(1.0, 2.0, 0.0) + EndStop(2e-3, 0.0))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("before", [0.0, 0.4])
+def test_stops_about_another_place_are_a_play_beside_a_force(side: float, before: float) -> None:
+    """Beyond the stops on either side both move alike, counted from the middle of the stops."""
+    centre = -1e-3
+    model = Plant(1.0, 2.0, 900.0) + BufferedStop(centre, 1e-3, 300.0, 0.0)
+    model = model + ForceOffset(before) if before else model
+    ((causes, play),) = imitated(model).items()
+    assert causes == {"backlash", "force_offset"} and play["backlash_half_width"] == pytest.approx(0.25e-3)
+    assert play.effect("backlash").zero_in(model) == centre
+    time = np.linspace(0.0, 2.0, 400)
+    record = from_samples(time, np.where(time < 1.0, 10.0, 8.0) * side, 0.0 * time)
+    start = 8e-3 * side
+    moved = simulate(model, record, start).position
+    counted = simulate(play, record, start - centre).position + centre
+    assert np.min(np.abs(moved)) > 2e-3, "the cart leaves the stops"
+    np.testing.assert_allclose(moved, counted, rtol=0.0, atol=1e-8)
 
 
 @given(st.sets(st.sampled_from(sorted(EXAMPLES)), max_size=4))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from msd_ident.model.declarations import Parameter, RecordScales
 from msd_ident.model.effects import typical
 from msd_ident.model.effects.base import Effect
+from msd_ident.model.effects.force_offset import ForceOffset
 from msd_ident.model.effects.law import BOTH, HARDENS, PLAY
 
 if TYPE_CHECKING:
@@ -22,12 +23,15 @@ _HOPS = (0.93, 0.965, 1.035, 1.07)
 _NO_SPRING = 0.03
 
 
-def _stops(effect: Effect) -> tuple[float, float]:
-    """Distance from zero [m] and stiffness [N/m] of stops on either side; stiffness 0 where the effect is none."""
-    if effect.knee is None or effect.knee[2] != BOTH:
-        return 0.0, 0.0
+def _stops(effect: Effect) -> tuple[float, float, float]:
+    """Middle [m] of stops on either side, distance from it [m], stiffness [N/m]; 0 where the effect is none."""
+    if effect.knee is None:
+        return 0.0, 0.0, 0.0
     values = dict(zip([parameter.name for parameter in effect.parameters], effect.values, strict=True))
-    return values[effect.knee[0]], values[effect.knee[1]]
+    place, stiffness, side = effect.knee
+    if side == BOTH:
+        return 0.0, values[place], values[stiffness]
+    return (values[place], values[side], values[stiffness]) if side in values else (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -67,20 +71,29 @@ class Backlash(Effect):
     @classmethod
     def in_place_of(cls, other: Effect, model: Model) -> Model | None:
         """Beyond stops at xs of stiffness ks the force is k·(x - g) + ks·(x - xs), with the play g that the model has
-        already: that of a spring of stiffness k + ks with a play of (k·g + ks·xs)/(k + ks).
+        already: that of a spring of stiffness k + ks with a play of (k·g + ks·xs)/(k + ks). Stops about xc are stops
+        about zero, counted from there, beside a force offset of k·xc.
         """
-        place, stiffness = _stops(other)
+        centre, place, stiffness = _stops(other)
         if not stiffness > 0.0:
             return None
         whole = model.stiffness + stiffness
         moment = model.stiffness * sum(model.structure(PLAY)) + stiffness * place
-        others = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
-        return replace(model, stiffness=whole, effects=(*others, cls(moment / whole)))
+        effects = [effect for effect in model.effects if effect.name not in (other.name, cls.name)]
+        if offset := model.stiffness * centre:
+            beside = [effect for effect in effects if isinstance(effect, ForceOffset)]
+            effects = [effect for effect in effects if effect not in beside]
+            effects.append(ForceOffset(offset + math.fsum(effect.offset_force for effect in beside)))
+        return replace(model, stiffness=whole, effects=(*effects, cls(moment / whole)))
+
+    def zero_in(self, model: Model) -> float:
+        """The middle of the stops whose place it takes."""
+        return math.fsum(_stops(effect)[0] for effect in model.effects)
 
     @classmethod
     def is_all_of(cls, other: Effect, model: Model) -> bool:
         """Stops beside no spring are a spring, and the way between them its play."""
-        stiffness = _stops(other)[1]
+        stiffness = _stops(other)[2] if other.knee and other.knee[2] == BOTH else 0.0
         return stiffness > 0.0 and model.stiffness <= _NO_SPRING * stiffness
 
     def neighbours(self, records: Sequence[Record]) -> tuple[Backlash, ...]:
