@@ -99,15 +99,16 @@ class Means:
 
     Attributes:
         grid: the signals on even instants.
+        velocity, direction: (n,) [m/s], and its sign, 0 at rest.
         constant, force: columns of 1 and of the force.
     """
 
     def __init__(self, grid: Grid, half: int) -> None:
         period, position = grid.period, grid.position
         self.grid, self._half = grid, half
-        self._velocity = velocity = _velocity(position, period, max(half // 2, 2))
+        self.velocity = velocity = _velocity(position, period, max(half // 2, 2))
         slow = max(NEGLIGIBLE * float(np.max(np.abs(velocity))), 1e-300)
-        self._direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
+        self.direction = np.where(np.abs(velocity) > slow, np.sign(velocity), 0.0)
         s = np.linspace(-1.0, 1.0, 2 * half + 1)
         self._bump = bump = (1.0 - s**2) ** 3
         # Derivatives of the bump as differences: then the sums by parts hold exactly for the differences of x.
@@ -116,8 +117,9 @@ class Means:
         bend = (padded[2:] - 2.0 * bump + padded[:-2]) / period**2
         self._stride = max(half // 2, -(-position.size // SAMPLES))
         # Where the cart rests, dry friction is whatever balances the rest: such places say nothing about Fc.
-        self._moving = self._over(np.abs(self._direction), bump)[:, 0] > MOST_OF * float(bump.sum())
-        motion = self._over(position, bend, -slope, bump)[self._moving]
+        self._moving = self._over(np.abs(self.direction), bump)[:, 0] > MOST_OF * float(bump.sum())
+        self._by_parts = (bend, -slope, bump)
+        motion = self.plant_columns(position)
         self.constant = np.full(motion.shape[0], float(bump.sum()))
         self.force = self._over(grid.force, bump)[self._moving, 0]
         self._columns: dict[tuple[str, tuple[float, ...]], FloatArray] = {
@@ -128,6 +130,10 @@ class Means:
     def _over(self, signal: FloatArray, *weights: FloatArray) -> FloatArray:
         windows = sliding_window_view(signal, 2 * self._half + 1)[:: self._stride]
         return np.asarray(windows @ np.stack(weights, axis=1))
+
+    def plant_columns(self, position: FloatArray) -> FloatArray:
+        """Columns (r, 3) of inertia, damper and spring for a position (n,) [m] on the instants of the grid."""
+        return self._over(position, *self._by_parts)[self._moving]
 
     def column(self, name: str, given: Mapping[str, float], *, quarter_on: bool = False) -> FloatArray:
         """Column (r,) of the regression: the smoothed signal that a parameter's force is proportional to.
@@ -142,7 +148,7 @@ class Means:
         key = quarter(name) if law else name, tuple(given[argument] for argument in inner)
         if key not in self._columns:
             motion = {
-                "direction": self._direction, "v": self._velocity, "x": self.grid.position,
+                "direction": self.direction, "v": self.velocity, "x": self.grid.position,
                 "driven": self.grid.force != 0.0,
             }  # fmt: skip
             signal = (law or _regressor(name))(**{one: motion.get(one, given.get(one)) for one in _arguments(name)})
@@ -157,7 +163,7 @@ class Means:
     def motion(self) -> FloatArray:
         """Columns (r, s) of what acts on every rig: inertia, damper, spring, constant force, dry friction and drag."""
         plain = [self._columns[name, ()] for name in _MOTION]
-        drag = self.smoothed(np.stack([self._direction, self._velocity * np.abs(self._velocity)]))
+        drag = self.smoothed(np.stack([self.direction, self.velocity * np.abs(self.velocity)]))
         return np.column_stack([*plain, drag])
 
     def rows(self, names: Collection[str], given: Mapping[str, float]) -> Rows:

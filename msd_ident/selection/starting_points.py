@@ -46,7 +46,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     kept = tuple(effect for effect in parent.model.effects if effect.name in causes)
     plant = Model(parent.model.mass, parent.model.damping, parent.model.stiffness)
     models = [replace(plant, effects=kept)]
-    fitted = parent.kept("fitted record", lambda: _fitted_record(experiment, parent, plant))
+    fitted = parent.kept("fitted record", lambda: fitted_record(experiment, parent, plant))
     seen = fitted.record
     rubs = friction_force(parent.model) if COULOMB in parent.causes - causes else 0.0
     if plant.stiffness <= 0.0 and any(by_name(name).needs_spring for name in causes):
@@ -68,8 +68,8 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     return models + _divided(causes, parent, seen)
 
 
-def _fitted_record(experiment: Experiment, parent: Hypothesis, plant: Model) -> FittedRecord:
-    """The record with the largest motion, and what a fitted set leaves there."""
+def fitted_record(experiment: Experiment, parent: Hypothesis, plant: Model) -> FittedRecord:
+    """The record with the largest motion, and what a fitted set with this plant leaves there."""
     liveliest = _liveliest(experiment.records)
     part, residual = experiment.readings[liveliest], parent.residuals()[liveliest]
     largest = max(float(np.max(np.abs(record.force))) for record in experiment.records)
@@ -246,6 +246,18 @@ def regressions(experiment: Experiment, causes: Causes, models: Sequence[Model],
     else:
         best = sorted(found, key=lambda one: float(np.sum(one[0].residual(one[1]) ** 2)))[:2]
     return [_exact_start(experiment, causes, _placed(experiment, *one), beside) for one in best]
+
+
+def from_values(experiment: Experiment, model: Model, initial: Sequence[Initial], beside: float) -> StartingPoint:
+    """A start from values that a regression gave, with the position and the states fitted to the samples.
+
+    Args:
+        experiment: readings with their weights.
+        model, initial: values of the set, and state and zero of each record.
+        beside: chi² of the base model.
+    """
+    _, weighting, point = formulated(experiment, model, initial)
+    return _exact_start(experiment, frozenset(model.effect_names), _placed(experiment, weighting, point), beside)
 
 
 def _placed(experiment: Experiment, weighting: Weighting, point: FloatArray) -> tuple[Problem, Weighting, FloatArray]:

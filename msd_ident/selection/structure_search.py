@@ -32,6 +32,7 @@ from msd_ident.selection.promising import explaining, explains, pairs
 from msd_ident.selection.ranking import Ranking
 from msd_ident.selection.simpler_sets import equal_to, nearest
 from msd_ident.selection.speed_curves import merged
+from msd_ident.selection.subset_regression import likely
 from msd_ident.selection.worthwhile import promising, within_reach
 
 _Task = TypeVar("_Task", Causes, list[StartingPoint], list[Hypothesis])
@@ -125,7 +126,18 @@ class Search:
             # A cause may explain nothing until another one is there.
             alone = explaining(self.experiment, self.sets)
             self._fit([pair for one in alone for pair in self.neighbours.grown(one)], 0.55, 0.6)
+        if not self.at_floor(self._leader()):
+            self._fit_regressed()
         return self._walk()
+
+    def _fit_regressed(self) -> None:
+        """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself."""
+        base, leader = self.sets[NOTHING], self._leader()
+        known = [] if self.at_floor(leader) else self._fronts(leader)
+        new = [one for one in likely(self.experiment, base, known) if one.causes not in self.sets]
+        self.tried.update(one.causes for one in new)
+        starts = [starting_points.from_values(self.experiment, one.model, one.initial, base.chi) for one in new]
+        self._fit_group([[start] for start in starts], (0.6, 0.6))
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Continue from sets that were found on part of the data and are fitted to all of it."""

@@ -1,0 +1,111 @@
+"""Sets of causes that the equation of motion calls for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from setrigs import BASE
+
+from msd_ident.data.record import Record
+from msd_ident.estimate.problem import Initial
+from msd_ident.model import Effect
+from msd_ident.model.effects import by_name
+from msd_ident.residuals.noise_model import prepare
+from msd_ident.selection.experiment import Experiment
+from msd_ident.selection.hypothesis import Causes, Hypothesis
+from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.subset_regression import likely, parted, strengths
+from msd_ident.workflow import pipeline
+from msd_sim.rig import Rig
+from msd_sim.truth import Truth
+
+#: Four faults of a rig at once; alone, none of them explains a tenth of what is missing.
+FOUR = {
+    "backlash": {"backlash_half_width": 3e-4},
+    "cogging": {"cogging_amplitude": 0.15, "cogging_pitch": 0.004, "cogging_phase": 1.0},
+    "quadratic_drag": {"drag_coefficient": 8.0},
+    "stiffness_drift": {"stiffness_drift_rate": 0.006},
+}
+
+
+def measured(effects: dict[str, dict[str, float]], hold: str = "zero") -> Record:
+    """Steps of many sizes on a rig of msd_sim with these effects, read with a noise of 2 µm."""
+    time = np.arange(3000) / 500.0
+    levels = 8.0 * np.random.default_rng(5).uniform(-1.0, 1.0, 13)
+    levels[0] = 0.0
+    force = levels[np.minimum((time / time[-1] * 13).astype(int), 12)]
+    rig = Rig(Truth(1.0, 2.0, 400.0, effects), 0.0, 0.0, 0.0, hold)
+    rig.drive(time, force)
+    position = rig.sample(time).position
+    return Record(time, position + np.random.default_rng(6).normal(0.0, 2e-6, time.size), time, force, hold=hold)
+
+
+def posed(record: Record) -> tuple[Experiment, Hypothesis]:
+    """The experiment, and its base model as it was fitted."""
+    experiment = Experiment(prepare([record]), BASE, frozenset())
+    return experiment, refine(experiment, frozenset(), BASE, (Initial(),))
+
+
+def names(*found: str) -> Causes:
+    """A set."""
+    return frozenset(found)
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_all_causes_are_found_at_once(hold: str) -> None:
+    found = likely(*posed(measured(FOUR, hold)))
+    of_four = [one for one in found if len(one.causes) == 4]
+    assert of_four[0].causes == set(FOUR)
+    model = of_four[0].model
+    assert model.mass == pytest.approx(1.0, rel=0.03) and model.stiffness == pytest.approx(400.0, rel=0.03)
+    assert model["drag_coefficient"] == pytest.approx(8.0, rel=0.3)
+    assert model["stiffness_drift_rate"] == pytest.approx(0.006, rel=0.3)
+
+
+def test_a_diagnosis_names_what_no_cause_shows_alone() -> None:
+    """Without the regression drag alone is named, with 0.84, and 233 of 577 noise floors are left."""
+    found = pipeline.diagnose([measured(FOUR)])
+    assert {cause.name for cause in found.causes} == set(FOUR)
+    assert all(cause.probability > 0.9 for cause in found.causes)
+    assert found.adequacy.ratio < 1.1
+
+
+def test_each_set_comes_once_and_those_that_leave_least_come_first() -> None:
+    found = likely(*posed(measured(FOUR)))
+    assert len({one.causes for one in found}) == len(found) > 5
+    assert [one.left for one in found] == sorted(one.left for one in found)
+    assert all(0.0 <= one.left <= 1.0 and len(one.causes) > 1 for one in found)
+
+
+def test_no_law_has_a_strength_beyond_its_bounds() -> None:
+    """Friction that pushes the cart on, or a spring that grows softer the more it bends, is not what these laws say."""
+    for one in likely(
+        *posed(measured({"coulomb_friction": {"coulomb_force": 0.2}, "cubic_spring": {"cubic_stiffness": 4e5}}))
+    ):
+        for effect in one.model.effects:
+            assert strengths(effect), f"{effect.name} does nothing"
+
+
+def test_values_of_known_sets_are_tried_too() -> None:
+    """A stop is found where a fitted set has it, and not where the search would begin it."""
+    record = measured({"end_stop": {"stop_position": 0.011, "stop_stiffness": 900.0}, **FOUR})
+    experiment, base = posed(record)
+    stop = by_name("end_stop").from_values({"stop_position": 0.011, "stop_stiffness": 900.0})
+    known = refine(experiment, names("end_stop"), BASE + stop, (Initial(),))
+    with_it = [one for one in likely(experiment, base, [known]) if "end_stop" in one.causes]
+    assert with_it[0].left < likely(experiment, base)[0].left
+
+
+@pytest.mark.parametrize(
+    ("effect", "parts"),
+    [
+        (by_name("cubic_spring")(1e5), 1),
+        (by_name("sensor_nonlinearity")(2.0, -60.0), 2),
+        (by_name("sensor_nonlinearity")(0.0, -60.0), 1),
+        (by_name("position_dependent_gain")(2.0, -300.0), 2),
+        (by_name("cogging")(0.3, 0.01, 0.4), 1),
+    ],
+)
+def test_a_law_of_several_strengths_has_a_column_for_each(effect: Effect, parts: int) -> None:
+    found = parted(effect)
+    assert len(found) == parts and all(len(strengths(one)) == 1 for one in found)
