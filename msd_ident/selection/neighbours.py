@@ -15,7 +15,7 @@ from msd_ident.selection.hypothesis_fit import COMPARABLE
 from msd_ident.selection.ordering import limits
 from msd_ident.tuning import tuned
 
-LARGEST = tuned(5, unit="causes", why="largest set that is fitted", chosen="by hand")
+LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,10 @@ class Neighbours:
         return frozenset(name for name in self.experiment.tried_alone if shown and by_name(name).ripple())
 
     def parents(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> list[Hypothesis]:
-        """Fitted sets to start from: the best two that lack just one of the causes, or else the base; and those that
-        have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far more than
-        one of the others is left out. A single cause starts next to the base in any case, and so does a set with a
-        ripple that a regression shows: there regressions are made.
+        """Fitted sets to start from: the best two that lack just one of the causes, or else the largest known part; and
+        those that have the limit of one of the laws in its place, e.g. Coulomb friction. A smaller set that leaves far
+        more than one of the others is left out. A single cause starts next to the base in any case, and so does a set
+        with a ripple that a regression shows: there regressions are made.
 
         Args:
             causes: of the set.
@@ -82,12 +82,21 @@ class Neighbours:
         least = min((fitted.chi for fitted in smaller[:1] + (alike if len(causes) > 1 else [])), default=0.0)
         worth = [fitted for fitted in smaller[:2] if fitted.chi < COMPARABLE * least]
         rippled = causes & self.rippled and worth and worth[0].causes
-        plain = [known[frozenset()]] if rippled or not worth + alike else []
-        return worth + plain + alike
+        plain = [known[frozenset()]] if rippled else []
+        return worth + plain + alike or [_largest_part(causes, known)]
 
     def singles_beside(self, causes: Causes, known: Mapping[Causes, Hypothesis]) -> int:
         """How many single causes a set may start from, see ``parents``."""
         return sum(len(one.causes) == 1 for one in self.parents(causes, known))
+
+
+def _largest_part(causes: Causes, known: Mapping[Causes, Hypothesis]) -> Hypothesis:
+    """The known set of most of the causes, of several that which leaves least; the base model if none is known.
+
+    Each combination of guesses for the other causes is simulated.
+    """
+    parts = (one for one in known.values() if one.causes < causes)
+    return min(parts, key=lambda one: (-len(one.causes), one.chi))
 
 
 def with_coulomb(causes: Causes) -> list[Causes]:

@@ -145,7 +145,7 @@ class Equation:
         target = self.force - frame @ (frame.T @ self.force)
         gram, right, whole = free.T @ free, free.T @ target, float(target @ target)
         beam: list[tuple[Start, ...]] = [()]
-        for count in range(1, LARGEST + 1):
+        for count in range(1, LARGEST + 2):
             found: dict[Causes, tuple[float, tuple[Start, ...]]] = {}
             for chosen in beam:
                 for left, larger in self._grown(chosen, gram, right, size):
