@@ -132,12 +132,12 @@ class Search:
 
     def _fit_regressed(self) -> None:
         """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself."""
-        base, leader = self.sets[NOTHING], self._leader()
-        known = [] if self.at_floor(leader) else self._fronts(leader)
-        new = [one for one in likely(self.experiment, base, known) if one.causes not in self.sets]
-        self.tried.update(one.causes for one in new)
+        base, leader, least = self.sets[NOTHING], self._leader(), self._least.chi
+        new = [one for one in likely(self.experiment, base, self._fronts(leader)) if one.causes not in self.sets]
         starts = [starting_points.from_values(self.experiment, one.model, one.initial, base.chi) for one in new]
-        self._fit_group([[start] for start in starts], (0.6, 0.6))
+        ahead = [start for start in starts if start.promise < least]
+        self.tried.update(start.fitted.causes for start in ahead)
+        self._fit_group([[start] for start in ahead], (0.6, 0.6))
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Continue from sets that were found on part of the data and are fitted to all of it."""

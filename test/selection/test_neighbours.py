@@ -57,6 +57,17 @@ def test_a_smaller_set_is_not_started_from_where_the_limit_of_a_law_leaves_far_l
         assert alone == [frozenset(), frozenset({"coulomb_friction"})]
 
 
+def test_a_set_without_known_parts_starts_from_the_largest_one() -> None:
+    """From the base model, all combinations of the guesses for all its causes would be simulated."""
+    data, spring = steps(), BASE + CubicSpring(1e6)
+    models = {BASE: 9e6, spring: 1e4, BASE + CoulombFriction(0.1): 2e3, spring + CoulombFriction(0.1): 8e3}
+    known = {one.causes: one for model, chi in models.items() if (one := fitted(data, model, chi))}
+    wanted = PAIR | {"backlash", "cogging"}
+    assert [one.causes for one in near().parents(wanted, known)] == [PAIR]
+    del known[PAIR]
+    assert [one.causes for one in near().parents(wanted, known)] == [frozenset({"coulomb_friction"})]
+
+
 def test_coulomb_friction_beside_linear_laws_is_what_such_a_law_imitates() -> None:
     assert rubs_and_is_linear(PAIR)
     assert not rubs_and_is_linear(RUBS), "it does not hold Coulomb friction"
