@@ -60,7 +60,7 @@ class Motion:
         return all(set(arguments(laws[kind])) <= own | set(self._known) for kind in _ACTING if kind in laws)
 
     def force_of(self, effect: Effect) -> FloatArray:
-        """Force (n,) against +x [N] that the effect adds."""
+        """Force (n,) against +x [N] that the effect adds; not finite where its values are absurd."""
         laws = effect.laws()
         found = np.zeros(self.time.size)
         for kind in ("constant", "disturbance", "force"):
@@ -80,7 +80,10 @@ class Motion:
     def _value(self, effect: Effect, law: Callable[..., float]) -> FloatArray:
         own = dict(zip((parameter.name for parameter in effect.parameters), effect.values, strict=True))
         names = arguments(law)
-        value = np.frompyfunc(law, len(names), 1)(*(self._known.get(name, own.get(name)) for name in names))
+        try:
+            value = np.frompyfunc(law, len(names), 1)(*(self._known.get(name, own.get(name)) for name in names))
+        except (ArithmeticError, ValueError):  # Python raises where compiled code goes on with infinities
+            value = math.nan
         return np.broadcast_to(np.asarray(value, dtype=np.float64), self.time.shape)
 
     def _of_knees(self, effect: Effect) -> FloatArray:

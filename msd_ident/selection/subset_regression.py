@@ -138,12 +138,16 @@ class Equation:
 
     def sets(self) -> Iterator[Regressed]:
         """The best few sets of each size from two causes on."""
-        frame = np.linalg.qr(self.plant / np.linalg.norm(self.plant, axis=0))[0]
-        size = np.linalg.norm(self.columns, axis=0)
-        scaled = self.columns / np.where(size > 0.0, size, 1.0)
+        if self.force.size <= self.plant.shape[1] + LARGEST:
+            return  # the cart hardly moves
+        frame = np.linalg.qr(self.plant / _sizes(self.plant))[0]
+        size = _sizes(self.columns)
+        scaled = self.columns / size
         free = scaled - frame @ (frame.T @ scaled)
         target = self.force - frame @ (frame.T @ self.force)
         gram, right, whole = free.T @ free, free.T @ target, float(target @ target)
+        if not whole > 0.0:
+            return
         beam: list[tuple[Start, ...]] = [()]
         for count in range(1, LARGEST + 2):
             found: dict[Causes, tuple[float, tuple[Start, ...]]] = {}
@@ -162,7 +166,7 @@ class Equation:
     ) -> Iterator[tuple[float, tuple[Start, ...]]]:
         """The best few sets with a law more, each with minus what it takes away of the sum of squares."""
         inside = [place for start in chosen for place in start.places]
-        shares = np.linalg.solve(gram[np.ix_(inside, inside)], gram[inside]) if inside else np.zeros((0, size.size))
+        shares = np.linalg.lstsq(gram[np.ix_(inside, inside)], gram[inside], rcond=NULL)[0]
         beside, beyond = gram - gram[:, inside] @ shares, right - shares.T @ right[inside]
         names = frozenset(start.effect.name for start in chosen)
         gains = []
@@ -187,7 +191,7 @@ class Equation:
     def _solved(self, chosen: Sequence[Start], left: float) -> Regressed:
         """The set of these laws with its values, in the whole equation."""
         rows = np.column_stack([self.plant, self.columns[:, [place for start in chosen for place in start.places]]])
-        size = np.linalg.norm(rows, axis=0)
+        size = _sizes(rows)
         values = np.linalg.lstsq(rows / size, self.force, rcond=None)[0] / size
         free = [name for name in PLANT if name not in self.known]
         given = dict(zip(free, values.tolist(), strict=False))
@@ -205,6 +209,12 @@ class Equation:
             for one, shift in zip(self.base.initial, shifts.tolist(), strict=True)
         )
         return Regressed(replace(plant, effects=effects), initial, left)
+
+
+def _sizes(columns: FloatArray) -> FloatArray:
+    """Norms (c,) of columns; 1 for one of nothing but zeros."""
+    size = np.linalg.norm(columns, axis=0)
+    return np.where(size > 0.0, size, 1.0)
 
 
 def _shared(chosen: Sequence[Start], values: FloatArray) -> list[list[float]]:
@@ -252,7 +262,8 @@ def _equation(experiment: Experiment, base: Hypothesis, half: int, effects: Sequ
         plants.append(np.delete(plant, known, axis=1))
         forces.append(means.force - plant[:, known] @ [base_values[i] for i in known])
         parts = [part for one in effects for part in parted(one)]
-        columns.append(np.column_stack([_column(part, motion, means, base.model) for part in parts]))
+        found = np.column_stack([_column(part, motion, means, base.model) for part in parts])
+        columns.append(np.where(np.all(np.isfinite(found), axis=0), found, 0.0))  # what runs away is no column
         constants.append(means.constant)
     plant = np.column_stack([np.vstack(plants), _apart(constants)])
     fixed = frozenset(PLANT[i] for i in known)

@@ -49,3 +49,10 @@ def test_the_equation_of_motion_holds(name: str) -> None:
     moving = np.abs(motion.velocity) > 0.05 * np.max(np.abs(motion.velocity))
     taken = np.sum(np.abs(left[moving])) / np.sum(np.abs(missing[moving]))
     assert taken < 0.1, "the law takes the missing force away"
+
+
+def test_absurd_values_are_no_error() -> None:
+    """Python raises where a power overflows, compiled code does not."""
+    motion, _ = motion_of("power_spring")
+    absurd = by_name("power_spring")(1.0, 1e-12, 40.0)
+    assert not np.any(np.isfinite(motion.force_of(absurd)))

@@ -70,6 +70,20 @@ def test_a_diagnosis_names_what_no_cause_shows_alone() -> None:
     assert found.adequacy.ratio < 1.1
 
 
+def test_a_cart_that_rests_calls_for_nothing() -> None:
+    time = np.arange(600) / 500.0
+    still = Record(time, np.where(time > 1.19, 1e-4, 0.0), time, np.where(time > 1.19, 1.0, 0.0))
+    assert likely(*posed(still)) == []
+
+
+def test_columns_of_one_direction_and_of_none_are_borne() -> None:
+    """Two laws may be one on this motion, and one of them may do nothing."""
+    experiment, base = posed(measured(FOUR))
+    twice = [BASE + by_name("cubic_spring")(1e5), BASE + by_name("end_stop")(1.0, 900.0)]
+    known = [refine(experiment, frozenset(model.effect_names), model, (Initial(),)) for model in twice]
+    assert likely(experiment, base, [*known, *known])
+
+
 def test_each_set_comes_once_and_those_that_leave_least_come_first() -> None:
     found = likely(*posed(measured(FOUR)))
     assert len({one.causes for one in found}) == len(found) > 5
