@@ -24,6 +24,7 @@ def all_pole(coefficients, rows, found):
 
 @njit(nogil=True)
 def pole_zero(above, below, signal, found):
+    """Direct form II, transposed, in the order of scipy's sums."""
     order = above.size - 1
     state = np.zeros(order + 1)
     for n in range(signal.size):
@@ -36,6 +37,7 @@ def pole_zero(above, below, signal, found):
 
 @njit(nogil=True)
 def ranked(signal, rank, window, found):
+    """Insertion into the ordered window, from which the oldest value is taken out."""
     ordered = np.empty(window)
     for n in range(signal.size):
         last = n
@@ -57,6 +59,7 @@ def ranked(signal, rank, window, found):
 
 @njit(nogil=True)
 def peaks(signal, prominence, found):
+    """Fill the indices of maxima that stand out, and in the last entry how many there are."""
     last, count = signal.size - 1, 0
     i = 1
     while i < last:

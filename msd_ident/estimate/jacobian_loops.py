@@ -20,6 +20,7 @@ def _product(one, other):
 
 @njit(error_model="numpy")
 def broyden_update(move, change, before, after):
+    """Fill the Jacobian and the Gauss-Newton matrix ``after`` a step from those ``before`` it."""
     jacobian, normal = before
     updated, matrix = after
     along, length = np.empty(move.size), 0.0
@@ -44,6 +45,7 @@ def broyden_update(move, change, before, after):
 
 @njit(error_model="numpy")
 def with_rows(known, places, further, whole):
+    """Fill the ``whole`` Jacobian and Gauss-Newton matrix from the ``known`` ones and ``further`` rows."""
     jacobian, normal = known
     larger, matrix = whole
     fresh = 0

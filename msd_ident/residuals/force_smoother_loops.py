@@ -89,6 +89,7 @@ def _walked(h, law, a, out):
 
 @njit(error_model="numpy")
 def filtered(readings, law, typical, kept, likelihood):
+    """Kalman filter; ``typical`` is the median step of time [s], which sizes the first velocity."""
     states, work = kept
     steps, y, u = readings
     m, k, variance = law.m, law.k, law.variance
@@ -150,6 +151,7 @@ def filtered(readings, law, typical, kept, likelihood):
 
 @njit(error_model="numpy")
 def smoothed(steps, law, states, work, spread):
+    """Bryson-Frazier smoother of what the filter kept."""
     n, variance = states.shape[0], law.variance
     a, g, gain = np.empty((STATES, STATES)), np.empty(2), np.empty(STATES)
     # What the later readings say: minus the gradient of their log likelihood in the state, and its information.

@@ -94,16 +94,12 @@ def strengths(effect: Effect) -> list[str]:
 
 def _with_all(found: Sequence[Effect]) -> tuple[Effect, ...]:
     """Values that a search begins with, and where each has one of several strengths, one with all of them."""
-    first, rest = found[:1], found[1:]
-    for one in first:
-        values = dict(zip([p.name for p in one.parameters], one.values, strict=True))
-        more = {name: getattr(other, name) for other in rest for name in strengths(other)}
-        missing = {
-            name: value for name, value in more.items() if name in dict(one.neutral) and name not in strengths(one)
-        }
-        if missing:
-            return (*found, type(one).from_values({**values, **missing}))
-    return tuple(found)
+    if not found:
+        return ()
+    first = found[0]
+    missing = {name: getattr(one, name) for one in found[1:] for name in strengths(one) if name not in strengths(first)}
+    values = dict(zip([p.name for p in first.parameters], first.values, strict=True))
+    return (*found, type(first).from_values({**values, **missing})) if missing else tuple(found)
 
 
 def parted(effect: Effect) -> tuple[Effect, ...]:
