@@ -94,8 +94,10 @@ A stated probability is right if the causes that are named with it are right as 
 laws of a library exactly, so the probabilities allow for other forms of the laws. Where the rig follows the library,
 they may be lower than the share that is right.
 
-- *Named causes*: each with the probability that stands on the page, whatever the verdict.
-- *Right*: the cause acts, or it is of the family of a law that acts (`bench/blind/truth.py`).
+- *Named causes*: each with the probability that stands on the page, whatever the verdict. Where others are tied with
+  it, the page also states the probability that one of them acts.
+- *Right*: the cause acts, or it is of the family of a law that acts (`bench/blind/truth.py`). Where two causes of
+  such a family are tied, both are right, but each has a part of the probability: there the second tables tell more.
 
 {tables}
 """,
@@ -211,7 +213,7 @@ def _all(cases: Sequence[Case], jobs: int, path: Path | None) -> list[Outcome]:
 
 
 def _line(outcome: Outcome) -> str:
-    named = ", ".join(f"{name} {p:.2f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in outcome.named)
+    named = ", ".join(f"{name} {p:.2f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t, _ in outcome.named)
     mark, truth = "ok" if outcome.exact else "--", "+".join(outcome.truth) or "none"
     return (
         f"{mark} seed {outcome.case.seed} {outcome.case.experiment} {truth} "

@@ -89,7 +89,8 @@ class Outcome:
     ``base_floors`` and ``extended_floors`` are residuals in noise floors, ``without_floors`` what the truth leaves when
     refitted without that one of its effects which is seen least. ``removed`` is the share of the removable error that
     the extension removed on left-out data. ``beside`` are causes of rival sets that are not named, each with its own
-    probability. ``plant_error`` is the larger relative error of mass and stiffness, ``plant_stated`` what of it lies
+    probability. ``named`` has each cause with its probability, with what is tied with it, and the probability that one
+    of these acts. ``plant_error`` is the larger relative error of mass and stiffness, ``plant_stated`` what of it lies
     outside their intervals and the stated range over all that fits alike; ``plant`` has mass, damping and
     stiffness with their standard deviation (NaN: open) and their truth.
     """
@@ -99,7 +100,7 @@ class Outcome:
     odd: bool
     strength: Mapping[str, float]
     verdict: str
-    named: tuple[tuple[str, float, tuple[str, ...]], ...]
+    named: tuple[tuple[str, float, tuple[str, ...], float], ...]
     base_floors: float
     extended_floors: float
     without_floors: float
@@ -119,7 +120,7 @@ class Outcome:
     @classmethod
     def from_json_dict(cls, values: Mapping[str, Any]) -> Outcome:
         """The inverse of ``to_json_dict``."""
-        named = tuple((name, probability, tuple(tied)) for name, probability, tied in values["named"])
+        named = tuple((name, p, tuple(tied), either) for name, p, tied, either in values["named"])
         beside = tuple((name, probability) for name, probability in values.get("beside", ()))
         case = Case(**values["case"])
         plant = tuple((name, *numbers) for name, *numbers in values.get("plant", ()))
@@ -129,11 +130,11 @@ class Outcome:
     @property
     def names(self) -> frozenset[str]:
         """Causes named."""
-        return frozenset(name for name, _, _ in self.named)
+        return frozenset(name for name, *_ in self.named)
 
     def counts_as(self, name: str) -> bool:
         """Whether a cause is named, or tied with one that is; ties of more than three do not count."""
-        return any(name == one or (name in ties and len(ties) <= 2) for one, _, ties in self.named)
+        return any(name == one or (name in ties and len(ties) <= 2) for one, _, ties, _ in self.named)
 
     @property
     def diagnosed(self) -> bool:
@@ -154,7 +155,7 @@ class Outcome:
     def false(self) -> tuple[tuple[str, float], ...]:
         """Causes named that are not in the rig, with their probability, whatever the verdict."""
         right = allowed(frozenset(self.truth))
-        return tuple((name, p) for name, p, _ in self.named if name not in right)
+        return tuple((name, p) for name, p, *_ in self.named if name not in right)
 
 
 def sealed(case: Case) -> Sealed:
@@ -226,7 +227,9 @@ def _opened(
         odd=case.kind in ("odd", "variant"),
         strength=rig.strength,
         verdict=diagnosis.verdict,
-        named=tuple((_kind(c.name), c.probability, tuple(map(_kind, c.tied_with))) for c in diagnosis.causes),
+        named=tuple(
+            (_kind(c.name), c.probability, tuple(map(_kind, c.tied_with)), c.tied_probability) for c in diagnosis.causes
+        ),
         base_floors=base,
         extended_floors=diagnosis.extended.see / noise,
         without_floors=_least_seen(rig, record) / noise if case.kind in ("beside", "pair") else base,

@@ -7,12 +7,13 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from scipy.stats import binomtest
 
 from bench.blind.cases import Outcome
-from bench.blind.truth import FAMILIES, UNNAMED, undecidable
+from bench.blind.truth import FAMILIES, UNNAMED, allowed, undecidable
 from msd_ident.quantity import Z95
 
 #: An effect counts as visible when the truth without it leaves this many noise floors.
@@ -156,12 +157,16 @@ def reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
     return _bins(_stated(outcomes))
 
 
-def named_reliability(outcomes: Sequence[Outcome]) -> list[Bin]:
+#: What of a named cause is compared: its own probability, or that it or one of those tied with it acts.
+Statement = Literal["cause", "cause or tied"]
+
+
+def named_reliability(outcomes: Sequence[Outcome], of: Statement = "cause") -> list[Bin]:
     """Bins of the named causes alone, oddities and laws that the library lacks included.
 
     A named cause is right when it is not false: it acts, or it is of the family of a law that acts.
     """
-    return _bins(_named(outcomes))
+    return _bins(_named(outcomes, of))
 
 
 #: Stated probability of a cause, and whether it is right.
@@ -173,13 +178,18 @@ def _stated(outcomes: Sequence[Outcome]) -> list[_Pair]:
         (p, name in o.truth)
         for o in outcomes
         if not o.odd
-        for name, p in (*((name, p) for name, p, _ in o.named), *o.beside)
+        for name, p in (*((name, p) for name, p, *_ in o.named), *o.beside)
         if p >= NEGLIGIBLE and name not in undecidable(frozenset(o.truth))
     ]
 
 
-def _named(outcomes: Sequence[Outcome]) -> list[_Pair]:
-    return [(p, (name, p) not in o.false) for o in outcomes for name, p, _ in o.named]
+def _named(outcomes: Sequence[Outcome], of: Statement) -> list[_Pair]:
+    pairs = []
+    for o in outcomes:
+        right = allowed(frozenset(o.truth))
+        for name, p, tied, either in o.named:
+            pairs.append((p, name in right) if of == "cause" else (either, not right.isdisjoint((name, *tied))))
+    return pairs
 
 
 def _binned(pairs: Sequence[_Pair]) -> list[tuple[float, float, list[_Pair]]]:
@@ -211,9 +221,9 @@ def by_chance(outcomes: Sequence[Outcome]) -> tuple[float, float]:
     return _chance_gap(_stated(outcomes))
 
 
-def named_by_chance(outcomes: Sequence[Outcome]) -> tuple[float, float]:
+def named_by_chance(outcomes: Sequence[Outcome], of: Statement = "cause") -> tuple[float, float]:
     """The same of the named causes alone (``named_reliability``)."""
-    return _chance_gap(_named(outcomes))
+    return _chance_gap(_named(outcomes, of))
 
 
 def _chance_gap(pairs: Sequence[_Pair]) -> tuple[float, float]:
@@ -256,7 +266,7 @@ def family_named(outcome: Outcome) -> bool:
     diagnosis nothing is right.
     """
     hidden = str(outcome.case.hidden)
-    said = outcome.names | {one for _, _, ties in outcome.named for one in ties}
+    said = outcome.names | {one for _, _, ties, _ in outcome.named for one in ties}
     return outcome.diagnosed and (hidden in UNNAMED or bool(said & FAMILIES[hidden]))
 
 

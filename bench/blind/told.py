@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from bench.blind.cases import Outcome
 
 #: Of the tables of shares.
 _HEAD = "| quantity | result | cases | required | goal |"
+_STATEMENTS: Mapping[score.Statement, str] = {
+    "cause": "The named cause acts",
+    "cause or tied": "The named cause or one tied with it acts",
+}
 
 
 def report(outcomes: Sequence[Outcome]) -> list[str]:
@@ -73,7 +77,7 @@ def failures(outcomes: Sequence[Outcome]) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for o, why in wrong:
-        said = ", ".join(f"{name} {p:.3f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t in o.named) or "none"
+        said = ", ".join(f"{name} {p:.3f}" + (f" ~ {'/'.join(t)}" if t else "") for name, p, t, _ in o.named) or "none"
         rig = " + ".join(o.truth) or "none"
         floors = f"{o.verdict} [{o.extended_floors:.2f}, {o.base_floors:.1f}]"
         lines.append(f"| {o.case.seed} | {o.case.experiment} | {rig} | {said} | {floors} | {'; '.join(why)} |")
@@ -153,22 +157,31 @@ def _reliability(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def calibration(outcomes: Sequence[Outcome]) -> list[str]:
-    """Named causes of all studies together, then of each rig's author: stated probability and share that is right."""
+    """Named causes of all studies together, then of each rig's author: stated probability and share that is right.
+
+    First of each named cause, then of it or what is tied with it.
+    """
     authors = {
         "All rigs": outcomes,
         "Simulated rigs with laws of the library": [o for o in outcomes if o.case.author == "own" and not o.odd],
         "Simulated rigs with other laws": [o for o in outcomes if o.case.author == "foreign" or o.odd],
         "MuJoCo's rigs": [o for o in outcomes if o.case.author == "mujoco"],
     }
-    lines = []
-    for name, chosen in authors.items():
-        if chosen:
-            median, most = score.named_by_chance(chosen)
-            bins = score.named_reliability(chosen)
-            gap = f"largest difference {score.largest_gap(bins):.3f} in bins with at least {score.POPULATED} causes"
-            chance = f"by chance {median:.3f} (95 % below {most:.3f}) if every stated probability were right"
-            lines += [f"{name}, {len(chosen)} cases: {gap}; {chance}.", "", *_bins(bins, "share that is right"), ""]
+    lines: list[str] = []
+    for of, statement in _STATEMENTS.items():
+        lines += [f"## {statement}", ""]
+        for name, chosen in authors.items():
+            if chosen:
+                lines += _calibrated(name, chosen, of)
     return lines[:-1]
+
+
+def _calibrated(name: str, outcomes: Sequence[Outcome], of: score.Statement) -> list[str]:
+    median, most = score.named_by_chance(outcomes, of)
+    bins = score.named_reliability(outcomes, of)
+    gap = f"largest difference {score.largest_gap(bins):.3f} in bins with at least {score.POPULATED} causes"
+    chance = f"by chance {median:.3f} (95 % below {most:.3f}) if every stated probability were right"
+    return [f"{name}, {len(outcomes)} cases: {gap}; {chance}.", "", *_bins(bins, "share that is right"), ""]
 
 
 def _bins(bins: Sequence[score.Bin], share: str = "share that acts") -> list[str]:

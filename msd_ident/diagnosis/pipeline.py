@@ -158,7 +158,9 @@ def _causes(ranking: Ranking, best: Hypothesis, result: FitResult) -> tuple[Caus
     found = []
     for name in sorted(best.causes):
         parameters = {p.name: result.quantities[p.name] for p in by_name(name).parameters}
-        found.append(Cause(name, ranking.of_cause(name), _finite(parameters), ties.tied(ranking, name)))
+        tied = ties.tied(ranking, name)
+        probability, either = ranking.of_cause(name), ranking.of_any((name, *tied))
+        found.append(Cause(name, probability, _finite(parameters), tied, either))
     without = {fitted.causes: fitted.chi for fitted in ranking.sets}
     return tuple(sorted(found, key=lambda cause: -without.get(best.causes - {cause.name}, math.inf)))
 

@@ -35,12 +35,14 @@ class Cause:
         probability: that it acts, given the data and the library.
         parameters: its own parameters in the extended model.
         tied_with: causes that the data does not distinguish from it.
+        tied_probability: that it or one of ``tied_with`` acts; ``probability`` where nothing is tied.
     """
 
     name: str
     probability: float
     parameters: Mapping[str, Quantity]
     tied_with: tuple[str, ...]
+    tied_probability: float
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,7 @@ def _cause_dict(cause: Cause) -> dict[str, Any]:
         "probability": cause.probability,
         "parameters": quantities_dict(cause.parameters),
         "tied_with": list(cause.tied_with),
+        "tied_probability": cause.tied_probability,
     }
 
 

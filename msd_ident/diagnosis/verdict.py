@@ -133,9 +133,16 @@ def _named(causes: Sequence[Cause]) -> str:
 
 
 def _ties(causes: Sequence[Cause]) -> str:
-    """Pairs of tied causes."""
-    ties = [f"{spoken(c.name)} from {' or '.join(map(spoken, c.tied_with))}" for c in causes if c.tied_with]
+    """Causes that the data does not tell apart, with the probability that one of them acts."""
+    ties = [
+        f"{spoken(c.name)} from {' or '.join(map(spoken, c.tied_with))} ({one_acts(c)})" for c in causes if c.tied_with
+    ]
     return f", but this data cannot tell {'; '.join(ties)}" if ties else ""
+
+
+def one_acts(cause: Cause) -> str:
+    """How probable it is that a cause or one of those tied with it acts, in words."""
+    return f"one of them acts: probability {probability(cause.tied_probability)}"
 
 
 def _doubts(causes: Sequence[Cause]) -> Sequence[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from msd_ident.diagnosis.verdict import one_acts
 from msd_ident.quantity import probability
 from msd_ident.report import calibration, numbers, words
 from msd_ident.report.tables import new_table, say
@@ -49,7 +50,7 @@ def ties(diagnosis: Diagnosis) -> Iterator[str]:
     """A sentence for each cause that the data cannot tell from others."""
     for cause in diagnosis.causes:
         if cause.tied_with:
-            yield f"This data cannot tell {cause.name} from {', '.join(cause.tied_with)}."
+            yield f"This data cannot tell {cause.name} from {', '.join(cause.tied_with)}; {one_acts(cause)}."
 
 
 def models_table(diagnosis: Diagnosis) -> Table:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from msd_ident.data.datasheet import data_sheet
 from msd_ident.diagnosis import Diagnosis
+from msd_ident.diagnosis.verdict import one_acts
 from msd_ident.quantity import probability
 from msd_ident.report import words
 from msd_ident.report.calibration import Matrix, matrix
@@ -95,7 +96,8 @@ def _error_rows(found: Diagnosis) -> list[tuple[str, str]]:
 def _cause_rows(found: Diagnosis) -> Iterator[tuple[str, ...]]:
     for cause in found.causes:
         values = (f"{words.parameter(name)[1]} = {with_band(q)} {q.unit}" for name, q in cause.parameters.items())
-        tied = ", ".join(words.effect(name) for name in cause.tied_with) or "–"
+        tied = ", ".join(words.effect(name) for name in cause.tied_with)
+        tied = f"{tied} ({one_acts(cause)})" if tied else "–"
         yield words.effect(cause.name), probability(cause.probability), "; ".join(values), tied
 
 

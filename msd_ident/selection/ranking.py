@@ -189,30 +189,41 @@ class Ranking:
         Where the leading set leaves so much that the rig follows another law (``leaves``), sets that leave hardly less
         make its causes no surer.
         """
-        kind, found = by_name(name).cause(), self.of_cause_by_sets(name)
+        return self.of_any((name,))
+
+    def of_any(self, names: Iterable[str]) -> float:
+        """Probability that at least one of these causes acts, in whatever law: of all sets that hold any of them.
+
+        What makes it doubtful which of them acts does not make it doubtful that one does.
+        """
+        asked = kinds(names)
+        found = self._of_any_by_sets(asked)
         if self.best.causes in self.leaves:
-            own = [law for law in self.best.causes if by_name(law).cause() == kind]
-            found = min(found, *(self._greatest(self.best.causes, law) for law in own), 1.0)
+            own = [law for law in self.best.causes if by_name(law).cause() in asked]
+            found = min(found, max((self._greatest(self.best.causes, law, asked) for law in own), default=1.0))
         if self.pushed_unseen:
             found = min(found, probability_at(CERTAIN_ODDS))
         if not (self.unchecked or self.foretold):
             return found
-        return min(found, probability_at(self.limit(kind)))
+        return min(found, probability_at(max(map(self.limit, asked))))
 
     def of_cause_by_sets(self, name: str) -> float:
-        """Probability of a cause that the sets give together, before what limits it whatever the set.
+        """Probability of a cause that the sets give together, before what limits it whatever the set."""
+        return self._of_any_by_sets(kinds((name,)))
 
-        A set with a law of another cause that gives the same motion as one of this cause (``alike``) counts for both.
+    def _of_any_by_sets(self, asked: frozenset[str]) -> float:
+        """Probability that one of these causes acts, as the sets give it together.
+
+        A set with a law of another cause that gives the same motion as one of them (``alike``) counts as well.
         """
-        kind = by_name(name).cause()
         found = 0.0
         for fitted, p in zip(self.sets, self.probability, strict=True):
-            twins = self.alike.get(fitted.causes, {})
-            own = [law for law in fitted.causes if by_name(law).cause() == kind]
-            found += p * sum(self._greatest(fitted.causes, law) for law in own)
+            own = [law for law in fitted.causes if by_name(law).cause() in asked]
+            found += p * max((self._greatest(fitted.causes, law, asked) for law in own), default=0.0)
             if not own:
-                here = [law for law, twin in twins.items() if by_name(twin).cause() == kind]
-                found += p * sum(self._of_twin(fitted.causes, law) for law in here)
+                twins = self.alike.get(fitted.causes, {})
+                here = [law for law, twin in twins.items() if by_name(twin).cause() in asked]
+                found += p * max((self._of_twin(fitted.causes, law) for law in here), default=0.0)
         return found
 
     def _of_twin(self, causes: Causes, law: str) -> float:
@@ -233,8 +244,9 @@ class Ranking:
         """Probability of a set as it is stated: no more than that of its least probable cause."""
         return min((self.of_set(causes), *map(self.of_cause, causes)))
 
-    def _greatest(self, causes: Causes, law: str) -> float:
-        """Greatest probability that a law of a set acts, if the set is the right one.
+    def _greatest(self, causes: Causes, law: str, among: frozenset[str] = frozenset()) -> float:
+        """Greatest probability that a law of a set, or one of the causes ``among`` in its place, acts, if the set is
+        the right one.
 
         What a set leaves above the noise may move like one of its causes. So the odds of a cause are no more than what
         it explains over what is left (``clear``), but not less than ``FORM_ODDS`` allows. More than the usual
@@ -249,11 +261,13 @@ class Ranking:
         """
         odds = self._of_its_own(causes, law) if law in self.further.get(causes, ()) else math.inf
         effect, plain = by_name(law), self.rich and causes in self.exact
-        if twin := effect.creeps_as if not self.rich else "":
+        if (twin := effect.creeps_as if not self.rich else "") and by_name(twin).cause() not in among:
             beside = by_name(twin).cause() in kinds(causes - {law})
             odds = min(odds, 1.0 if beside else CERTAIN_ODDS)
         aged = effect.ages_spring() and not plain
-        odds = min(odds, self._prior_beside_twin(causes, law))
+        same_motion = self.alike.get(causes, {}).get(law)
+        if same_motion and by_name(same_motion).cause() not in among:
+            odds = min(odds, self._prior_beside_twin(causes, law))
         if law in self.sampled.get(causes, ()) or self._drifts_beside_a_drift(causes, law):
             odds = min(odds, 1.0)
         shape = effect.is_shape_beside(by_name(one) for one in causes - {law}) or (self.steered and effect.is_spring())

@@ -27,7 +27,7 @@ def outcome(named: Stated, beside: Stated = (), truth: Sequence[str] = ("backlas
     """A diagnosis of a rig, one with backlash unless said otherwise, that stated these probabilities."""
     made = Outcome(
         case=Case(1, next(iter(truth), None), len(truth) > 1), truth=tuple(truth), odd=False, strength={},
-        verdict="explained", named=tuple((name, p, ()) for name, p in named), base_floors=9.0, extended_floors=1.0,
+        verdict="explained", named=tuple((name, p, (), p) for name, p in named), base_floors=9.0, extended_floors=1.0,
         without_floors=9.0, heldout_floors=1.0, removed=1.0, seconds=1.0, beside=beside,
     )  # fmt: skip
     return replace(made, **others)  # type: ignore[arg-type]
@@ -69,6 +69,9 @@ def test_named_causes_of_several_studies_are_calibrated_together(tmp_path: Path)
     assert [(b.count, b.right) for b in score.named_reliability(pooled)] == [(10, 8)]
     assert score.largest_gap(score.named_reliability(pooled)) == pytest.approx(0.1)
     assert score.named_by_chance(pooled) == pytest.approx((0.1, 0.3))
+    tied = replace(false, named=(("cogging", 0.4, ("end_stop",), 0.9),))
+    assert [(b.low, b.right) for b in score.named_reliability([tied])] == [(0.4, 0)]
+    assert [(b.low, b.right) for b in score.named_reliability([tied], "cause or tied")] == [(0.8, 1)]
     files = [tmp_path / "own.json", tmp_path / "foreign.json"]
     for path, part in zip(files, (pooled[:5], pooled[5:]), strict=True):
         path.write_text("".join(json.dumps(o.to_json_dict()) + "\n" for o in part))
@@ -106,7 +109,7 @@ def test_what_no_experiment_decides_is_not_calibrated() -> None:
 def test_a_false_cause_counts_whatever_the_verdict_and_seen_or_not(verdict: str, floors: float) -> None:
     sure = outcome((("backlash", 1.0), ("cogging", 0.91)), verdict=verdict, without_floors=floors)
     doubtful = outcome((("backlash", 1.0), ("cogging", 0.9)), verdict=verdict, without_floors=floors)
-    tied = replace(sure, named=(("cogging", 0.95, ("backlash",)),))
+    tied = replace(sure, named=(("cogging", 0.95, ("backlash",), 0.95),))
     clean = outcome((("cogging", 0.99),), truth=(), verdict=verdict)
     assert figure("a false cause with p > 0.9: all experiments", [sure, doubtful, tied, clean]) == (3, 4)
     assert figure("a false cause with p > 0.9: steps", [sure, doubtful]) == (1, 2)
@@ -171,7 +174,7 @@ def test_a_variant_wants_its_family_nothing_false_and_the_plant() -> None:
 
     right, faint = one("end_stop", 0.99), one("end_stop", 0.99, base_floors=2.0)
     wrong, far = one("cogging", 0.95), one("asymmetric_spring", 0.95, plant_error=0.03)
-    tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",)),))
+    tied = replace(one("cogging", 0.6), named=(("cogging", 0.6, ("end_stop",), 0.6),))
     assert score.variants([right, faint, wrong, far, tied]) == {"one_sided_stop": (4, 2, 2, 3, 4, 5)}
     unnamed = one("end_stop", 0.5, hidden="band_limited_force")
     assert score.variants([unnamed]) == {"band_limited_force": (1, 1, 0, 1, 1, 1)}

@@ -36,6 +36,7 @@ def test_a_section_that_there_is_no_reason_for_is_not_there() -> None:
     assert "calibration" not in plain and full["calibration"]["copies"] == 44
     assert plain["next_experiment"] is None and full["next_experiment"]["duration_s"] == 30.0
     assert full["causes"][0]["tied_with"] == ["stribeck_friction", "hysteresis"]
+    assert full["causes"][0]["tied_probability"] >= full["causes"][0]["probability"]
     assert ("characteristics" in plain) is (diagnosed().characteristics is not None)
     assert ("ring_down" in plain) is (diagnosed().ring_down is not None)
     assert "ring_down" not in replace(diagnosed(), ring_down=None).to_json_dict()

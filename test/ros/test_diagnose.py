@@ -90,7 +90,9 @@ def as_printed(found: Diagnosis) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
         "summary": found.summary,
-        "causes": {c.name: (c.probability, by_name(c.parameters), list(c.tied_with)) for c in found.causes},
+        "causes": {
+            c.name: (c.probability, by_name(c.parameters), list(c.tied_with), c.tied_probability) for c in found.causes
+        },
         "base": (by_name(found.base), found.base_see),
         "extended": (by_name(found.extended), found.extended_see),
         "gain": [
@@ -142,7 +144,10 @@ def as_told(printed: dict[str, Any]) -> dict[str, Any]:
     return {
         "verdict": printed["verdict"],
         "summary": printed["summary"],
-        "causes": {c["name"]: (c["probability"], numbers(c["parameters"]), c["tied_with"]) for c in printed["causes"]},
+        "causes": {
+            c["name"]: (c["probability"], numbers(c["parameters"]), c["tied_with"], c["tied_probability"])
+            for c in printed["causes"]
+        },
         "base": model(printed["base"]),
         "extended": model(printed["extended"]),
         "gain": [

@@ -379,6 +379,26 @@ def test_of_two_laws_that_give_the_same_motion_the_rarer_has_the_odds_of_its_pri
     assert rarer < 0.1
     assert told.of_cause("force_dead_zone") == pytest.approx(rarer / (1.0 + rarer))
     assert told.of_cause("coulomb_friction") == pytest.approx(0.5)
+    assert told.of_any(("force_dead_zone", "coulomb_friction")) > 0.999, "that one of them acts is not in doubt"
+    assert told.of_any(("force_dead_zone", "quadratic_drag")) == pytest.approx(rarer / (1.0 + rarer))
+
+
+def test_one_of_two_that_share_the_probability_acts_surely(experiment: Experiment) -> None:
+    """Each alone is a coin's toss; a cause beside both changes nothing, a set without either takes its part."""
+    drag = QuadraticDrag(1.0)
+    sets = {
+        "nothing": fitted(experiment, BASE, 1e6),
+        "friction": fitted(experiment, BASE + CoulombFriction(0.1) + drag, 840.0),
+        "play": fitted(experiment, BASE + Backlash(0.1) + drag, 840.0),
+    }
+    found = replace(ranked(sets), rich=True, probability=(0.55, 0.44, 0.01))
+    each = [found.of_cause(name) for name in ("coulomb_friction", "backlash")]
+    assert found.of_any(("coulomb_friction", "backlash")) == pytest.approx(sum(each)) == pytest.approx(0.99)
+    assert found.of_any(("coulomb_friction",)) == each[0]
+    assert found.of_any(("coulomb_friction", "cogging")) == each[0]
+    assert replace(found, unchecked=True).of_any(("coulomb_friction", "backlash")) <= found.limit("backlash")
+    doubted = replace(found, foretold=True, exact=frozenset())
+    assert doubted.of_any(("coulomb_friction", "backlash")) == pytest.approx(0.5)
 
 
 def test_limits_of_nine_to_one_that_add_up_are_no_certainty() -> None:

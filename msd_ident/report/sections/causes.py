@@ -31,6 +31,14 @@ class Bar:
 
 
 @dataclass(frozen=True)
+class Group:
+    """A cause and those tied with it, and how probable it is that one of them acts."""
+
+    bars: tuple[Bar, ...]
+    one_acts: Marked
+
+
+@dataclass(frozen=True)
 class Change:
     """An explanation still standing: m, b, k and µ (or Fc) in it, and how far they are from the base model's."""
 
@@ -42,7 +50,7 @@ class Change:
 def causes(found: Diagnosis) -> Section:
     """Bars in groups, rows of changes, rows of what was tried and rejected; in files the likeliest causes as bars."""
     context = {
-        "groups": [tuple(_group(found, index, cause)) for index, cause in enumerate(found.causes)],
+        "groups": [_group(found, index, cause) for index, cause in enumerate(found.causes)],
         "changes": list(_changes(found)),
         "units": [found.base.quantities[name].unit for name in PLANT],
         "rejected": [
@@ -58,8 +66,13 @@ def causes(found: Diagnosis) -> Section:
     return Section("causes", "Causes", context, beside=(bars,) if likely else ())
 
 
-def _group(found: Diagnosis, index: int, cause: Cause) -> Iterator[Bar]:
+def _group(found: Diagnosis, index: int, cause: Cause) -> Group:
     key = f"causes.{index}"
+    either = Marked(f"{key}.tied_probability", cause.tied_probability, probability(cause.tied_probability))
+    return Group(tuple(_bars(found, key, cause)), either)
+
+
+def _bars(found: Diagnosis, key: str, cause: Cause) -> Iterator[Bar]:
     sure = Marked(f"{key}.probability", cause.probability, probability(cause.probability))
     parameters = tuple(
         (*words.parameter(name), _with_unit(marked.quantity(f"{key}.parameters.{name}", quantity), quantity.unit))

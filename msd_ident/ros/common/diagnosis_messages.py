@@ -88,4 +88,5 @@ def _cause(cause: Cause, symbols: Mapping[str, str]) -> CauseMessage:
         probability=cause.probability,
         parameters=to_parameters(cause.parameters, symbols),
         tied_with=list(cause.tied_with),
+        tied_probability=cause.tied_probability,
     )
