@@ -35,6 +35,8 @@ from msd_sim.effects import ALL
 PLANT = ("mass", "damping", "stiffness")
 #: Verdicts where there is no diagnosis: the record is not taken, or the program fails.
 REFUSED, CRASHED = "refused", "crashed"
+#: What is hidden where the rig's author draws several faults.
+SEVERAL = "several"
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Case:
 
     Attributes:
         seed: of everything.
-        hidden: the effect, or none.
+        hidden: the effect, or none; ``SEVERAL`` of a rig with several.
         beside: whether Coulomb friction acts beside it.
         experiment, rate: what is done, samples a second [Hz].
         other: a second hidden effect, or none.
@@ -63,9 +65,11 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``odd`` or ``variant``."""
+        """``clean``, ``single``, ``beside`` (Coulomb friction), ``pair``, ``several``, ``odd`` or ``variant``."""
         if self.hidden is None:
             return "clean"
+        if self.author == "several":
+            return SEVERAL
         if self.author == "mujoco":
             return "beside" if self.beside and self.hidden != "frictionloss" else "single"
         if self.hidden in lottery.ODDITIES:
@@ -162,6 +166,8 @@ def sealed(case: Case) -> Sealed:
     """The rig of a case."""
     if case.author == "mujoco":
         return rigs.mujoco(case.seed, case.hidden, case.beside, case.experiment)
+    if case.author == "several":
+        return rigs.several(case.seed, case.experiment)
     if case.author == "foreign":
         return rigs.foreign_rig(case.seed, str(case.hidden), case.experiment)
     draw = lottery.draw(

@@ -7,9 +7,10 @@ from itertools import count
 
 import numpy as np
 
-from bench.blind.cases import Case
+from bench.blind.cases import SEVERAL, Case
 from bench.blind.truth import DRY
 from bench.mujoco_rigs.rig import EXPERIMENTS, LEVELS, OF_DRIVE
+from bench.several_faults import rig as several_rig
 from msd_sim import foreign, lottery
 
 #: Effects of which a spring-mass rig in free decay feels nothing.
@@ -62,6 +63,16 @@ def mujoco(rounds: int, seed: int) -> list[Case]:
         for turn in range(rounds)
         for index, (fault, beside) in enumerate(_MUJOCO)
         for experiment in (_shows(fault, turn + index),)
+    ]
+
+
+def several(rounds: int, seed: int) -> list[Case]:
+    """Rigs with three to five faults: ten a round, their experiments in turn."""
+    seeds = count(seed)
+    experiments = several_rig.EXPERIMENTS
+    return [
+        Case(next(seeds), SEVERAL, False, experiments[turn % len(experiments)], author="several")
+        for turn in range(10 * rounds)
     ]
 
 

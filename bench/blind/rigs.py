@@ -1,4 +1,4 @@
-"""Random rigs of the three simulators with one interface: the true parameters, and how a record is written."""
+"""Random rigs of the four simulators with one interface: the true parameters, and how a record is written."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ import numpy as np
 from bench.blind.truth import EARLY_FORCE
 from bench.mujoco_rigs import rig as mujoco_rig
 from bench.mujoco_rigs import simulate as mujoco_simulate
+from bench.several_faults import rig as several_rig
+from bench.several_faults import simulate as several_simulate
 from msd_sim import api, foreign, lottery
 from msd_sim.effects import ALL
 from msd_sim.foreign import simulate as foreign_simulate
 
-#: Our own rig with laws of the library or their forms, with laws that it does not have, and MuJoCo's.
-Author = Literal["own", "foreign", "mujoco"]
+#: Our own rig with laws of the library or their forms, with laws that it does not have, MuJoCo's, and rigs with several
+#: faults.
+Author = Literal["own", "foreign", "mujoco", "several"]
 Values = Mapping[str, float]
 
 #: Faults of MuJoCo's rigs: the cause, the library's law next to it, and its values in units of command.
@@ -39,7 +42,7 @@ class Sealed:
     Attributes:
         truth: names of all causes that act, or of the foreign law.
         plant: mass, damping, stiffness [SI, per unit of command].
-        strength: values of the hidden effect.
+        strength: values of the hidden effect; of several, how much the readings change without each (``changes``).
         experiment: what is done.
         write: makes the record's file and returns the standard deviation of its readings [m].
         laws: cause -> the library's law next to it and its values; of foreign laws there is none.
@@ -96,6 +99,13 @@ def mujoco(seed: int, fault: str | None, beside: bool, experiment: str) -> Seale
     )  # fmt: skip
 
 
+def several(seed: int, experiment: str) -> Sealed:
+    """With three to five faults at once."""
+    rig = several_rig.draw(seed, experiment)
+    changes = several_simulate.changes(rig)
+    return Sealed(frozenset(rig.faults), rig.plant, changes, experiment, lambda path: _write_several(rig, path))
+
+
 def _stop(rig: mujoco_rig.Rig) -> tuple[str, dict[str, float]]:
     """The library's law next to a limit: on one side where only one end can be reached."""
     limit = rig.limit
@@ -109,6 +119,11 @@ def _stop(rig: mujoco_rig.Rig) -> tuple[str, dict[str, float]]:
 
 def _write_mujoco(rig: mujoco_rig.Rig, path: Path) -> float:
     mujoco_simulate.write(rig, path)
+    return rig.noise_level
+
+
+def _write_several(rig: several_rig.Rig, path: Path) -> float:
+    several_simulate.write(rig, path)
     return rig.noise_level
 
 

@@ -21,6 +21,8 @@ VISIBLE = 3.0
 FAINT = 20.0
 #: Largest relative error of mass and stiffness of a plant that counts as found.
 NEAR = 0.02
+#: Noise floors below which what a diagnosis leaves is noise alone.
+NOISE_ALONE = 1.2
 #: Probability above which a cause is stated as certain.
 SURE = 0.9
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0001)
@@ -322,6 +324,32 @@ def second_author(outcomes: Sequence[Outcome]) -> list[Figure]:
         right = [o for o in outcomes if o.exact]
         found.append(Figure(f"the same, exact sets only: {name}", *_share(_covers(right, name)), "", ""))
     return found
+
+
+#: Noise floors by which the readings change without a fault (nothing is refitted) that counts as plain.
+PLAIN = 30.0
+
+
+def several_faults(outcomes: Sequence[Outcome]) -> list[Figure]:
+    """Figures of rigs with several faults at once."""
+    pairs = [(o, name) for o in outcomes for name in o.truth]
+    plain = [(o, name) for o, name in pairs if o.strength[name] >= PLAIN]
+    named = [(p, (name, p) not in o.false) for o in outcomes for name, p, *_ in o.named]
+    return [
+        Figure("nothing but noise is left", *_share([o.extended_floors < NOISE_ALONE for o in outcomes]), "", ""),
+        Figure("all faults named", *_share([found_both(o) for o in outcomes]), "", ""),
+        Figure("fault named", *_share([o.counts_as(name) for o, name in pairs]), "", ""),
+        Figure("plain fault named", *_share([o.counts_as(name) for o, name in plain]), "", ""),
+        Figure(f"named cause is stated with p > {SURE:g}", *_share([p > SURE for p, _ in named]), "", ""),
+        Figure("of these right", *_share([right for p, right in named if p > SURE]), "", "100"),
+        Figure(f"rig with a false cause with p > {SURE:g}", *_share([surely_false(o) for o in outcomes]), "<= 1", "0"),
+        Figure("verdict `explained` with a false cause", *_share([explained_falsely(o) for o in outcomes]), "", "0"),
+        Figure(f"m and k within {100.0 * NEAR:g} %", *_share([o.plant_error <= NEAR for o in outcomes]), "", ""),
+        *(
+            Figure(f"interval of {name} contains the truth", *_share(_covers(outcomes, name)), "", "")
+            for name in ("mass", "damping", "stiffness")
+        ),
+    ]
 
 
 def _covers(outcomes: Sequence[Outcome], name: str) -> list[bool]:

@@ -66,6 +66,24 @@ def second_author(outcomes: Sequence[Outcome]) -> list[str]:
     return [*lines, "", *failures(outcomes)]
 
 
+def several_faults(outcomes: Sequence[Outcome]) -> list[str]:
+    """The tables of rigs with several faults at once: figures, each fault, each rig."""
+    lines = [_HEAD, "|---|---|---|---|---|"]
+    for item in score.several_faults(outcomes):
+        lines.append(f"| {item.what} | {item.percent:.1f} % | {item.good} of {item.total} | {item.must} | {item.aim} |")
+    lines += [
+        "",
+        f"| fault | rigs | plain ({score.PLAIN:g} noise floors) | of these named | named |",
+        "|---|---|---|---|---|",
+    ]
+    for fault in sorted({name for o in outcomes for name in o.truth}):
+        having = [o for o in outcomes if fault in o.truth]
+        plain = [o for o in having if o.strength[fault] >= score.PLAIN]
+        cells = (fault, len(having), len(plain), sum(o.counts_as(fault) for o in plain))
+        lines.append(f"| {' | '.join(map(str, cells))} | {sum(o.counts_as(fault) for o in having)} |")
+    return [*lines, "", *failures(outcomes)]
+
+
 def failures(outcomes: Sequence[Outcome]) -> list[str]:
     """Every case with an error, with its seed."""
     wrong = [(o, score.failed(o)) for o in outcomes if score.failed(o)]
@@ -166,6 +184,7 @@ def calibration(outcomes: Sequence[Outcome]) -> list[str]:
         "Simulated rigs with laws of the library": [o for o in outcomes if o.case.author == "own" and not o.odd],
         "Simulated rigs with other laws": [o for o in outcomes if o.case.author == "foreign" or o.odd],
         "MuJoCo's rigs": [o for o in outcomes if o.case.author == "mujoco"],
+        "Rigs with several faults": [o for o in outcomes if o.case.author == "several"],
     }
     lines: list[str] = []
     for of, statement in _STATEMENTS.items():

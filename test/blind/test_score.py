@@ -237,6 +237,29 @@ def test_all_forms_are_planned_where_they_can_be_seen() -> None:
         assert sealed(case).truth == {case.hidden}
 
 
+def test_rigs_with_several_faults_are_counted_fault_by_fault(tmp_path: Path) -> None:
+    cases = plan.several(2, 100)
+    assert len(cases) == 20 and {case.experiment for case in cases} == {"steps", "sweep", "random"}
+    assert {case.kind for case in cases} == {"several"} and len({case.seed for case in cases}) == 20
+    truth, strength = (
+        ("backlash", "cogging", "quadratic_drag"),
+        {"backlash": 99.0, "cogging": 31.0, "quadratic_drag": 2.0},
+    )
+    fields = {"truth": truth, "strength": strength, "case": cases[0], "plant_error": 0.01}
+    part = outcome((("backlash", 0.99), ("cogging", 0.5)), **fields)
+    false = outcome((("backlash", 0.95), ("hysteresis", 0.93)), extended_floors=7.0, **fields)
+    found = {one.what: (one.good, one.total) for one in score.several_faults([part, false])}
+    assert found["nothing but noise is left"] == (1, 2) and found["all faults named"] == (0, 2)
+    assert found["fault named"] == (3, 6) and found["plain fault named"] == (3, 4)
+    assert found["named cause is stated with p > 0.9"] == (3, 4) and found["of these right"] == (2, 3)
+    assert found["rig with a false cause with p > 0.9"] == found["verdict `explained` with a false cause"] == (1, 2)
+    path = tmp_path / "several.json"
+    path.write_text("".join(json.dumps(one.to_json_dict()) + "\n" for one in (part, false)))
+    assert main(["--score", str(path), "--docs", str(tmp_path)]) == 0
+    page = (tmp_path / "blind-several.md").read_text()
+    assert "| cogging | 2 | 2 | 1 | 1 |" in page and "hysteresis 0.930" in page
+
+
 def test_the_second_author_has_every_fault_alone_and_beside_friction() -> None:
     cases = plan.mujoco(4, 100)
     assert len({case.seed for case in cases}) == len(cases) == 40
