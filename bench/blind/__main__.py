@@ -89,13 +89,14 @@ special cases of `eccentricity_harmonic` and `modulated_disturbance`. The diagno
         """# Rigs with several faults
 
 Made by `make blind ARGS="--several"` (`python -m bench.blind --several --docs docs`; the seeds are named below). Each
-rig has three to five faults at once, of 19 kinds, from faint to plain. `bench/several_faults` simulates it with
+rig has three to five faults at once, of 20 kinds, from faint to plain. `bench/several_faults` simulates it with
 Runge-Kutta steps of its own and imports neither `msd_ident` nor `msd_sim`: its friction creeps, its force is held
 between the samples, its noise is white and rounded. The diagnosis gets only the path of a file.
 
 - *Plain*: without the fault, the readings change by at least 30 noise floors. Nothing is refitted, so other parameters
   may take over a part of that.
-- *Named*: it, or another law of the same cause, or a cause tied with it where at most three are tied.
+- *Named*: it, or another law of the same cause, or a cause tied with it where at most three are tied. Dry friction
+  whose form (peak, change along the travel) changes the readings by less than a noise level counts as Coulomb friction.
 - *False*: a named cause that is in no set equivalent to the true one ([identities](identities.md)), with every verdict.
 
 {tables}

@@ -35,6 +35,10 @@ _FAULTS: Mapping[str, Callable[[mujoco_rig.Rig], tuple[str, str, dict[str, float
 }  # fmt: skip
 
 
+#: Noise levels by which the readings change with the form of a law of dry friction, below which it has none to be seen.
+_FORMLESS = 1.0
+
+
 @dataclass(frozen=True)
 class Sealed:
     """A rig that is opened when the diagnosis is done.
@@ -102,8 +106,20 @@ def mujoco(seed: int, fault: str | None, beside: bool, experiment: str) -> Seale
 def several(seed: int, experiment: str) -> Sealed:
     """With three to five faults at once."""
     rig = several_rig.draw(seed, experiment)
-    changes = several_simulate.changes(rig)
-    return Sealed(frozenset(rig.faults), rig.plant, changes, experiment, lambda path: _write_several(rig, path))
+    changes = {_cause(rig, name): change for name, change in several_simulate.changes(rig).items()}
+    return Sealed(frozenset(changes), rig.plant, changes, experiment, lambda path: _write_several(rig, path))
+
+
+def _cause(rig: several_rig.Rig, fault: str) -> str:
+    """The cause that a fault is: dry friction that nobody can tell from a constant force is Coulomb friction, and so is
+    its form that repeats along the travel.
+    """
+    constant = several_rig.CONSTANT.get(fault)
+    if fault == "friction_ripple":
+        return "coulomb_friction"
+    if constant and several_simulate.change(rig, rig.with_values(fault, constant)) < _FORMLESS:
+        return "coulomb_friction"
+    return fault
 
 
 def _stop(rig: mujoco_rig.Rig) -> tuple[str, dict[str, float]]:

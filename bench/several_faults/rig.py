@@ -20,9 +20,10 @@ class Law(NamedTuple):
     """Parameters of the equation of motion (``simulate``); SI units, 0: a fault that is not there.
 
     ``drag`` [N s^2/m^2], ``cubic`` [N/m^3], ``square`` [N/m^2]; ``gap``: half of the play; ``creep`` [m/s]: speed up to
-    which dry friction creeps; ``peak``: breakaway force over sliding force; ``bump``: part by which friction varies
-    along the travel; ``one_way`` [N s/m]: damping that changes its sign with the direction; ``aging`` [1/s]: relative
-    change of the stiffness; ``second_*``: a mass on a spring and a damper of its own.
+    which dry friction creeps; ``peak``: breakaway force over sliding force; ``bump``: part by which friction changes
+    once in each ``pitch`` [m]; ``wear`` [1/m]: by which it grows along the travel; ``one_way`` [N s/m]: damping that
+    changes its sign with the direction; ``aging`` [1/s]: relative change of the stiffness; ``second_*``: a mass on a
+    spring and a damper of its own.
     """
 
     mass: float
@@ -32,6 +33,7 @@ class Law(NamedTuple):
     peak: float = 1.0
     creep: float = 1.0
     bump: float = 0.0
+    wear: float = 0.0
     offset: float = 0.0
     ripple: float = 0.0
     pitch: float = 1.0
@@ -100,6 +102,10 @@ class Rig:
         """The same rig without one of its faults."""
         return replace(self, faults={name: values for name, values in self.faults.items() if name != fault})
 
+    def with_values(self, fault: str, values: Mapping[str, float]) -> Rig:
+        """The same rig with other values of one of its faults."""
+        return replace(self, faults={**self.faults, fault: {**self.faults[fault], **values}})
+
 
 class _Lot:
     """Random numbers of one rig, and the sizes that strengths are drawn in: force, travel, speed, time."""
@@ -129,7 +135,8 @@ class _Lot:
 FAULTS: Mapping[str, Callable[[_Lot], dict[str, float]]] = {
     "coulomb_friction": lambda lot: _friction(lot),
     "stribeck_friction": lambda lot: {**_friction(lot), "peak": lot.even(1.3, 2.2)},
-    "position_dependent_friction": lambda lot: {
+    "position_dependent_friction": lambda lot: {**_friction(lot), "wear": lot.signed(0.2, 0.8) / lot.travel},
+    "friction_ripple": lambda lot: {
         **_friction(lot), "bump": lot.even(0.2, 0.8), "pitch": lot.travel * lot.log(0.15, 0.5)
     },
     "force_offset": lambda lot: {"offset": lot.force * lot.even(-0.2, 0.2)},
@@ -157,7 +164,13 @@ FAULTS: Mapping[str, Callable[[_Lot], dict[str, float]]] = {
     "sensor_drift": lambda lot: {"drift": 0.6 * lot.travel * lot.signed(0.005, 0.05) / lot.duration},
 }  # fmt: skip
 #: Laws of dry friction: a rig has one of them.
-_DRY = ("coulomb_friction", "stribeck_friction", "position_dependent_friction")
+_DRY = ("coulomb_friction", "stribeck_friction", "position_dependent_friction", "friction_ripple")
+#: Value of each of them with which it is a constant force.
+CONSTANT = {
+    "stribeck_friction": {"peak": 1.0},
+    "position_dependent_friction": {"wear": 0.0},
+    "friction_ripple": {"bump": 0.0},
+}
 
 
 def _friction(lot: _Lot) -> dict[str, float]:

@@ -23,7 +23,7 @@ def _rates(time: float, state: np.ndarray, force: float, law: Law, rates: np.nda
     stretched = x - min(max(x, -law.gap), law.gap)
     beyond = x - min(max(x, -law.stop), law.stop)
     drop = 1.0 + (law.peak - 1.0) * math.exp(-((v / (40.0 * law.creep)) ** 2))
-    rough = 1.0 + law.bump * math.sin(2.0 * math.pi * x / law.pitch)
+    rough = max(1.0 + law.bump * math.sin(2.0 * math.pi * x / law.pitch) + law.wear * x, 0.0)
     force -= law.offset + (law.damping + law.one_way * np.sign(v)) * v + law.drag * abs(v) * v
     force -= law.stiffness * (1.0 + law.aging * time) * stretched + law.square * x * x + law.cubic * x**3
     force -= law.stop_stiffness * beyond + law.friction * rough * drop * math.tanh(v / law.creep)
@@ -86,11 +86,12 @@ def write(rig: Rig, path: Path) -> None:
     np.savetxt(path, columns, delimiter=",", header="time_s,force_n,position_m", comments="", fmt="%.12g")
 
 
+def change(rig: Rig, other: Rig) -> float:
+    """How much the readings of two rigs differ, as rms in noise levels of the first."""
+    one, two = (readings(replace(each, noise=0.0, count=0.0)) for each in (rig, other))
+    return float(np.sqrt(np.mean((one - two) ** 2)) / rig.noise_level)
+
+
 def changes(rig: Rig) -> dict[str, float]:
-    """How much the readings change without each fault, as rms in noise levels; nothing is refitted."""
-    still = replace(rig, noise=0.0, count=0.0)
-    shown = readings(still)
-    return {
-        fault: float(np.sqrt(np.mean((readings(still.without(fault)) - shown) ** 2)) / rig.noise_level)
-        for fault in rig.faults
-    }
+    """How much the readings change without each fault (``change``); nothing is refitted."""
+    return {fault: change(rig, rig.without(fault)) for fault in rig.faults}

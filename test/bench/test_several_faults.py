@@ -99,11 +99,11 @@ def test_one_way_damping_and_bumps_change_sign_and_place() -> None:
 
 def test_a_draw_is_the_same_for_the_same_seed_and_has_three_to_five_faults_that_act() -> None:
     kinds: set[str] = set()
-    for seed in range(24):
+    for seed in range(40):
         made = draw(seed, EXPERIMENTS[seed % 3])
         kinds |= set(made.faults)
         assert 3 <= len(made.faults) <= 5 and made.commands.size <= 7000
-        assert sum(name.endswith("friction") for name in made.faults) <= 1
+        assert sum("friction" in values for values in made.faults.values()) <= 1
         if seed < 3:
             again = draw(seed, EXPERIMENTS[seed % 3])
             assert again.faults == made.faults and np.array_equal(simulate.readings(again), simulate.readings(made))
