@@ -55,6 +55,9 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "gravity": {"gravity_moment": 300.0},
     "frame_compliance": {"frame_compliance": 1e-4},
     "friction_drift": {"coulomb_force": 0.4, "friction_drift_rate": -0.2},
+    "friction_ripple": {
+        "coulomb_force": 0.3, "friction_ripple": 0.5, "friction_pitch": 0.012, "friction_phase": 0.0,
+    },
     "growing_damping": {"damping_slope": 100.0, "damping_growth": 30.0},
     "hysteresis": {"hysteresis_force": 0.4, "hysteresis_length": 0.003},
     "lagging_drive_damping": {"drive_damping": 3.0, "relaxation_time": 0.02},
@@ -117,6 +120,9 @@ RIG: dict[str, tuple[str, dict[str, float], dict[str, float]]] = {
     ),
     "direction_dependent_damping": ("one_way_damping", {"up_damping": 3.0}, {"damping": DAMPING - 1.5}),
     "drive_damping": ("drive_brake", {"driven_damping": 2.0}, {}),
+    "friction_ripple": (
+        "eccentric_friction", {"coulomb_force": 0.3, "eccentric_ratio": 0.5, "eccentric_pitch": 0.012}, {}
+    ),
     "lagging_drive_damping": ("slow_brake", {"slow_brake_damping": 3.0, "slow_brake_time": 0.02}, {}),
     "load_dependent_friction": ("load_friction", EXAMPLES["load_dependent_friction"], {}),
     "power_drag": ("power_drag", {"power_drag": 0.5 / 0.4**1.5}, {}),

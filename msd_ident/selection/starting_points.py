@@ -54,7 +54,7 @@ def starts(experiment: Experiment, causes: Causes, parent: Hypothesis) -> list[M
     for name in sorted(causes - parent.causes):
         simple = next((effect for effect in parent.model.effects if effect.name == by_name(name).form_of), None)
         if simple is not None and simple.name not in causes:
-            found = by_name(name).from_simple(simple, seen, plant)
+            found = by_name(name).from_simple_and_residual(simple, seen, plant, fitted.residual)
         elif rubs > 0.0 and name in HOLDING_COULOMB:
             found = by_name(name).from_dry_friction(rubs, seen, plant)
         else:

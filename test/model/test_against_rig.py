@@ -33,10 +33,9 @@ PLAIN: dict[str, Callable[[float], float]] = {
 APART = {
     "bouc_wen", "buffered_stop", "constraint_stop", "curved_stiffness_drift", "drive_hysteresis",
     "eccentricity_harmonic", "fading_damping", "frame_compliance", "friction_drift", "gain_drift",
-    "growing_damping",     "modulated_disturbance",
-    "position_dependent_damping", "position_dependent_gain", "position_dependent_inertia",
-    "rubbing_second_mode", "scale_drift", "sensor_eccentricity", "sensor_nonlinearity", "settling_friction",
-    "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction",
+    "growing_damping", "modulated_disturbance", "position_dependent_damping", "position_dependent_gain",
+    "position_dependent_inertia", "rubbing_second_mode", "scale_drift", "sensor_eccentricity",
+    "sensor_nonlinearity", "settling_friction", "smooth_friction", "smooth_friction_turn", "smooth_stribeck_friction",
 }  # fmt: skip
 #: Effects that msd_sim has too, as in the examples.
 THEIRS = [name for name in sorted(set(EXAMPLES) - set(PLAIN) - APART) if RIG.get(name, (name,))[0] in THEIR_EFFECTS]

@@ -244,6 +244,14 @@ class Effect(Law):
         del simple
         return cls.guess(record, plant)
 
+    @classmethod
+    def from_simple_and_residual(
+        cls, simple: Effect, record: Record, plant: Model, residual: FloatArray
+    ) -> tuple[Self, ...]:
+        """The same, where what a model with the simple law leaves tells more: ``residual`` (n,), model − data [m]."""
+        del residual
+        return cls.from_simple(simple, record, plant)
+
     def simple_values(self) -> dict[str, float]:
         """Values of parameters of the cause's simple law, by name, at which that law is nearest to this one.
 
