@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
@@ -24,6 +24,13 @@ def _constant() -> float:
 def _bends(law: type[Effect]) -> bool:
     """Whether it is a spring of another shape, of which nothing repeats along the travel, or has a knee in it."""
     return (law.stores_only() or law.has_knee()) and law.harmonic is None and not law.angular
+
+
+def _place(other: Effect, model: Model) -> float:
+    """F0/k [m] of the constant force that drifts like a sensor beside the model's stiffness drift; 0 without both."""
+    drift: float = getattr(other, "sensor_drift_rate", 0.0)
+    aging = math.fsum(getattr(effect, "stiffness_drift_rate", 0.0) for effect in model.effects)
+    return drift / aging if aging != 0.0 and model.stiffness > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -90,6 +97,21 @@ class ForceOffset(Effect):
             "With a linear spring a force offset is the same as a position zero shifted by F0/k: read the encoder with "
             "the spring relaxed to tell them apart."
         )
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """Beside a stiffness k·(1 + r·t), a constant force F0 is one of -F0·r·t about a place F0/k further: slow motion
+        drifts by F0·r/k a second, as with a sensor that drifts.
+        """
+        place = _place(other, model)
+        if place == 0.0:
+            return None
+        rest = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
+        return replace(model, effects=(*rest, cls(model.stiffness * place)))
+
+    def zero_in(self, model: Model) -> float:
+        """Where the constant force holds the cart that was taken for a drifting sensor's."""
+        return math.fsum(_place(effect, model) for effect in model.effects)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[ForceOffset, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from msd_ident.model.declarations import Parameter
@@ -13,6 +13,13 @@ from msd_ident.model.effects.base import Effect
 if TYPE_CHECKING:
     from msd_ident.data.record import Record
     from msd_ident.model.plant import Model
+
+
+def _held(other: Effect, model: Model) -> tuple[float, float]:
+    """How far a constant force holds the cart away [m], and the rate [1/s] of the model's stiffness drift."""
+    offset: float = getattr(other, "offset_force", 0.0)
+    aging = math.fsum(getattr(effect, "stiffness_drift_rate", 0.0) for effect in model.effects)
+    return offset / model.stiffness if model.stiffness > 0.0 else 0.0, aging
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,19 @@ class SensorDrift(Effect):
     def reading(t: float, x: float, sensor_drift_rate: float) -> float:
         """What the sensor says [m]."""
         return x + sensor_drift_rate * t
+
+    @classmethod
+    def in_place_of(cls, other: Effect, model: Model) -> Model | None:
+        """A constant force beside a stiffness that drifts (see ``ForceOffset.in_place_of``): r·F0/k."""
+        place, aging = _held(other, model)
+        if place * aging == 0.0:
+            return None
+        rest = tuple(effect for effect in model.effects if effect.name not in (other.name, cls.name))
+        return replace(model, effects=(*rest, cls(place * aging)))
+
+    def zero_in(self, model: Model) -> float:
+        """The place of rest, where the constant force is taken for none."""
+        return -math.fsum(_held(effect, model)[0] for effect in model.effects)
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SensorDrift, ...]:
