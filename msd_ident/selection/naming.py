@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from msd_ident.estimate.effort import KEPT
-from msd_ident.estimate.levels import MOST_OF
+from msd_ident.estimate.levels import MOST_OF, TENTH
 from msd_ident.model.effects import by_name, spoken
 from msd_ident.selection.cross_validation import HeldOut, predict
 from msd_ident.selection.experiment import Experiment
@@ -85,8 +85,8 @@ def _foretold(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> tup
 
 
 def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) -> Ranking | None:
-    """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains;
-    of those that leave only noise, if there are any.
+    """The ranking of the sets that leave less than half of the error, if the leading one leaves more than it explains,
+    or less than a tenth of it; of those that leave only noise, if there are any.
 
     Evidence gives what a set leaves a few features in each octave, whatever it is, and asks of a law each of its
     numbers. A law of many sharp numbers (frequencies, pitches, phases) may lose to no law, or to one that moves a
@@ -99,13 +99,13 @@ def _leaving_less(ranking: Ranking, experiment: Experiment, base: Hypothesis) ->
         base: the fitted base model.
 
     Returns:
-        None if there is no such set, if the leading one explains more than it leaves, or if it leaves too little for
-        its form to be seen.
+        None if there is no such set, or if the leading one leaves too little for its form to be seen.
     """
     chi = ranking.best.chi
-    if chi < MOST_OF * base.chi or chi < FAINT**2 * experiment.evidence:
+    if chi < FAINT**2 * experiment.evidence:
         return None
-    less = _with_less(ranking)
+    most = TENTH if chi < MOST_OF * base.chi else MOST_OF
+    less = [one for one in _with_less(ranking) if one.chi < most**2 * chi]
     noise = [one for one in less if one.causes in ranking.exact]
     only = ranking
     for one in ranking.sets:

@@ -131,6 +131,8 @@ def test_a_law_that_leaves_little_is_tried_where_the_leader_leaves_more_than_it_
     assert "evidence does not" in naming.other_forms(found)[-1]
     found = left_over(("coulomb_friction",), {(): 1e4, ("coulomb_friction",): 7e3, ("cogging",): 1.5e3})
     assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(0.5)
+    found = left_over(("hysteresis",), {(): 3e5, ("hysteresis",): 9e4, ("cogging",): 800.0})
+    assert found.best.causes == {"cogging"} and found.of_cause("cogging") == pytest.approx(0.5), "a tenth of the error"
     found = left_over((), {(): 1e4, ("coulomb_friction",): 1e3, ("cogging",): 98.0})
     assert [one.causes for one in found.sets] == [{"cogging"}], "what leaves only noise comes first"
 
@@ -138,7 +140,9 @@ def test_a_law_that_leaves_little_is_tried_where_the_leader_leaves_more_than_it_
 @pytest.mark.parametrize(
     ("first", "chi"),
     [
-        (("hysteresis",), {(): 1e4, ("hysteresis",): 4e3, ("cogging",): 98.0}),  # the leader explains more
+        # The leader explains more, and no law leaves less than a tenth of the error.
+        (("hysteresis",), {(): 1e4, ("hysteresis",): 4e3, ("cogging",): 98.0}),
+        (("hysteresis",), {(): 3e5, ("hysteresis",): 9e4, ("cogging",): 1000.0}),
         ((), {(): 700.0, ("cogging",): 98.0}),  # too little is left for its form to be seen
         ((), {(): 1e4, ("cogging",): 2.6e3}),  # no law leaves less than half of the error
     ],
