@@ -12,7 +12,8 @@ import numpy as np
 from msd_ident.data.compiled import all_pole
 from msd_ident.data.record import FloatArray
 from msd_ident.model import Effect
-from msd_ident.model.effects.law import DELAY, LAG, PLAY, arguments
+from msd_ident.model.effects.law import DELAY, LAG, PLAY, SECOND_MASS, arguments
+from msd_ident.selection.second_masses import filtered
 
 #: Laws that are a force, one by the direction of the motion, a change of the command, and one of the reading.
 _ACTING = ("constant", "disturbance", "force", "friction", "input_map", "reading")
@@ -55,7 +56,11 @@ class Motion:
         """Whether all that the effect does follows from the measured motion."""
         own = {parameter.name for parameter in effect.parameters}
         laws = effect.laws()
-        if effect.memory or not set(laws) <= {*_ACTING, "breakaway"} or effect.structure not in ("", PLAY, LAG, DELAY):
+        if (
+            effect.memory
+            or not set(laws) <= {*_ACTING, "breakaway"}
+            or effect.structure not in ("", PLAY, LAG, DELAY, SECOND_MASS)
+        ):
             return False
         return all(set(arguments(laws[kind])) <= own | set(self._known) for kind in _ACTING if kind in laws)
 
@@ -95,7 +100,7 @@ class Motion:
         return found
 
     def _of_structure(self, effect: Effect) -> FloatArray:
-        """That of a play beside a linear spring, or of a force that comes late."""
+        """That of a play beside a linear spring, a force that comes late, or a second mass (``second_masses``)."""
         if effect.structure == PLAY:
             within = np.clip(self.position, -effect.values[0], effect.values[0])
             return -self.stiffness * within
@@ -104,4 +109,9 @@ class Motion:
         if effect.structure == LAG:
             kept = math.exp(-(self.time[1] - self.time[0]) / effect.values[0]) if effect.values[0] > 0.0 else 0.0
             return self.force - (1.0 - kept) * all_pole(np.array([1.0, -kept]), self.force)
+        if effect.structure == SECOND_MASS:
+            mass, stiffness, damping = effect.values[:3]
+            slow, fast = stiffness / mass, damping / mass
+            change = mass * (self.velocity - self.velocity[0])
+            return filtered((fast, slow, 0.0), (1.0, fast, slow), change, float(self.time[1] - self.time[0]))
         return np.zeros(self.time.size)

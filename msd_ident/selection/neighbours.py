@@ -15,7 +15,12 @@ from msd_ident.selection.hypothesis_fit import COMPARABLE
 from msd_ident.selection.ordering import limits
 from msd_ident.tuning import tuned
 
-LARGEST = tuned(4, unit="causes", why="largest set that is fitted", chosen="by hand")
+LARGEST = tuned(
+    5,
+    unit="causes",
+    why="largest set that is fitted",
+    chosen="by hand",
+)
 
 
 @dataclass(frozen=True)

@@ -69,10 +69,8 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     free = [name not in fixed for name in ("mass", "damping", "stiffness")]
     rows = np.column_stack([moved[:, free], common])
     frame = np.linalg.qr(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))[0]
-    own, (slow, fast) = typical.natural_frequency(record, plant), _FREQUENCIES
-    frequencies = np.geomspace(slow * own, max(min(fast * own, _FASTEST / period), own), THOROUGH)
-    trials = [(float(w), ratio) for w in frequencies for ratio in _RATIOS]
-    hung = np.column_stack([_filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
+    trials = [(float(w), ratio) for w in _frequencies(plant, record, period, THOROUGH) for ratio in _RATIOS]
+    hung = np.column_stack([filtered((0.0, 2.0 * z * w, w * w), (1.0, 2.0 * z * w, w * w), moved[:, 0], period)
                             for w, z in trials])  # fmt: skip
     beyond = hung - frame @ (frame.T @ hung)
     along = beyond.T @ (left - frame @ (frame.T @ left))
@@ -87,19 +85,33 @@ def second_masses(plant: Model, record: Record, residual: FloatArray, fixed: Col
     return found
 
 
+def light_masses(plant: Model, record: Record) -> list[tuple[float, float, float]]:
+    """Mass [kg], stiffness [N/m] and damping [N·s/m] of second masses of a tenth of the first, at all frequencies that
+    are tried, every other one.
+    """
+    mass, ratio = TENTH * plant.mass, _RATIOS[-1]
+    found = _frequencies(plant, record, record.duration / (record.samples - 1), THOROUGH // 2).tolist()
+    return [(mass, mass * w * w, 2.0 * ratio * mass * w) for w in found]
+
+
+def _frequencies(plant: Model, record: Record, period: float, count: int) -> FloatArray:
+    own, (slow, fast) = typical.natural_frequency(record, plant), _FREQUENCIES
+    return np.geomspace(slow * own, max(min(fast * own, _FASTEST / period), own), count)
+
+
 def _common(plant: Model, position: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
     """What the plant makes of x″, x′ and x (n, 3); and of friction, of a constant force and of another beginning."""
     own = (plant.mass, plant.damping, plant.stiffness)
     way, kick = position - position[0], np.eye(1, position.size)[0]
     direction = np.sign(np.gradient(position))
-    moved = [_filtered(part, own, way, period) for part in np.eye(3)]
-    forces = [_filtered((0.0, 0.0, 1.0), own, force, period) for force in (direction, np.ones(way.size), kick)]
+    moved = [filtered(part, own, way, period) for part in np.eye(3)]
+    forces = [filtered((0.0, 0.0, 1.0), own, force, period) for force in (direction, np.ones(way.size), kick)]
     return np.column_stack(moved), np.column_stack(
-        [*forces, _filtered((0.0, 1.0, 0.0), own, kick, period), np.ones(way.size)]
+        [*forces, filtered((0.0, 1.0, 0.0), own, kick, period), np.ones(way.size)]
     )
 
 
-def _filtered(
+def filtered(
     above: tuple[float, float, float] | FloatArray, below: tuple[float, float, float], signal: FloatArray, period: float
 ) -> FloatArray:
     """A signal (n,) through (a s² + b s + c)/(d s² + e s + f), by the trapezoidal rule."""

@@ -126,18 +126,27 @@ class Search:
             # A cause may explain nothing until another one is there.
             alone = explaining(self.experiment, self.sets)
             self._fit([pair for one in alone for pair in self.neighbours.grown(one)], 0.55, 0.6)
-        if not self.at_floor(self._leader()):
-            self._fit_regressed()
-        return self._walk()
+        if not self.at_floor(self._leader()) and self._fit_regressed():
+            ahead = self._fronts(self._leader())
+            self._fit([larger for one in ahead for larger in self.neighbours.grown(one.causes)], 0.6, 0.6)
+        found = self._walk()
+        if not self.at_floor(self._leader()) and self._fit_regressed():
+            found = self._walk()  # the values that the first walk has found show what they hid
+        return found
 
-    def _fit_regressed(self) -> None:
-        """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself."""
+    def _fit_regressed(self) -> bool:
+        """Fit sets that a regression of the equation of motion calls for: each cause may explain nothing by itself.
+
+        Returns:
+            Whether one of them may leave less than all fitted sets.
+        """
         base, leader, least = self.sets[NOTHING], self._leader(), self._least.chi
-        new = [one for one in likely(self.experiment, base, self._fronts(leader)) if one.causes not in self.sets]
+        new = likely(self.experiment, base, self._fronts(leader))
         starts = [starting_points.from_values(self.experiment, one.model, one.initial, base.chi) for one in new]
         ahead = [start for start in starts if start.promise < least]
         self.tried.update(start.fitted.causes for start in ahead)
         self._fit_group([[start] for start in ahead], (0.6, 0.6))
+        return bool(ahead)
 
     def resume(self, sets: Sequence[Hypothesis]) -> Ranking:
         """Continue from sets that were found on part of the data and are fitted to all of it."""
@@ -205,13 +214,18 @@ class Search:
                 break
 
     def _fronts(self, best: Hypothesis) -> list[Hypothesis]:
-        """The sets whose neighbours are tried: the leading one, and one of at most as many causes that leaves far less.
+        """The sets whose neighbours are tried: the leading one, and one that leaves far less, half for each cause more.
 
         Far from the noise the evidence counts features of the error, and may prefer a set that leaves more.
         """
-        rivals = [one for one in self.sets.values() if len(one.causes) <= len(best.causes)]
-        least = min(rivals, key=lambda fitted: fitted.chi)
-        return [best] if self.at_floor(best) or least.chi > MOST_OF * best.chi else [best, least]
+        if self.at_floor(best):
+            return [best]
+
+        def most(fitted: Hypothesis) -> float:
+            return best.chi * MOST_OF ** (1 + max(len(fitted.causes) - len(best.causes), 0))
+
+        rivals = [one for one in self.sets.values() if one.chi <= most(one)]
+        return [best, *sorted(rivals, key=lambda fitted: fitted.chi)[:1]]
 
     def _advance(self, front: Hypothesis, share: float) -> bool:
         """Fit the neighbours of a set, larger ones only if all others were fitted; False if all were."""

@@ -28,12 +28,13 @@ from msd_ident.estimate.weak_form import WIDTHS, Grid, Means, uniform
 from msd_ident.model import Effect, Model
 from msd_ident.model.base_model import PLANT
 from msd_ident.model.effects import by_name
-from msd_ident.model.effects.law import SECOND_MASS
+from msd_ident.model.effects.law import SECOND_MASS, STRUCTURAL
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes, Hypothesis, causes_that_fit
 from msd_ident.selection.law_signals import Motion
 from msd_ident.selection.neighbours import LARGEST
-from msd_ident.selection.ranking import LEADERS
+from msd_ident.selection.ranking import LEADERS, kinds
+from msd_ident.selection.second_masses import light_masses, second_masses
 from msd_ident.selection.starting_points import fitted_record
 from msd_ident.selection.starting_values import guesses
 
@@ -77,8 +78,9 @@ class Start:
         values = dict(zip([p.name for p in self.effect.parameters], self.effect.values, strict=True))
         neutral = dict(self.effect.neutral)
         for part, factor in zip(self.parts, times, strict=True):
-            for name in strengths(part):
-                values[name] = neutral[name] + factor * (getattr(part, name) - neutral[name])
+            for name in _scaled_together(part):
+                origin = neutral.get(name, 0.0)
+                values[name] = origin + factor * (getattr(part, name) - origin)
         return type(self.effect).within_bounds(*values.values())
 
     def may_be(self, times: Sequence[float]) -> bool:
@@ -90,6 +92,13 @@ class Start:
 def strengths(effect: Effect) -> list[str]:
     """Parameters without which the effect does nothing, as far as they have a strength here."""
     return [name for name, value in effect.neutral if math.isfinite(value) and getattr(effect, name) != value]
+
+
+def _scaled_together(effect: Effect) -> list[str]:
+    """Parameters that grow with its force: of a second mass its spring and its damper too."""
+    if effect.structure != SECOND_MASS:
+        return strengths(effect)
+    return [parameter.name for parameter in effect.parameters[: STRUCTURAL[SECOND_MASS]]]
 
 
 def _with_all(found: Sequence[Effect]) -> tuple[Effect, ...]:
@@ -145,7 +154,7 @@ class Equation:
         if not whole > 0.0:
             return
         beam: list[tuple[Start, ...]] = [()]
-        for count in range(1, LARGEST + 2):
+        for count in range(1, LARGEST + 1):
             found: dict[Causes, tuple[float, tuple[Start, ...]]] = {}
             for chosen in beam:
                 for left, larger in self._grown(chosen, gram, right, size):
@@ -225,14 +234,11 @@ def likely(experiment: Experiment, base: Hypothesis, known: Sequence[Hypothesis]
     Args:
         experiment: the data.
         base: the base model, fitted.
-        known: further fitted sets; the values of their laws are tried too.
+        known: further fitted sets; the values of their laws are tried too, and those that other laws begin with beside
+            them.
     """
-    fitted = fitted_record(experiment, base, Model(base.model.mass, base.model.damping, base.model.stiffness))
-    library = [effect for effect in map(by_name, experiment.tried_alone) if not effect.form_of]
-    laws = [
-        one for effect in library if effect.structure != SECOND_MASS for one in _with_all(guesses(effect.name, fitted))
-    ]
-    laws += [effect for one in known for effect in one.model.effects]
+    laws = [effect for one in known for effect in one.model.effects]
+    laws += [effect for one in (base, *known) for effect in _beside(experiment, one)]
     shortest = min(record.samples for record in experiment.records)
     best: dict[Causes, Regressed] = {}
     for half in WIDTHS[:KEPT]:
@@ -242,6 +248,20 @@ def likely(experiment: Experiment, base: Hypothesis, known: Sequence[Hypothesis]
             if found.causes not in best or found.left < best[found.causes].left:
                 best[found.causes] = found
     return sorted(best.values(), key=lambda one: one.left)
+
+
+def _beside(experiment: Experiment, fitted: Hypothesis) -> Iterator[Effect]:
+    """Laws that a fitted set lacks, with the values that a search begins with beside it."""
+    plant = Model(fitted.model.mass, fitted.model.damping, fitted.model.stiffness)
+    record, own = fitted_record(experiment, fitted, plant), kinds(fitted.causes)
+    for effect in map(by_name, experiment.library):
+        if effect.form_of or effect.cause() in own:
+            continue
+        yield from _with_all(guesses(effect.name, record))
+        if effect.structure == SECOND_MASS:
+            starts = second_masses(plant, record.record, record.residual, experiment.fixed)
+            hung = [start.hung for start in starts] + light_masses(plant, record.record) * (not fitted.causes)
+            yield from (effect.within_bounds(*values) for values in hung)
 
 
 def _equation(experiment: Experiment, base: Hypothesis, half: int, effects: Sequence[Effect]) -> Equation:

@@ -15,7 +15,7 @@ from msd_ident.selection.law_signals import Motion
 #: Effects of which a motion alone does not tell the force: it depends on more than place, speed, time and command.
 HIDDEN = {
     "bouc_wen", "buffered_stop", "constraint_stop", "drive_hysteresis", "hysteresis", "lagging_drive_damping",
-    "position_dependent_inertia", "relaxing_spring", "rubbing_second_mode", "second_mode",
+    "position_dependent_inertia", "relaxing_spring", "rubbing_second_mode",
 }  # fmt: skip
 
 

@@ -103,6 +103,7 @@ def test_causes_beside_friction_come_before_single_ones_where_friction_explains_
 
         monkeypatch.setattr(Search, "_fit_new", fit_new)
         monkeypatch.setattr(Search, "_follow_readings", lambda search: None)  # the sets are not what they say
+        monkeypatch.setattr(Search, "_fit_regressed", lambda search: False)
         search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
         base = fitted(data, BASE, 0.4 * data.motion)
         search.run(base, [fitted(data, BASE + CoulombFriction(0.1), friction_left * base.chi)])
@@ -114,14 +115,17 @@ def test_causes_beside_friction_come_before_single_ones_where_friction_explains_
 def test_a_set_that_leaves_far_less_than_the_leading_one_has_its_neighbours_tried_too() -> None:
     data = steps()
     play, bent = BASE + Backlash(1e-3), BASE + CubicSpring(1e6)
-    leader, large = fitted(data, play, 1000.0), fitted(data, play + CoulombFriction(0.1), 10.0)
-    for left, fronts in ((400.0, 2), (600.0, 1)):
-        rival = fitted(data, bent, left)
+    leader, floor = fitted(data, play, 1000.0), fitted(data, play + CoulombFriction(0.1), 10.0)
+    for causes, left, fronts in (
+        (bent, 400.0, 2), (bent, 600.0, 1), (bent + CoulombFriction(0.1), 200.0, 2),
+        (bent + CoulombFriction(0.1), 300.0, 1), (bent + CoulombFriction(0.1) + QuadraticDrag(1.0), 120.0, 2),
+    ):  # fmt: skip
+        rival = fitted(data, causes, left)
         search = Search(data, lambda fitted: fitted.chi < 100.0, lambda stage, part, cause: None)
-        search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), leader, rival, large)}
-        found = search._fronts(leader)
-        assert found == [leader, rival][:fronts], "a set of more causes is no rival"
-        assert search._fronts(large) == [large], "at the floor nothing else is tried"
+        search.sets = {one.causes: one for one in (fitted(data, BASE, 9000.0), leader, rival)}
+        assert search._fronts(leader) == [leader, rival][:fronts], "half for each cause more"
+        search.sets[floor.causes] = floor
+        assert search._fronts(floor) == [floor], "at the floor nothing else is tried"
 
 
 def test_a_law_that_holds_coulomb_friction_is_begun_from_the_same_set_with_it() -> None:

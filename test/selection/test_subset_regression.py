@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from setrigs import BASE
@@ -68,6 +70,49 @@ def test_a_diagnosis_names_what_no_cause_shows_alone() -> None:
     assert {cause.name for cause in found.causes} == set(FOUR)
     assert all(cause.probability > 0.9 for cause in found.causes)
     assert found.adequacy.ratio < 1.1
+
+
+#: A second mass, whose force is a filter of the motion, beside two laws of place and speed.
+HUNG = {
+    "second_mode": {"second_mass": 0.15, "second_stiffness": 0.15 * 50.0**2, "second_damping": 0.5},
+    "quadratic_drag": {"drag_coefficient": 8.0},
+    "cubic_spring": {"cubic_stiffness": 4e5},
+}
+
+
+def test_a_second_mass_is_a_column_whatever_its_frequency() -> None:
+    """The columns are those of a grid of frequencies: a fit from the nearest of them ends at the truth."""
+    experiment, base = posed(measured(HUNG))
+    start = next(one for one in likely(experiment, base) if one.causes == set(HUNG))
+    found = refine(experiment, start.causes, start.model, start.initial)
+    assert found.chi < 1.1 * experiment.evidence
+    assert found.model["second_mass"] == pytest.approx(0.15, rel=0.01)
+    assert found.model.mass == pytest.approx(1.0, rel=0.01)
+
+
+def test_laws_that_are_mistaken_for_others_are_columns_too() -> None:
+    """A sensor that bends is tried by itself only where another law stands for it; beside a bent spring it may be."""
+    record = measured({"cubic_spring": {"cubic_stiffness": 4e5}, "quadratic_drag": {"drag_coefficient": 8.0}})
+    x = record.position
+    bent = replace(record, position=x * (1.0 - 1.5 * x + 60.0 * x**2))
+    found = next(one for one in likely(*posed(bent)) if len(one.causes) == 3)
+    assert found.causes == {"cubic_spring", "quadratic_drag", "sensor_nonlinearity"}
+    sensor = found.model.effect("sensor_nonlinearity")
+    assert sensor.values == pytest.approx((-1.5, 60.0), rel=0.3)
+
+
+def test_laws_are_begun_from_what_a_known_set_leaves() -> None:
+    """Beside three stronger laws the base model's residual does not show the tone."""
+    tone = {"disturbance_amplitude": 0.05, "disturbance_frequency": 31.0, "disturbance_phase": 0.4}
+    strong = {name: FOUR[name] for name in ("backlash", "quadratic_drag", "stiffness_drift")}
+    experiment, base = posed(measured({**strong, "periodic_disturbance": tone}))
+    model = BASE
+    for name, values in strong.items():
+        model = model + by_name(name).from_values(values)
+    known = refine(experiment, frozenset(strong), model, (Initial(),))
+    found = [one for one in likely(experiment, base, [known]) if one.causes == {*strong, "periodic_disturbance"}]
+    assert found and found[0].left == min(one.left for one in likely(experiment, base, [known]) if len(one.causes) == 4)
+    assert found[0].model["disturbance_frequency"] == pytest.approx(31.0, rel=0.02)
 
 
 def test_a_cart_that_rests_calls_for_nothing() -> None:

@@ -59,6 +59,6 @@ class SensorNonlinearity(Effect):
 
     @classmethod
     def guess(cls, record: Record, plant: Model) -> tuple[SensorNonlinearity, ...]:
-        """A hundredth of the way at the amplitude, bent either way; the error has one minimum."""
+        """A hundredth of the way at the amplitude, bent either way alike, or one way; the error has one minimum."""
         reach = typical.amplitude(record)
-        return tuple(cls(0.0, 0.01 * sign / reach**2) for sign in (-1.0, 1.0))
+        return (*(cls(0.0, 0.01 * sign / reach**2) for sign in (-1.0, 1.0)), cls(0.01 / reach, 0.0))
