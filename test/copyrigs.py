@@ -12,7 +12,7 @@ PLANT = {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient"
 RUBS = {"coulomb_friction": {"coulomb_force": 0.3}}
 DRAGS = {"quadratic_drag": {"drag_coefficient": 4.0}}
 STEP = {"name": "step", "force": 4.0, "hold": 2.0}
-RAMP = {"name": "ramp", "force": 4.0, "duration": 8.0, "rate": 100.0}
+RAMP = {"name": "ramp", "force": 4.0, "duration": 4.0, "rate": 25.0}
 
 
 def measured(experiment: dict[str, Any], effects: dict[str, Any] = RUBS, **encoder: float) -> Record:

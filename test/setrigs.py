@@ -25,11 +25,10 @@ BASE = Plant(1.0, 2.0, 400.0)
 
 
 @cache
-def steps() -> Experiment:
-    """Steps on a rig with nothing but m, b and k."""
-    made = simulate(
-        {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0, "experiment": "steps"}
-    )
+def steps(rate: float = 1000.0) -> Experiment:
+    """Steps on a rig with nothing but m, b and k, read so often a second."""
+    rig = {"mass": 1.0, "damping": 2.0, "stiffness": 400.0, "friction_coefficient": 0.0}
+    made = simulate({**rig, "experiment": "steps", "rate": rate})
     return Experiment(prepare([Record(made.time, made.position, made.force_time, made.force)]), BASE, frozenset())
 
 

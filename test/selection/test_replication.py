@@ -15,7 +15,8 @@ from msd_ident.selection import replication
 from msd_ident.workflow import pipeline
 
 
-def test_one_step_tells_coulomb_friction_and_shows_that_it_does() -> None:
+def test_one_step_tells_coulomb_friction_and_shows_that_it_does(asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "stribeck_friction", "quadratic_drag", "cubic_spring")
     found = pipeline.diagnose([measured(STEP, counts_per_metre=0.0, noise=5e-6)])
     assert [cause.name for cause in found.causes] == ["coulomb_friction"]
     assert found.calibration is not None
@@ -29,7 +30,7 @@ def test_one_step_tells_coulomb_friction_and_shows_that_it_does() -> None:
 
 def test_a_ramp_cannot_tell_the_laws_of_dry_friction_and_says_so(asking_about: Callable[..., None]) -> None:
     """No motion is quick enough to show a friction that falls with the speed."""
-    asking_about("coulomb_friction", "stribeck_friction", "quadratic_drag", "cubic_spring")
+    asking_about("coulomb_friction", "stribeck_friction", "quadratic_drag")
     found = pipeline.diagnose([measured(RAMP, counts_per_metre=0.0, noise=5e-6)])
     assert found.calibration is not None and found.calibration.stated["coulomb_friction"] > 0.9
     assert found.calibration.corrected["coulomb_friction"] < 0.9
@@ -38,7 +39,8 @@ def test_a_ramp_cannot_tell_the_laws_of_dry_friction_and_says_so(asking_about: C
     assert any(one.causes == ("stribeck_friction",) for one in found.contenders), "the next experiment may part them"
 
 
-def test_steps_in_both_directions_are_checked_only_when_asked() -> None:
+def test_steps_in_both_directions_are_checked_only_when_asked(asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     steps = {"name": "steps", "force": 4.0, "hold": 0.5}
     record = measured(steps, DRAGS, counts_per_metre=0.0, noise=5e-6)
     assert pipeline.diagnose([record]).calibration is None
