@@ -69,7 +69,7 @@ def test_a_play_that_stops_imitate_is_begun_where_the_stops_stand() -> None:
 
 def test_a_motion_that_no_law_carries_is_not_searched_for_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is refused whatever they find: a hand moved the cart, or the force is another quantity."""
-    data = steps(250.0)
+    data = steps(100.0)
     for part_left, largest in ((0.4, 2), (0.6, 1)):
         asked: list[frozenset[str]] = []
 
@@ -89,7 +89,7 @@ def test_causes_beside_friction_come_before_single_ones_where_friction_explains_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Those that may start beside a single cause too are fitted once more from there, if no pair leaves only noise."""
-    data, bent = steps(250.0), BASE + CubicSpring(1e6)
+    data, bent = steps(100.0), BASE + CubicSpring(1e6)
     spring = frozenset(bent.effect_names)
     for friction_left, first, times in ((0.5, 2, 2), (0.95, 1, 1)):
         asked: list[frozenset[str]] = []
@@ -192,7 +192,7 @@ def test_a_ripple_that_a_regression_shows_is_tried_beside_each_other_cause_and_b
 
 def test_the_cause_that_leaves_least_is_paired_with_all_others(monkeypatch: pytest.MonkeyPatch) -> None:
     """Far from the noise another one may lead by its evidence, which counts features of the error."""
-    data = steps(250.0)
+    data = steps(100.0)
     bilinear, drift = BASE + BilinearSpring(2e-3, 100.0), BASE + StiffnessDrift(1.0)
     alone = [fitted(data, BASE, 1e6), fitted(data, bilinear, 4e5), fitted(data, drift, 1e5)]
     search = Search(data, lambda fitted: False, lambda stage, part, cause: None)
