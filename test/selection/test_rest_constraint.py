@@ -13,8 +13,10 @@ from setrigs import BASE
 from msd_ident.data.record import Record
 from msd_ident.estimate.problem import Initial
 from msd_ident.model import Model, simulate
+from msd_ident.model.effects.coulomb_friction import CoulombFriction
 from msd_ident.model.effects.cubic_spring import CubicSpring
 from msd_ident.model.effects.force_offset import ForceOffset
+from msd_ident.model.effects.stribeck_friction import StribeckFriction
 from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection import rest_constraint
 from msd_ident.selection.experiment import Experiment, formulated
@@ -23,14 +25,17 @@ from msd_ident.workflow import pipeline
 from msd_sim import api, lottery
 
 
-def begun_at(model: Model, place: float) -> Hypothesis:
-    """The true model of a rig that rests at a place [m] from the relaxed spring, and is pushed after 0.4 s."""
+def begun_at(rig: Model, place: float, model: Model | None = None, start: float | None = None) -> Hypothesis:
+    """A model, the true one if none is given, of a rig that rests at a place [m] from the relaxed spring, and is pushed
+    after 0.4 s; the model begins there, or at ``start``.
+    """
+    model, start = model or rig, place if start is None else start
     time = np.arange(1000) / 250.0
     force = np.where(time < 0.4, 0.0, np.where(time % 1.0 < 0.5, 6.0, -6.0))
-    moved = simulate(model, Record(time, 0.0 * time, time, force), place, 0.0).position
+    moved = simulate(rig, Record(time, 0.0 * time, time, force), place, 0.0).position
     noise = 1e-5 * np.random.default_rng(1).standard_normal(time.size)
     experiment = Experiment(prepare([Record(time, moved + noise, time, force)]), BASE, frozenset())
-    problem, weighting, point = formulated(experiment, model, (Initial(place, 0.0, 0.0),))
+    problem, weighting, point = formulated(experiment, model, (Initial(start, 0.0, place - start),))
     state = weighting.exact(point, weighting.steps(None))
     return Hypothesis(frozenset(model.effect_names), model, problem, state, experiment.readings)
 
@@ -53,6 +58,17 @@ def test_rest_that_agrees_with_the_samples_is_kept() -> None:
     assert found.chi < relaxed.chi + 1.0
 
 
+def test_a_breakaway_that_only_rest_moves_stays_above_the_sliding_friction() -> None:
+    """Below it nothing would tell of it, nor of the speed at which it is gone."""
+    rubs, peak = BASE + CoulombFriction(0.5), BASE + StribeckFriction(0.45, 0.46, 0.05)
+    moved = begun_at(rubs, 0.0, peak, 0.003)
+    known = rest_constraint.rest_constraints(moved)
+    found = rest_constraint.constrained(moved, moved.readings, known)
+    assert found.problem.balances == known and found.model["coulomb_force"] == pytest.approx(0.5, rel=0.01)
+    assert found.model["static_force"] > found.model["coulomb_force"]
+    assert np.linalg.matrix_rank(found.state.normal) == moved.problem.size
+
+
 @pytest.mark.usefixtures("without_copies")
 def test_a_start_on_the_edge_of_sticking_is_not_taken_for_sharp() -> None:
     """One step from rest with dry friction: all forces may be larger or smaller by Fc/F, and the intervals say so."""
@@ -71,6 +87,7 @@ def test_a_start_on_the_edge_of_sticking_is_not_taken_for_sharp() -> None:
         assert 0.2 * unsure < found[name].std / true < 2.0 * unsure
 
 
+@pytest.mark.long
 def test_a_breakaway_that_rest_leaves_open_stays_above_the_sliding_friction(asking_about: Callable[..., None]) -> None:
     """Below it nothing would tell of it: a rival that is Coulomb friction under another name can be parted by no
     experiment.
