@@ -69,7 +69,8 @@ def test_clean_data_is_adequate_and_nothing_is_searched() -> None:
     assert "enough" in found.summary
 
 
-def test_progress_rises_and_names_causes() -> None:
+def test_progress_rises_and_names_causes(asking_about: Callable[..., None]) -> None:
+    asking_about("quadratic_drag", "backlash", "second_mode")
     seen: list[tuple[str, float, str]] = []
     diagnose_records(
         Task((measured({"quadratic_drag": {"drag_coefficient": 3.0}}),)), progress=lambda *told: seen.append(told)
@@ -103,7 +104,8 @@ def test_offset_beside_friction_is_said_to_be_asymmetric_friction(asking_about: 
     assert any("asymmetric friction" in sentence for sentence in found.warnings)
 
 
-def test_two_records_share_one_model() -> None:
+def test_two_records_share_one_model(asking_about: Callable[..., None]) -> None:
+    asking_about("cubic_spring", "coulomb_friction", "quadratic_drag")
     records = [
         measured({"cubic_spring": {"cubic_stiffness": 2e5}}, seed=seed, experiment=experiment)
         for seed, experiment in ((1, STEPS), (2, {"name": "step", "force": 5.0, "hold": 1.5}))
@@ -113,7 +115,8 @@ def test_two_records_share_one_model() -> None:
     assert len(found.missing) == 2
 
 
-def test_a_free_decay_knows_ratios_only() -> None:
+def test_a_free_decay_knows_ratios_only(asking_about: Callable[..., None]) -> None:
+    asking_about("quadratic_drag", "coulomb_friction", "cubic_spring")
     record = measured(
         {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.02, "duration": 3.0}
     )
@@ -124,8 +127,20 @@ def test_a_free_decay_knows_ratios_only() -> None:
     assert fitted["drag_coefficient"].value / fitted["mass"].value == pytest.approx(3.0, rel=0.02)
 
 
-def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -> None:
-    record = measured({"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}})
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("position_dependent_damping", "quadratic_drag", "cubic_spring", "coulomb_friction"),
+        pytest.param((), marks=pytest.mark.long),
+    ],
+    ids=["nearest", "whole library"],
+)
+def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured(
+    asked: tuple[str, ...], asking_about: Callable[..., None]
+) -> None:
+    if asked:
+        asking_about(*asked)
+    record = measured({"loose_cable": {"cable_damping": 4.0, "cable_start": 0.002, "cable_end": 0.013}}, rate=250.0)
     found = diagnose_records(Task((record,)))
     assert found.verdict in ("ambiguous", "unexplained") and found.left.exceeds
     assert all(cause.probability < 0.9 for cause in found.causes)
@@ -136,8 +151,9 @@ def test_an_oddity_is_not_given_a_confident_name_and_its_curves_are_measured() -
     assert slope == pytest.approx(600.0, rel=0.1)
 
 
-def test_a_free_decay_without_a_spring_can_be_asked_for() -> None:
+def test_a_free_decay_without_a_spring_can_be_asked_for(asking_about: Callable[..., None]) -> None:
     """Neither a force nor a spring says how large a force may be: the inertia does."""
+    asking_about("quadratic_drag", "coulomb_friction", "stribeck_friction")
     record = measured(
         {"quadratic_drag": {"drag_coefficient": 3.0}}, experiment={"name": "release", "position": 0.0, "duration": 1.0},
         stiffness=0.0, initial_velocity=0.3,
@@ -234,7 +250,8 @@ def test_no_cause_is_certain_where_the_cart_moves_before_the_force_is_known(aski
     assert sure.probability > 0.99 and unsure.probability == pytest.approx(0.9)
 
 
-def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
+def test_what_a_controller_does_is_not_taken_for_a_stop(asking_about: Callable[..., None]) -> None:
+    asking_about("end_stop", "cubic_spring", "coulomb_friction")
     record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
     loop = warning("closed_loop", "the force follows the readings")
     (sure,), (unsure,) = (diagnose_records(Task((record,), findings=found)).causes for found in ((), (loop,)))
@@ -243,8 +260,11 @@ def test_what_a_controller_does_is_not_taken_for_a_stop() -> None:
 
 
 @pytest.mark.parametrize("digit", [1e-12, 4e-12])
-def test_which_form_of_a_stop_is_named_does_not_hang_on_the_last_digits(digit: float) -> None:
+def test_which_form_of_a_stop_is_named_does_not_hang_on_the_last_digits(
+    digit: float, asking_about: Callable[..., None]
+) -> None:
     """Stops without damping are the simple law, whichever of both laws the search found first."""
+    asking_about("end_stop", "damped_stop", "coulomb_friction", "cubic_spring")
     record = measured({"end_stop": {"stop_position": 0.006, "stop_stiffness": 5e3}})
     moved = replace(record, force=record.force * (1.0 + digit))
     assert [cause.name for cause in diagnose_records(Task((moved,))).causes] == ["end_stop"]

@@ -35,7 +35,7 @@ def unlike_the_library(seed: int, experiment: dict[str, object]) -> Diagnosis:
 
 @pytest.mark.usefixtures("without_copies")
 @pytest.mark.parametrize("experiment", [STEP, RELEASE], ids=["step", "release"])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_each_range_has_the_stated_models_value(
     seed: int, experiment: dict[str, object], asking_about: Callable[..., None]
 ) -> None:

@@ -39,7 +39,8 @@ def test_records_of_two_rigs_are_said_and_refused(asked: tuple[str, ...], asking
         same_plant.check(found)
 
 
-def test_a_rig_that_swings_faster_where_its_spring_is_stiffer_is_one_rig() -> None:
+def test_a_rig_that_swings_faster_where_its_spring_is_stiffer_is_one_rig(asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "cubic_spring", "stiffness_drift")
     stiffens = {"effects": ["cubic_spring"], "cubic_spring.cubic_stiffness": 5e6}
     records = [step("large", 10.0, **stiffens), step("small", 0.3, **stiffens)]
     assert same_plant.warning(records)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -23,7 +25,8 @@ def rubbing() -> Record:
     return from_samples(time, force, moved + noise)
 
 
-def test_a_conclusion_from_a_search_is_the_diagnosis() -> None:
+def test_a_conclusion_from_a_search_is_the_diagnosis(asking_about: Callable[..., None]) -> None:
+    asking_about("coulomb_friction", "quadratic_drag", "cubic_spring")
     task = Task((rubbing(),))
     found = search(task)
     assert found.ranking.best.causes == {"coulomb_friction"}
