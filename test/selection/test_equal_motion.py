@@ -41,7 +41,7 @@ def test_without_inertia_friction_is_tied_to_a_dead_zone(
     slider: Callable[[float], Record], asking_about: Callable[..., None]
 ) -> None:
     asking_about("coulomb_friction", "force_dead_zone", "quadratic_drag")
-    (cause,) = pipeline.diagnose([slider(5e-5)], pipeline.Options(model="no_spring")).causes
+    (cause,) = pipeline.diagnose([slider(2e-4)], pipeline.Options(model="no_spring")).causes
     assert {cause.name, *cause.tied_with} == {"coulomb_friction", "force_dead_zone"}
     assert cause.probability <= 0.5 and cause.tied_probability > 0.9
 

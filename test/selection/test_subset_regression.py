@@ -16,6 +16,7 @@ from msd_ident.residuals.noise_model import prepare
 from msd_ident.selection.experiment import Experiment
 from msd_ident.selection.hypothesis import Causes, Hypothesis
 from msd_ident.selection.hypothesis_fit import refine
+from msd_ident.selection.structure_search import Search
 from msd_ident.selection.subset_regression import likely, parted, strengths
 from msd_ident.workflow import pipeline
 from msd_sim.rig import Rig
@@ -32,7 +33,7 @@ FOUR = {
 
 def measured(effects: dict[str, dict[str, float]], hold: str = "zero") -> Record:
     """Steps of many sizes on a rig of msd_sim with these effects, read with a noise of 2 µm."""
-    time = np.arange(3000) / 500.0
+    time = np.arange(1500) / 250.0
     levels = 8.0 * np.random.default_rng(5).uniform(-1.0, 1.0, 13)
     levels[0] = 0.0
     force = levels[np.minimum((time / time[-1] * 13).astype(int), 12)]
@@ -64,6 +65,16 @@ def test_all_causes_are_found_at_once(hold: str) -> None:
     assert model["stiffness_drift_rate"] == pytest.approx(0.006, rel=0.3)
 
 
+def test_a_search_finds_what_no_cause_shows_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the base model, by nothing but the regression: no neighbour of a set is fitted."""
+    experiment, base = posed(measured(FOUR))
+    monkeypatch.setattr(Search, "_fit_new", lambda search, new, start, end: None)
+    search = Search(experiment, lambda one: one.chi < 1.1 * experiment.evidence, lambda stage, part, cause: None)
+    found = search.run(base).best
+    assert found.causes == set(FOUR) and found.chi < 1.1 * experiment.evidence
+
+
+@pytest.mark.long
 def test_a_diagnosis_names_what_no_cause_shows_alone() -> None:
     """Without the regression drag alone is named, with 0.84, and 233 of 577 noise floors are left."""
     found = pipeline.diagnose([measured(FOUR)])
