@@ -170,8 +170,8 @@ def test_a_still_record_ends_in_words_not_in_an_error() -> None:
 def test_a_still_record_beside_another_stops_no_effect(name: str) -> None:
     """A cart that did not move has no size that a guess could be a share of."""
     whole = Plant(DEMO["mass"], DEMO["damping"], DEMO["stiffness"]) + by_name(name)(**EXAMPLES[name])
-    time = np.arange(100) * 4e-3
-    still = from_samples(time, np.zeros(100), np.full(100, 0.1))
+    time = np.arange(60) * 7e-3
+    still = from_samples(time, np.zeros(60), np.full(60, 0.1))
     sine = from_samples(time, 5.0 * np.sin(9.0 * time), 0.01 * np.sin(9.0 * time) + 1e-3 * np.sin(70.0 * time))
     assert fit(whole, [sine, still]).message
 

@@ -53,11 +53,12 @@ def test_a_fit_is_not_left_in_the_valley_next_to_its_own(effect: str, seed: int,
     assert one.recovered and one.see_over_floor < 1.1
 
 
-def test_intervals_cover_the_truth(repository: Path) -> None:
+@pytest.mark.parametrize("rigs", [30, pytest.param(60, marks=pytest.mark.long)])
+def test_intervals_cover_the_truth(rigs: int, repository: Path) -> None:
     study = _study(repository, "study_coverage")
-    deviations = np.array([study.trial(seed).deviations for seed in range(60)])
+    deviations = np.array([study.trial(seed).deviations for seed in range(rigs)])
     inside = np.mean(np.abs(deviations) < 1.96, axis=0)
-    # 60 rigs with 95 % each: at least 52 with a probability of 99.9 %.
+    # With 95 % each: at least 52 of 60 rigs with a probability of 99.7 %, 26 of 30 with one of 98 %.
     assert np.all(inside >= 52 / 60), inside
 
 

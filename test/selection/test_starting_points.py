@@ -213,8 +213,9 @@ def test_a_heavy_second_mass_beside_friction_is_found(asking_about: Callable[...
     assert found.extended.model["second_mass"] == pytest.approx(0.36, rel=0.02)
 
 
-def test_an_offset_that_shows_by_the_drift_of_the_spring_alone_is_found() -> None:
+def test_an_offset_that_shows_by_the_drift_of_the_spring_alone_is_found(asking_about: Callable[..., None]) -> None:
     """With a spring of one stiffness it is a shifted zero: along that direction a damped step hardly moves."""
+    asking_about("stiffness_drift", "force_offset", "cubic_spring", "asymmetric_spring", "coulomb_friction")
     made = api.simulate(
         {"mass": 2.218, "damping": 18.14, "stiffness": 1128.8, "friction_coefficient": 0.0, "rate": 1000.0, "seed": 5,
          "experiment": {"name": "steps", "force": 21.54, "hold": 0.75}, "encoder.counts_per_metre": 0.0,
