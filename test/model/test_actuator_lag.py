@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.signal import lsim
@@ -19,10 +21,13 @@ SAID = "actuator_lag is equivalent to a motor's back-EMF behind its inductance, 
 
 
 @pytest.mark.parametrize("brake", [0.5, 4.0])
-def test_a_motor_with_inductance_is_a_lag_and_its_mass_is_within_what_is_said(brake: float) -> None:
+def test_a_motor_with_inductance_is_a_lag_and_its_mass_is_within_what_is_said(
+    brake: float, asking_about: Callable[..., None]
+) -> None:
+    asking_about("actuator_lag", "time_offset", "second_mode", "drive_damping", "coulomb_friction")
     mass, damping, stiffness, constant = 0.7, 1.5, 300.0, 0.04  # constant: L/R [s]
     motor = np.polyadd(np.polymul([constant, 1.0], [mass, damping, stiffness]), [brake, 0.0])
-    time = np.arange(4000) / 500.0
+    time = np.arange(2000) / 250.0
     force = 6.0 * np.sin(2.0 * np.pi * (0.3 * time + 0.5 * time**2))
     position = lsim(([1.0], motor), force, time)[1]
     position += np.random.default_rng(3).normal(0.0, 2e-5, time.size)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -59,10 +60,14 @@ def test_a_held_cart_breaks_away_when_the_friction_no_longer_holds_it() -> None:
 
 
 @pytest.mark.parametrize("settles", [False, True])
-def test_it_is_found(settles: bool) -> None:
-    time = np.arange(4000) / 500.0
+def test_it_is_found(settles: bool, asking_about: Callable[..., None]) -> None:
+    asking_about(
+        "coulomb_friction", "friction_drift", "settling_friction", "stiffness_drift", "position_dependent_friction",
+        "stribeck_friction", "quadratic_drag",
+    )  # fmt: skip
+    time = np.arange(2000) / 250.0
     random = np.random.default_rng(8)
-    force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 250]
+    force = random.uniform(-8.0, 8.0, 16)[np.arange(time.size) // 125]
     measured = from_samples(time, force, np.zeros(time.size))
     truth: Effect = SettlingFriction(0.3, 1.5, 2.0) if settles else FrictionDrift(0.6, -0.08)
     friction = (lambda t: 0.3 * (1.0 + 1.5 * math.exp(-t / 2.0))) if settles else (lambda t: 0.6 * (1.0 - 0.08 * t))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -58,8 +59,16 @@ def test_it_takes_the_place_of_a_steady_drift_too() -> None:
     assert RelaxingSpring.moving_as(second.effect("settling_sensor"), second) is None
 
 
-def test_over_one_decay_a_sensor_that_settles_is_not_surely_a_relaxing_spring() -> None:
+#: What moves the place of rest of a decay, and what shortens its swings.
+ASKED = ("settling_sensor", "relaxing_spring", "sensor_drift", "stiffness_drift", "coulomb_friction", "second_mode")
+
+
+@pytest.mark.usefixtures("without_copies")
+def test_over_one_decay_a_sensor_that_settles_is_not_surely_a_relaxing_spring(
+    asking_about: Callable[..., None],
+) -> None:
     """No decay tells: neither is certain, and the interval of k/m holds the plant."""
+    asking_about(*ASKED)
     settling = plant() + SettlingSensor(-4e-4, 1.2)
     released = decay(4.0)
     noise = np.random.default_rng(3).normal(0.0, 5e-6, released.samples)
@@ -72,8 +81,10 @@ def test_over_one_decay_a_sensor_that_settles_is_not_surely_a_relaxing_spring() 
     assert abs(stiffness.value / STIFFNESS * MASS - 1.0) < 2.0 * stiffness.std / stiffness.value + 1e-4
 
 
-def test_a_sensor_that_settles_the_other_way_is_no_relaxing_spring() -> None:
+@pytest.mark.usefixtures("without_copies")
+def test_a_sensor_that_settles_the_other_way_is_no_relaxing_spring(asking_about: Callable[..., None]) -> None:
     """A spring that relaxes draws the place of rest to where the cart was held, never beyond the other side."""
+    asking_about(*ASKED)
     settling = plant() + SettlingSensor(4e-4, 1.2)
     released = decay(4.0)
     noise = np.random.default_rng(3).normal(0.0, 5e-6, released.samples)

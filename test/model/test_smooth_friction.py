@@ -111,6 +111,7 @@ def test_its_values_are_found_from_another_start() -> None:
     assert found.mass == pytest.approx(MASS, rel=1e-3)
 
 
+@pytest.mark.usefixtures("without_copies")
 @pytest.mark.parametrize(
     ("creep", "named"), [(0.05, "smooth_friction"), (2e-4, "smooth_friction"), (1e-5, "coulomb_friction")]
 )
@@ -135,7 +136,7 @@ ASKED = (
 
 def test_friction_of_block_diagrams_is_stribeck_friction(asking_about: Callable[..., None]) -> None:
     """It was fading damping with 99.6 %."""
-    asking_about(*ASKED)
+    asking_about("coulomb_friction", "smooth_stribeck_friction", "fading_damping")
     pushed = record(rate=500.0, duration=3.0)
     falls = 0.04
 
